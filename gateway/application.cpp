@@ -46,7 +46,8 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(*models), std::move(units_of),
                                          system_random(), random_secret, port());
-    exports_ = std::make_unique<Exports>(io_, options_.home_assistant, options_.mqtt, *gateway_);
+    for (const auto& each : options_.dialects)
+        exports_.push_back(std::make_unique<Exports>(io_, each, options_.mqtt, *gateway_));
     read_tokens(true);
     http::Server::Options server;
     server.addresses = options_.addresses;
@@ -96,11 +97,13 @@ mqtt::Client::Handlers Application::handlers() {
     result.on_connected = [this](const mqtt::Connected& connected) { broker_log_.connected(connected); };
     result.on_subscribed = [this] {
         gateway_->subscribed();
-        exports_->subscribed();
+        for (const auto& each : exports_)
+            each->subscribed();
     };
     result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         gateway_->disconnected();
-        exports_->disconnected();
+        for (const auto& each : exports_)
+            each->disconnected();
         log::warning("connection lost; what is known is still shown", {{"why", failure.text}});
     };
     result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
@@ -114,8 +117,9 @@ mqtt::Client::Handlers Application::handlers() {
 
 void Application::message(const mqtt::Message& received) {
     gateway_->message(received);
-    exports_->message(received);
-    if (home_assistant_seen_ || options_.home_assistant.enabled || received.topic != kHomeAssistant) return;
+    for (const auto& each : exports_)
+        each->message(received);
+    if (home_assistant_seen_ || options_.home_assistant || received.topic != kHomeAssistant) return;
     home_assistant_seen_ = true;
     log::info("Home Assistant is on this broker; with --home-assistant this gateway shows it every board");
 }
@@ -163,9 +167,10 @@ int Application::run() {
     log::info("gateway starts", {{"broker", options_.gateway.broker}});
     for (auto& [filter, retained] : gateway_->mirror().subscriptions())
         port().subscribe(std::move(filter), retained);
-    for (auto& filter : exports_->subscriptions())
-        port().subscribe(std::move(filter), true);
-    if (!options_.home_assistant.enabled) port().subscribe(kHomeAssistant, true);
+    for (const auto& each : exports_)
+        for (auto& filter : each->subscriptions())
+            port().subscribe(std::move(filter), true);
+    if (!options_.home_assistant) port().subscribe(kHomeAssistant, true);
     mqtt::SubscribeOptions replies;
     replies.qos = 1;
     const auto answers = options_.gateway.replies();
@@ -189,7 +194,8 @@ void Application::schedule_tick() {
             read_tokens(false);
         }
         gateway_->tick();
-        exports_->tick();
+        for (const auto& each : exports_)
+            each->tick();
         schedule_tick();
     });
 }
@@ -198,8 +204,11 @@ void Application::stop() {
     gateway_->leave();
     server_->stop();
     urgent_->stop(std::chrono::seconds(1), [] {});
-    exports_->stop(std::chrono::seconds(2),
-                   [this] { client_->stop(std::chrono::seconds(2), [this] { end(); }); });
+    auto last = std::make_shared<int>(static_cast<int>(exports_.size()));
+    for (const auto& each : exports_)
+        each->stop(std::chrono::seconds(2), [this, last] {
+            if (--*last == 0) client_->stop(std::chrono::seconds(2), [this] { end(); });
+        });
 }
 
 void Application::end() {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
@@ -47,7 +48,7 @@ class Application {
     std::unique_ptr<mqtt::Client> client_;
     std::unique_ptr<mqtt::Client> urgent_;  // for stops: what waits in the other does not wait in this
     std::unique_ptr<Gateway> gateway_;
-    std::unique_ptr<Exports> exports_;
+    std::vector<std::unique_ptr<Exports>> exports_;
     bool home_assistant_seen_ = false;
     std::unique_ptr<http::Server> server_;
     std::optional<std::filesystem::file_time_type> tokens_read_, tokens_seen_;  // when it was written

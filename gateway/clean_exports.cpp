@@ -81,7 +81,8 @@ class Cleaner {
         if (ended_) return;
         ended_ = true;
         status_ = status;
-        (status == program::kExitOk ? std::cout : std::cerr) << "asip-gateway: " << sentence << std::endl;
+        (status == program::kExitOk ? std::cout : std::cerr)
+            << "asip-gateway: " << exporter_.dialect().title() << ": " << sentence << std::endl;
         timer_.cancel();
         connection_.stop(kCleanEnd, [this] { client_.stop(kCleanEnd, [this] { io_.stop(); }); });
     }
@@ -99,8 +100,15 @@ class Cleaner {
 
 }  // namespace
 
-int clean_exports(const exports::Exporter::Options& options, const mqtt::Options& mqtt) {
-    return Cleaner(options, mqtt).run();
+int clean_exports(const std::vector<exports::Exporter::Options>& exports, const mqtt::Options& mqtt) {
+    int worst = program::kExitOk;
+    for (auto options : exports) {
+        options.enabled = false;
+        options.clear_all = true;
+        if (const int status = Cleaner(std::move(options), mqtt).run(); status != program::kExitOk)
+            worst = status;
+    }
+    return worst;
 }
 
 }  // namespace asip::gateway

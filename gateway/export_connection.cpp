@@ -21,7 +21,7 @@ constexpr Duration kConnectionEnd = std::chrono::seconds(5);
 
 void ExportConnection::connect(exports::Exporter& exporter) {
     auto options = options_;
-    options.client_id += "-export";
+    options.client_id += "-" + std::string(exporter.dialect().by());
     options.will = exporter.will();
     options.max_queued_messages = kMaxQueuedMessages;
     options.max_queued_bytes = kMaxQueuedBytes;
@@ -39,7 +39,8 @@ void ExportConnection::connect(exports::Exporter& exporter) {
     };
     handlers.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     client_ = std::make_unique<mqtt::Client>(io_, std::move(options), std::move(handlers));
-    client_->subscribe(exporter.dialect().status());
+    const auto status = exporter.dialect().status();
+    client_->subscribe(status.empty() ? exporter.dialect().lease() : status);
     client_->start();
 }
 

@@ -1,28 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/exports.hpp"
 
-#include "asip/bus/board_match.hpp"
 #include "asip/program/log.hpp"
-#include "gateway/export/entities.hpp"
 #include "gateway/gateway.hpp"
 
 namespace asip::gateway {
 namespace {
 
 using bus::TopicKind;
-
-std::string sentence_of(const bus::Reply& reply) {
-    if (reply.succeeded()) return {};
-    if (!reply.error.empty()) return reply.error;
-    if (reply.status == bus::Reply::Status::kTimeout)
-        return "no proof in time: the command may or may not have been executed";
-    return reply.reason.empty() ? "refused" : reply.reason;
-}
-
-std::string label_of(const model::Description& description, const char* key) {
-    const auto found = description.labels.labels.find(key);
-    return found == description.labels.labels.end() ? std::string() : found->second;
-}
 
 }  // namespace
 
@@ -60,26 +45,16 @@ std::optional<exports::Exporter::Present> Exports::board(const std::string& name
     query.board = name;
     query.full = true;
     const auto found = gateway_.mirror().find(query, gateway_.now());
-    if (!found || found->boards.empty() || found->boards[0].description.empty()) return std::nullopt;
+    if (!found || found->boards.empty()) return std::nullopt;
     const auto& item = found->boards[0];
-    const auto description = model::parse_description(item.description);
-    if (!description) return std::nullopt;
-    exports::Exporter::Present present;
-    present.there = item.state == "online" || item.state == "sleeping";
-    present.board.board = name;
-    present.board.name = label_of(*description, "name");
-    present.board.room = label_of(*description, "room");
-    present.board.chip = description->firmware.chip;
-    present.board.sketch = description->firmware.sketch;
-    present.board.entities = exports::entities_of(*description, [this](const model::ServiceInfo& service) {
-        return bus::model_of(service, gateway_.models());
-    });
-    return present;
+    auto board = exports::exported_board(item, gateway_.models());
+    if (!board) return std::nullopt;
+    return exports::Exporter::Present{exports::is_there(item.state), std::move(*board), item.state};
 }
 
 void Exports::command(const std::string& board, const exports::Request& request,
                       std::function<void(std::string)> done) {
-    const std::string by(exports::Exporter::kBy);
+    const std::string by(exporter_.dialect().by());
     if (!gateway_.command_rates().take(by, gateway_.now().time))
         return done("too many commands; try again in a moment");
     Commands::Start start;
@@ -90,7 +65,7 @@ void Exports::command(const std::string& board, const exports::Request& request,
     start.topic = gateway_.mirror().topics().service_in(board, request.service);
     start.payload = request.payload;
     gateway_.command(std::move(start), [done = std::move(done)](const CommandRecord& record) {
-        done(sentence_of(*record.reply));
+        done(record.reply->succeeded() ? std::string() : sentence_of(*record.reply));
     });
 }
 

@@ -66,8 +66,8 @@ class Exports {
     std::uint64_t seen_ = 0;  // of the gateway's changes
 };
 
-/// `asip-gateway clean`: removes from the broker all that an export left there. The exit status; what
+/// `asip-gateway clean`: removes from the broker all that these exports left there. The exit status; what
 /// happened is printed.
-int clean_exports(const exports::Exporter::Options& options, const mqtt::Options& mqtt);
+int clean_exports(const std::vector<exports::Exporter::Options>& exports, const mqtt::Options& mqtt);
 
 }  // namespace asip::gateway

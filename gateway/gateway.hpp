@@ -14,6 +14,7 @@
 #include "asip/mqtt/message.hpp"
 #include "gateway/api/board_models.hpp"
 #include "gateway/api/board_texts.hpp"
+#include "gateway/api/things.hpp"
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
 #include "gateway/http/server.hpp"
@@ -42,6 +43,7 @@ struct GatewayOptions {
     std::size_t socket_bytes = 96 * 1024;  ///< what a WebSocket takes of that: its message and buffers
     bool page = true;
     bool metrics = true;
+    api::ThingsOptions things;
 
     /// Where what it asks is answered, on topics below.
     bus::ReplyTopics replies() const { return {bus::Topics(topic_root), user, client}; }
@@ -107,6 +109,7 @@ class Gateway {
     const model::ModelSet& models() const { return models_; }
     api::BoardTexts& board_texts() { return board_texts_; }
     api::BoardModels& board_models() { return board_models_; }
+    api::Things& things() { return things_; }
     http::ServerCounters server_counters() const { return port_.server(); }
     /// The document of the API as JSON, made once.
     const std::string& openapi();
@@ -152,6 +155,7 @@ class Gateway {
     Rates command_rates_;
     api::BoardTexts board_texts_;
     api::BoardModels board_models_{models_};
+    api::Things things_{options_.things, models_};
     std::unordered_map<std::string, std::string> session_names_;
     metrics::CommandTimes durations_;
     std::vector<const CommandRecord*> to_log_;  // of commands_, which keeps them for a minute

@@ -20,7 +20,9 @@ struct ProgramOptions {
     std::string tokens;               ///< file; empty: none
     std::string services;             ///< folder of further models; empty: none
     http::ServerLimits limits;
-    exports::Exporter::Options home_assistant;
+    /// Of each dialect one; where it is not enabled what it left on the broker is cleared.
+    std::vector<exports::Exporter::Options> dialects;
+    bool home_assistant = false;  ///< it is exported to
 };
 
 /// What is asked of `asip-gateway token ROLE NAME`.
@@ -35,7 +37,7 @@ struct TokenRequest {
 struct CommandLine {
     ProgramOptions run;
     std::unique_ptr<TokenRequest> token;  ///< set: make a token and end
-    bool clean = false;                   ///< clear what exports left on the broker, and end
+    bool clean = false;                   ///< clear what `run.dialects` left on the broker, and end
 };
 
 /// From command line, environment and configuration file. Error: the exit status; the reason was printed.

@@ -133,28 +133,52 @@ TopicRule rule_of(TopicKind kind) {
 
 constexpr std::size_t kKinds = static_cast<std::size_t>(TopicKind::kAnyRegistryQuery) + 1;
 
-/// What a gateway shows Home Assistant, and what that wants. A gateway also clears what others left there.
+/// What a gateway shows other systems, and what they want. A gateway also clears what others left there.
 std::vector<TopicRule> exported() {
-    const auto rule = [](std::string topic, Rights home_assistant, std::string processor, bool outside) {
-        return TopicRule{std::move(topic),
-                         {},
-                         {},
-                         {},
-                         {},
-                         "broker: one message, retained",
-                         std::move(processor),
-                         "-",
-                         kBoth,
-                         std::move(home_assistant),
-                         outside};
+    constexpr const char* kCommand = "gateway: a command, 50 a second";
+    const auto rule = [](std::string topic, std::string processor, bool outside = false) {
+        TopicRule rule;
+        rule.topic = std::move(topic);
+        rule.memory = "broker: one message, retained";
+        rule.processor = std::move(processor);
+        rule.disk = "-";
+        rule.exporter = kBoth;
+        rule.outside = outside;
+        return rule;
     };
-    auto status = rule("homeassistant/status", kBoth, "gateway: looks at what is retained", true);
+    const auto home = [&](std::string topic, Rights home_assistant, std::string processor,
+                          bool outside = false) {
+        auto made = rule(std::move(topic), std::move(processor), outside);
+        made.home_assistant = std::move(home_assistant);
+        return made;
+    };
+    // Consumers of things and Homie controllers are viewers and operators of the bus.
+    const auto shown = [&](std::string topic, bool outside = false) {
+        auto made = rule(std::move(topic), "each reader", outside);
+        made.viewer = made.commander = kReadOnly;
+        return made;
+    };
+    const auto asked = [&](std::string topic, bool outside = false) {
+        auto made = rule(std::move(topic), kCommand, outside);
+        made.commander = kWriteOnly;
+        return made;
+    };
+    auto status = home("homeassistant/status", kBoth, "gateway: looks at what is retained", true);
     status.exporter = kReadOnly;
-    return {rule("export/ha/NAME", kReadOnly, "each reader", false),
-            rule("export/ha/EXPORTED/NAME", kReadOnly, "each reader", false),
-            rule("export/ha/EXPORTED/NAME/set", kWriteOnly, "gateway: a command, 50 a second", false),
-            rule("homeassistant/device/NAME/config", kReadOnly, "Home Assistant: 64 KiB a board", true),
-            std::move(status)};
+    return {home("export/ha/NAME", kReadOnly, "each reader"),
+            home("export/ha/EXPORTED/NAME", kReadOnly, "each reader"),
+            home("export/ha/EXPORTED/NAME/set", kWriteOnly, kCommand),
+            home("homeassistant/device/NAME/config", kReadOnly, "Home Assistant: 64 KiB a board", true),
+            std::move(status),
+            shown("export/wot/NAME"),
+            shown("export/wot/EXPORTED/NAME"),
+            asked("export/wot/EXPORTED/NAME/set"),
+            rule("export/homie/NAME", "gateway: which of several exports"),
+            rule("export/homie/EXPORTED/NAME", "gateway: looks at what is retained"),
+            shown("homie/5/EXPORTED/NAME", true),
+            shown("homie/5/EXPORTED/ID/NAME", true),
+            shown("homie/5/EXPORTED/ID/NAME/$target", true),
+            asked("homie/5/EXPORTED/ID/NAME/set", true)};
 }
 
 std::vector<TopicRule> all_rules() {
@@ -256,8 +280,9 @@ Rights TopicRule::of(Role role) const {
         case Role::kRegistry:
             return registry;
         case Role::kGateway: {
-            auto rights = commander;
-            rights.insert(rights.end(), exporter.begin(), exporter.end());
+            auto rights = exporter;
+            for (const auto right : commander)
+                if (std::find(rights.begin(), rights.end(), right) == rights.end()) rights.push_back(right);
             return rights;
         }
         case Role::kHomeAssistant:

@@ -38,14 +38,6 @@ std::string reply_text(const CommandRecord& record) {
     return bus::to_json_text(*record.reply);
 }
 
-std::string sentence_of(const bus::Reply& reply) {
-    if (!reply.error.empty()) return reply.error;
-    if (reply.status != bus::Reply::Status::kTimeout) return reply.reason;
-    if (reply.reason == Commands::kNoAnswer)
-        return "nothing answered in time: the command may or may not have been executed";
-    return "the board gave no proof in time: the command may or may not have been executed";
-}
-
 }  // namespace
 
 bool valid_session(std::string_view name) {
@@ -88,31 +80,6 @@ Expected<Duration> deadline_of(const Call& call) {
     return std::chrono::milliseconds(*ms);
 }
 
-void start(Call& call, std::string target, std::string topic, json payload) {
-    const auto deadline = deadline_of(call);
-    if (!deadline) return send_problem(call, 400, deadline.error());
-    std::string id(call.request.header("idempotency-key"));
-    if (id.size() > 1 && id.front() == '"' && id.back() == '"') id = id.substr(1, id.size() - 2);
-    if (!session_is_valid(call)) return;
-    if (!valid_key(id)) {
-        return send_problem(call, 400, "Idempotency-Key: 1 to 64 of A-Z a-z 0-9 . _ - :");
-    }
-    if (!call.gateway.command_rates().take(call.client(), call.now().time))
-        return send_problem(call, 429, "too many commands; try again in a moment");
-    Commands::Start start;
-    start.session = session_of(call);
-    start.id = std::move(id);
-    start.by = call.principal.rights.name;
-    start.target = std::move(target);
-    start.topic = std::move(topic);
-    start.payload = model::dump_json(payload);
-    start.client = call.client();
-    start.deadline = *deadline;
-    call.gateway.command(std::move(start),
-                         [reply = call.reply, base = call.gateway.options().base_path](
-                             const CommandRecord& record) { reply.send(response_for(record, base)); });
-}
-
 // Nothing: the command can be sent. Else a status and a sentence: what is wrong with it.
 std::optional<std::pair<int, std::string>> wrong(const model::ModelPtr& model,
                                                  const bus::ServiceItem& service, const std::string& command,
@@ -134,6 +101,12 @@ std::optional<std::pair<int, std::string>> wrong(const model::ModelPtr& model,
     return std::nullopt;
 }
 
+bool is_alive(const std::string& state) {
+    return state != "lost" && state != "offline";
+}
+
+}  // namespace
+
 Expected<json> body_of(const http::Request& request) {
     if (request.body.empty()) return json(nullptr);
     auto body = model::parse_json(request.body, {.max_bytes = bus::kMaxRequestBytes, .max_depth = 15});
@@ -141,8 +114,39 @@ Expected<json> body_of(const http::Request& request) {
     return body;
 }
 
-bool is_alive(const std::string& state) {
-    return state != "lost" && state != "offline";
+std::optional<Commands::Start> start_of(Call& call) {
+    const auto refuse = [&](int status, const std::string& sentence) {
+        send_problem(call, status, sentence);
+        return std::nullopt;
+    };
+    const auto deadline = deadline_of(call);
+    if (!deadline) return refuse(400, deadline.error());
+    std::string id(call.request.header("idempotency-key"));
+    if (id.size() > 1 && id.front() == '"' && id.back() == '"') id = id.substr(1, id.size() - 2);
+    if (!session_is_valid(call)) return std::nullopt;
+    if (!valid_key(id)) return refuse(400, "Idempotency-Key: 1 to 64 of A-Z a-z 0-9 . _ - :");
+    if (!call.gateway.command_rates().take(call.client(), call.now().time))
+        return refuse(429, "too many commands; try again in a moment");
+    Commands::Start start;
+    start.session = session_of(call);
+    start.id = std::move(id);
+    start.by = call.principal.rights.name;
+    start.client = call.client();
+    start.deadline = *deadline;
+    return start;
+}
+
+namespace {
+
+void send(Call& call, std::string target, std::string topic, const json& payload) {
+    auto start = start_of(call);
+    if (!start) return;
+    start->target = std::move(target);
+    start->topic = std::move(topic);
+    start->payload = model::dump_json(payload);
+    call.gateway.command(std::move(*start),
+                         [reply = call.reply, base = call.gateway.options().base_path](
+                             const CommandRecord& record) { reply.send(response_for(record, base)); });
 }
 
 }  // namespace
@@ -168,8 +172,8 @@ void post_command(Call& call) {
             problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
     }
     if (*hold > 0) payload["hold_ms"] = *hold;
-    start(call, board->board + "/" + service->name,
-          call.gateway.mirror().topics().service_in(board->board, service->name), std::move(payload));
+    send(call, board->board + "/" + service->name,
+         call.gateway.mirror().topics().service_in(board->board, service->name), std::move(payload));
 }
 
 void post_raw(Call& call) {
@@ -193,7 +197,7 @@ void post_raw(Call& call) {
         return call.reply.send(
             problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
     }
-    start(call, board->board, call.gateway.mirror().topics().board_in(board->board), {{"raw", text}});
+    send(call, board->board, call.gateway.mirror().topics().board_in(board->board), {{"raw", text}});
 }
 
 namespace {
@@ -223,7 +227,7 @@ void post_labels(Call& call) {
         return call.reply.send(problem(503, "the agent of board " + board->board + " is not there",
                                        {{"reason", "board-not-there"}}));
     }
-    start(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
+    send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
 }
 
 void get_command(Call& call) {

@@ -74,7 +74,7 @@ json responses_of(const Route& route) {
     if (route.need != Need::kNothing) add(401, "Unauthorized");
     const bool changes = route.method != "GET";
     if (changes || route.need > Need::kRead) add(403, "Forbidden");
-    if (route.method == "POST") add(415, "WrongType");
+    if (route.method == "POST" || route.method == "PUT") add(415, "WrongType");
     return object;
 }
 
@@ -84,7 +84,7 @@ json operation(const Route& route) {
         object["parameters"] = std::move(parameters);
     if (!route.body.empty()) {
         object["requestBody"]["content"]["application/json"]["schema"] = reference(route.body);
-        if (route.id == "sendRaw") object["requestBody"]["required"] = true;
+        if (route.id == "sendRaw" || route.id == "writeProperty") object["requestBody"]["required"] = true;
     }
     if (route.need == Need::kNothing) object["security"] = json::array();
     return object;

@@ -89,6 +89,11 @@ inline constexpr std::string_view kComponents = R"json({
       "version": {"type": "integer"}, "id": {"type": "string"}, "title": {"type": "string"}}}}}},
   "Model": {"type": "object", "required": ["name", "version"], "properties": {
     "name": {"type": "string"}, "version": {"type": "integer"}}},
+  "Thing": {"type": "object", "required": ["@context", "id", "title", "security", "securityDefinitions"],
+    "description": "A W3C Thing Description 1.1"},
+  "Things": {"type": "array", "items": {"$ref": "#/components/schemas/Thing"}},
+  "Properties": {"type": "object"},
+  "PropertyValue": {"description": "A number, a text, true or false; of a light an object: on, brightness, color"},
   "EventStream": {"type": "string"},
   "Status": {"type": "object", "required": ["version", "you", "broker", "mirror"],
     "description": "For a token that is limited to boards or services: of these alone, without broker address, registries and streams",

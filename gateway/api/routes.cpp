@@ -75,6 +75,15 @@ std::vector<Answer> label_answers() {
             fault(504, "No answer in time")};
 }
 
+/// Of a property that is written, or an action.
+std::vector<Answer> setting_answers() {
+    auto answers = command_answers();
+    answers[0] = {204, "The board executed it", ""};
+    std::erase_if(answers, [](const Answer& each) { return each.status == 404; });
+    answers.push_back(fault(404, "No such thing, or it has no such property or action"));
+    return answers;
+}
+
 const Answer kNotFound = fault(404, "No such board, service or other thing; the nearest name is in `detail`");
 const Answer kNotReady = fault(503, "The broker is not connected");
 const Answer kTooMany = fault(429, "Too many; Retry-After: when to try again");
@@ -109,6 +118,16 @@ std::vector<Route> make_routes() {
         {"POST", "/api/boards/{board}/resume", "resumeBoard", "Let a board that was stopped take commands again", Need::kCommand, {}, "", {{200, "Resumed", "Stopped"}, {207, "Its agent did not answer in time", "Stopped"}, kNotFound, kNotReady}, post_resume_board},
         {"POST", "/api/resume", "resumeAll", "The same for every board that is stopped", Need::kCommand, {}, "", {{200, "All of them take commands", "Stopped"}, {207, "Some did not answer in time", "Stopped"}, kNotReady}, post_resume},
         {"GET", "/metrics", "getMetrics", "What agents, registries and this gateway count, for Prometheus", Need::kRead, metrics_parameters(), "", {{200, "Metrics", "EventStream", "text/plain; version=0.0.4; charset=utf-8"}, fault(400, "A parameter is wrong"), fault(403, "A kiosk sees its boards only"), fault(404, "Metrics are turned off")}, get_metrics},
+        {"GET", "/.well-known/wot", "getDirectory", "The Thing Description of the directory", Need::kRead, {}, "", {{200, "The directory", "Thing", "application/td+json"}, fault(404, "Things are turned off")}, get_directory},
+        {"GET", "/things", "listThings", "Thing Descriptions of boards, in the order of names; `Link` names the next page", Need::kRead, {{"offset", R"({"type":"integer","minimum":0})", "How many to leave out", "0"}, {"limit", R"({"type":"integer","minimum":1})", "Things a page, at most 250", "10"}}, "", {{200, "One page", "Things", "application/ld+json"}, fault(404, "Things are turned off")}, get_things},
+        {"GET", "/things/{id}", "getThing", "The Thing Description of a board, by its id or the board's name", Need::kRead, {}, "", {{200, "The thing", "Thing", "application/td+json"}, kNotFound}, get_thing},
+        {"GET", "/things/{id}/properties", "readProperties", "All properties that have a value", Need::kRead, {}, "", {{200, "Values by name", "Properties"}, kNotFound}, get_properties},
+        {"GET", "/things/{id}/properties/{property}", "readProperty", "The value of a property; of a board that reports on demand the next one, which takes up to a second", Need::kRead, {}, "", {{200, "The value", "Anything"}, fault(404, "No such thing or property, or no value yet")}, get_property},
+        {"PUT", "/things/{id}/properties/{property}", "writeProperty", "Set a property and wait until the board did", Need::kCommand, {kDeadline}, "PropertyValue", setting_answers(), put_property},
+        {"GET", "/things/{id}/properties/{property}/stream", "observeProperty", "Values of a property as Server-Sent Events, at most 5 a second", Need::kRead, {kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady, kTooMany}, get_property_stream},
+        {"POST", "/things/{id}/actions/{action}", "invokeAction", "Invoke an action and wait until the board did", Need::kCommand, {kDeadline}, "", setting_answers(), post_action},
+        {"GET", "/events", "streamThings", "Things that come, change and go, as Server-Sent Events", Need::kRead, {kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, fault(404, "Things are turned off"), kNotReady, kTooMany}, get_thing_events},
+        {"GET", "/events/{type}", "streamThingsOfType", "The same of one type: thing_created, thing_updated or thing_deleted", Need::kRead, {kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, fault(404, "No such type, or things are turned off"), kNotReady, kTooMany}, get_thing_events},
         {"GET", "/api/models", "listModels", "The service models", Need::kRead, {}, "", {{200, "All of them", "Models"}}, get_models},
         {"GET", "/api/models/{name}", "getModel", "One service model", Need::kRead, {}, "", {{200, "The model", "Model"}, kNotFound}, get_model},
         {"GET", "/api/events", "streamEvents", "Changes of the catalogue as Server-Sent Events", Need::kRead, {{"board", kText, "Pattern of board names", R"("*")"}, kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotReady, kTooMany}, get_events},

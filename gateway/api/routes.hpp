@@ -76,6 +76,15 @@ void get_status(Call& call);
 void post_code(Call& call);
 void delete_session(Call& call);
 void get_openapi(Call& call);
+void get_things(Call& call);
+void get_thing(Call& call);
+void get_directory(Call& call);
+void get_properties(Call& call);
+void get_property(Call& call);
+void put_property(Call& call);
+void get_property_stream(Call& call);
+void post_action(Call& call);
+void get_thing_events(Call& call);
 void get_metrics(Call& call);
 void get_healthz(Call& call);
 void get_readyz(Call& call);
@@ -94,6 +103,12 @@ bool session_is_valid(const Call& call);
 std::string session_of(const Call& call);
 /// `base_path`: of a proxy; `Location` begins with it.
 http::Response response_for(const CommandRecord& record, const std::string& base_path);
+
+/// A command of this request, but for target, topic and payload; or the request is answered: it has a wrong
+/// deadline or key, or its client sent too many.
+std::optional<Commands::Start> start_of(Call& call);
+/// Null where there is none. Fails with a sentence.
+Expected<nlohmann::json> body_of(const http::Request& request);
 
 /// For `{"command":"uno1/servo",...}` of a WebSocket. `client`: for limits, Call::client().
 void websocket_command(Gateway& gateway, const Principal& principal, const std::string& client,

@@ -176,7 +176,9 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
 void log_change(const Call& call) {
     if (call.request.method != "POST" && call.request.method != "DELETE") return;
     const auto serve = call.route.serve;
-    if (serve == post_command || serve == post_raw || serve == post_labels || serve == post_renew) return;
+    if (serve == post_command || serve == post_raw || serve == post_labels || serve == post_renew ||
+        serve == post_action)
+        return;
     log::info("request", {{"by", call.principal.rights.name},
                           {"from", call.peer.address},
                           {"method", call.request.method},
@@ -264,7 +266,8 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
         response.headers.emplace_back("Allow", methods);
         return reply.send(std::move(response));
     }
-    const bool api = !request.segments.empty() && request.segments[0] == "api";
+    const bool api =
+        !request.segments.empty() && (request.segments[0] == "api" || request.segments[0] == "things");
     if (api) return reply.send(problem(404, "there is nothing at this address; see /api/openapi.json"));
     // The page's files are relative to their folder.
     if (request.folder && !request.segments.empty())
@@ -299,7 +302,8 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
             response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"asip\"");
         return reply.send(std::move(response));
     }
-    if (request.is_asterisk()) return preflight(request, reply, "GET, HEAD, POST, DELETE, OPTIONS", false);
+    if (request.is_asterisk())
+        return preflight(request, reply, "GET, HEAD, POST, PUT, DELETE, OPTIONS", false);
     if (inner && redirect_to_folder(*inner, reply)) return;
     if (request.segments == std::vector<std::string>{""})
         return reply.send(problem(400, "the target of the request is no address"));

@@ -5,6 +5,7 @@
 #include "asip/model/json.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
+#include "gateway/api/streams.hpp"
 #include "gateway/auth/secret.hpp"
 #include "gateway/stream/channel.hpp"
 #include "gateway/stream/value_feed.hpp"
@@ -12,37 +13,11 @@
 namespace asip::gateway::api {
 namespace {
 
+constexpr std::size_t kBytesOfStream = 32 * 1024;  // with what is being sent
 constexpr double kMinHz = 0.01;
 constexpr double kMaxHz = 1000;
 
 using nlohmann::json;
-
-// A new EventSource forgets its own last id: then the parameter has it.
-Expected<std::optional<Place>> resume_place(const Call& call) {
-    std::string text(call.request.header("last-event-id"));
-    if (const auto* parameter = call.request.parameter("last_event_id"); parameter != nullptr && text.empty())
-        text = *parameter;
-    if (text.empty()) return std::optional<Place>();
-    auto place = parse_place(text);
-    if (!place) return fail("Last-Event-ID: must be a place such as 1f2e3d4c-17");
-    return place;
-}
-
-constexpr std::size_t kBytesOfStream = 32 * 1024;  // with what is being sent
-
-void start_sse(const Call& call, std::unique_ptr<Feed> feed) {
-    auto part = call.part();
-    if (!feed->fault().empty() || !part.set(kBytesOfStream))
-        return send_problem(call, 429, std::string(kTooMuchKept));
-    http::Response head;
-    head.content_type = "text/event-stream";
-    head.headers = {{"Cache-Control", "no-store"}, {"X-Accel-Buffering", "no"}};
-    auto& gateway = call.gateway;
-    call.reply.stream(std::move(head),
-                      std::make_unique<SseSource>(
-                          gateway.streams(), std::move(feed), [&gateway] { return gateway.now(); },
-                          call.principal, call.client(), std::move(part)));
-}
 
 ValueFeed::Allowed allowed_services(const Rights& rights) {
     if (!rights.limited()) return {};
@@ -158,6 +133,31 @@ Reader reader_of(const Call& call) {
 }
 
 }  // namespace
+
+// A new EventSource forgets its own last id: then the parameter has it.
+Expected<std::optional<Place>> resume_place(const Call& call) {
+    std::string text(call.request.header("last-event-id"));
+    if (const auto* parameter = call.request.parameter("last_event_id"); parameter != nullptr && text.empty())
+        text = *parameter;
+    if (text.empty()) return std::optional<Place>();
+    auto place = parse_place(text);
+    if (!place) return fail("Last-Event-ID: must be a place such as 1f2e3d4c-17");
+    return place;
+}
+
+void start_sse(const Call& call, std::unique_ptr<Feed> feed) {
+    auto part = call.part();
+    if (!feed->fault().empty() || !part.set(kBytesOfStream))
+        return send_problem(call, 429, std::string(kTooMuchKept));
+    http::Response head;
+    head.content_type = "text/event-stream";
+    head.headers = {{"Cache-Control", "no-store"}, {"X-Accel-Buffering", "no"}};
+    auto& gateway = call.gateway;
+    call.reply.stream(std::move(head),
+                      std::make_unique<SseSource>(
+                          gateway.streams(), std::move(feed), [&gateway] { return gateway.now(); },
+                          call.principal, call.client(), std::move(part)));
+}
 
 void get_events(Call& call) {
     if (!bus_is_there(call) || !has_room(call)) return;

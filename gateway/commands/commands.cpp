@@ -190,4 +190,12 @@ int http_status(const bus::Reply& reply) {
     return 409;  // id-reused, stopped, ...: it contradicts what was done before
 }
 
+std::string sentence_of(const bus::Reply& reply) {
+    if (!reply.error.empty()) return reply.error;
+    if (reply.status != bus::Reply::Status::kTimeout) return reply.reason.empty() ? "refused" : reply.reason;
+    if (reply.reason == Commands::kNoAnswer)
+        return "nothing answered in time: the command may or may not have been executed";
+    return "the board gave no proof in time: the command may or may not have been executed";
+}
+
 }  // namespace asip::gateway

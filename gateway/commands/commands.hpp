@@ -120,5 +120,7 @@ class Commands {
 
 /// What an answer is in HTTP: its status.
 int http_status(const bus::Reply& reply);
+/// Why a command that did not succeed failed, as a sentence for a person.
+std::string sentence_of(const bus::Reply& reply);
 
 }  // namespace asip::gateway

@@ -19,7 +19,8 @@ using model::Field;
 using model::FieldHints;
 using model::ValueType;
 
-constexpr double kLargestSmallRange = 16;  // of an element's number: then there are as many elements
+constexpr std::size_t kUsualTextBytes = 62;  // what fits into a line
+constexpr double kLargestSmallRange = 16;    // of an element's number: then there are as many elements
 
 /// "stop-all" -> "stop all"
 std::string words_of(std::string_view name) {
@@ -149,6 +150,7 @@ class ServiceEntities {
         entity.read = ValuePlace{service_.name, pointer};
         entity.default_on = !hints.advanced;
         describe_number(entity, field, hints);
+        if (field.type == ValueType::kText) entity.max_length = field.max_length.value_or(kUsualTextBytes);
         entity.options = two_values(field, hints);
         if (!entity.options.empty()) {
             entity.kind = EntityKind::kBinarySensor;
@@ -238,7 +240,7 @@ class ServiceEntities {
         entity.default_on = !hints_.advanced(command);
         if (argument->type == ValueType::kText) {
             entity.kind = EntityKind::kText;
-            entity.max_length = argument->max_length.value_or(62);
+            entity.max_length = argument->max_length.value_or(kUsualTextBytes);
         } else {
             describe_number(entity, *argument, hints);
             make_settable(entity, *argument, hints);

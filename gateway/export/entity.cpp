@@ -12,9 +12,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFullBrightness = 255;
-constexpr double kMaxColor = 0xffffff;
-
 /// The word (or truth) that a number stands for.
 std::optional<json> value_of_number(const Entity& entity, double value) {
     const auto option = std::find_if(entity.options.begin(), entity.options.end(),

@@ -10,6 +10,9 @@ namespace asip::gateway::exports {
 
 enum class EntityKind { kSensor, kBinarySensor, kSwitch, kNumber, kLight, kButton, kText, kSelect };
 
+inline constexpr double kFullBrightness = 255;  ///< of a light
+inline constexpr double kMaxColor = 0xffffff;
+
 /// Where a value stands in what a service publishes.
 struct ValuePlace {
     std::string service;
@@ -43,7 +46,7 @@ struct Entity {
     std::string quantity;
     bool whole = false;  ///< a number without fraction
     std::optional<double> min, max, step;
-    std::size_t max_length = 0;  ///< of a text
+    std::size_t max_length = 0;  ///< of a text, or a sensor whose value is one; 0: no text
     /// Of a select: its words and their numbers. Of a switch and a binary sensor: {"off", N} and {"on", M}.
     std::vector<std::pair<std::string, double>> options;
     std::optional<ValuePlace> read;  ///< none: what was set is all that is known
@@ -53,6 +56,10 @@ struct Entity {
     bool default_on = true;          ///< false: a dialect hides it at first
 
     bool settable() const { return write.has_value() || color.has_value(); }
+    /// That shows it, or sets it.
+    const std::string& service() const {
+        return read ? read->service : write ? write->service : color->service;
+    }
     friend bool operator==(const Entity&, const Entity&) = default;
 };
 

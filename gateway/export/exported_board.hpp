@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "asip/bus/items.hpp"
+#include "asip/model/model_set.hpp"
 #include "gateway/export/entity.hpp"
 
 namespace asip::gateway::exports {
@@ -24,5 +28,10 @@ struct ExportedBoard {
         return nullptr;
     }
 };
+
+/// Of a board as the catalogue has it, with its whole description. Nothing: it has none.
+std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const model::ModelSet& models);
+/// Whether a board in this state of the catalogue takes commands.
+bool is_there(std::string_view state);
 
 }  // namespace asip::gateway::exports

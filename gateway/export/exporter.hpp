@@ -16,27 +16,25 @@
 #include "asip/mqtt/message.hpp"
 #include "asip/random.hpp"
 #include "asip/time.hpp"
-#include "gateway/export/exported_board.hpp"
-#include "gateway/export/home_assistant.hpp"
+#include "gateway/export/dialect.hpp"
 #include "gateway/export/lease.hpp"
 #include "gateway/export/retained_scan.hpp"
 #include "gateway/export/value_pacer.hpp"
 
 namespace asip::gateway::exports {
 
-/// Exports boards to Home Assistant: says when what HomeAssistant decides is published. It has a connection
-/// of its own, with its own will, which is there only while this gateway holds the lease. What other programs
-/// are shown is what is retained on the bus; so at each connection, and when Home Assistant starts, it reads
-/// that back and puts right what differs: nothing is left behind by a crash, a rename or an option that was
-/// taken away. Pure: messages and time in, messages out.
+/// Exports boards to another system on the same broker: says when what its dialect decides is published. It
+/// has a connection of its own, with its own will, which is there only while this gateway holds the lease.
+/// What other programs are shown is what is retained on the bus; so at each connection, and when the other
+/// system starts, it reads that back and puts right what differs: nothing is left behind by a crash, a rename
+/// or an option that was taken away. Pure: messages and time in, messages out.
 class Exporter {
   public:
     static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
     static constexpr Duration kScanLimit = std::chrono::seconds(10);
-    static constexpr std::string_view kBy = "home-assistant";
 
     struct Options {
-        HomeAssistant::Options dialect;
+        std::shared_ptr<const Dialect> dialect;
         std::string gateway;    ///< unique for each process
         std::string host;       ///< name of this machine
         double per_second = 5;  ///< states of one entity
@@ -49,6 +47,7 @@ class Exporter {
     struct Present {
         bool there = false;  ///< it can be commanded
         ExportedBoard board;
+        std::string state{};  ///< of the catalogue
     };
     struct Port {
         std::function<void()> connect;     ///< the export's own connection, with its will
@@ -76,7 +75,7 @@ class Exporter {
 
     Exporter(Options options, Random random, Port port);
 
-    const HomeAssistant& dialect() const { return dialect_; }
+    const Dialect& dialect() const { return *options_.dialect; }
     /// To be subscribed to over the gateway's connection.
     std::vector<std::string> subscriptions() const;
     /// Published by the broker when the export's connection is lost.
@@ -112,12 +111,14 @@ class Exporter {
     enum class Phase { kIdle, kConnecting, kScanning, kActive, kFinished };
     struct Record {
         ExportedBoard board;
-        std::optional<bool> there;         // as it was published
-        std::string document;              // likewise
-        HomeAssistant::Components on_bus;  // what Home Assistant has of it
+        bool there = false;
+        std::string state;     // as it was published
+        std::string document;  // likewise
         std::optional<Time> document_at;
-        bool document_due = false;
-        std::vector<PacedValue> states;  // of each entity, then of the last error
+        bool document_due = true;
+        bool values_due = false;         // what is known was not looked at since the broker was read
+        std::vector<PacedValue> states;  // of each entity, then of an error that is retained
+        std::map<std::string, std::string> targets;  // topic -> payload
         std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
         std::vector<bus::Demander::Want> wants;
     };
@@ -125,25 +126,32 @@ class Exporter {
 
     void begin_scan(Time now);
     void finish_scan(Time now);
-    void become_idle(const char* why);
+    void take_retained(const std::string& name, const Dialect::Retained& found, Time now);
+    void show_gateway();
+    void become_idle(const std::string& why);
     void clear_some();
     void pump(Time now);
     void update(const std::string& name, Time now);
     void take(Record& record, ExportedBoard board);
+    void watch(Record& record);
     void remove(const std::string& name);
     void publish_document(Record& record, Time now);
-    void publish_state(const Record& record, std::size_t index);
+    void publish_state(Record& record, std::size_t index);
+    void publish_target(Record& record, const Entity& entity, const std::string& payload);
     void offer(Record& record, std::size_t index, std::string text, Time now);
     void all_values(Record& record, Time now);
     void values_of(Record& record, std::string_view service, std::string_view json, bool set, Time now);
-    void command(const HomeAssistant::Command& command, const std::string& payload);
+    Record* record_of(const std::string& id);
+    void command(const Dialect::Command& command, const std::string& payload);
     void failed(const std::string& board, const std::string& sentence);
     void retain(std::string topic, std::string payload, int qos = 1);
+    std::string mark() const { return dialect().base() + "/$mark/" + scan_.mark(); }
+    std::size_t error_slots() const { return dialect().error_is_retained() ? 1 : 0; }
     std::string state_topic(const Record& record, std::size_t index) const;
     bool may_clear(Time now) const;
 
     Options options_;
-    HomeAssistant dialect_;
+    Duration between_;  // states of one entity
     Port port_;
     Lease lease_;
     Phase phase_ = Phase::kIdle;
@@ -153,6 +161,8 @@ class Exporter {
     std::deque<std::string> clear_;                          // topics
     std::set<std::pair<std::string, std::size_t>> pending_;  // states that wait for their turn
     RetainedScan scan_;
+    std::string gateway_document_;  // as it was published
+    bool gateway_due_ = false;      // its document or its state
     std::optional<Time> scan_until_, scan_at_;
     Time now_{};
 };

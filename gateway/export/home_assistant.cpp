@@ -17,11 +17,8 @@ using nlohmann::json;
 constexpr double kSmallestStep = 0.001;  // that Home Assistant takes
 constexpr double kUsualStep = 0.01;
 constexpr double kLargest = 2147483647;
-constexpr std::size_t kMaxCommandBytes = 4096;
-constexpr int kMaxCommandDepth = 4;
 constexpr std::size_t kMaxDocumentBytes = std::size_t{1} << 20;
 constexpr int kMaxDocumentDepth = 8;
-constexpr std::size_t kShownBytes = 60;
 
 /// "90" or "90.0"; nothing: no number, or one with something behind it.
 std::optional<double> number_from(std::string_view text) {
@@ -111,7 +108,7 @@ void describe_number(json& component, const Entity& entity) {
 
 }  // namespace
 
-std::string HomeAssistant::id_of(std::string_view board) const {
+std::string HomeAssistant::device_id(std::string_view board) const {
     // Ids may hold `A-Za-z0-9_-` only; two names that differ in other characters must not become one.
     std::string id = options_.root + "-" + std::string(board);
     bool exact = true;
@@ -128,13 +125,21 @@ std::string HomeAssistant::id_of(std::string_view board) const {
 }
 
 std::string HomeAssistant::document_topic(std::string_view board) const {
-    return options_.prefix + "/device/" + id_of(board) + "/config";
+    return options_.prefix + "/device/" + device_id(board) + "/config";
 }
 
-bool HomeAssistant::is_document(std::string_view topic) const {
-    const auto begin = options_.prefix + "/device/" + id_of("");
-    return topic.starts_with(begin) && topic.ends_with("/config") &&
-           topic.find('/', begin.size()) == topic.size() - std::string_view("/config").size();
+bool HomeAssistant::is_document(const std::string& topic, const std::string& place) const {
+    constexpr std::string_view kEnd = "/config";
+    const auto begin = place + "/device/" + device_id("");
+    return topic.starts_with(begin) && topic.ends_with(kEnd) &&
+           topic.find('/', begin.size()) == topic.size() - kEnd.size();
+}
+
+std::vector<std::string> HomeAssistant::ours(const Retained& found, const std::string& place) const {
+    auto result = below(base() + "/", found);
+    for (auto& topic : below(place + "/", found))
+        if (is_document(topic, place)) result.push_back(std::move(topic));
+    return result;
 }
 
 bool HomeAssistant::shown(const Entity& entity) const {
@@ -165,7 +170,7 @@ std::string HomeAssistant::platform(const Entity& entity) const {
 
 json HomeAssistant::component(const ExportedBoard& board, const Entity& entity) const {
     const auto kind = platform(entity);
-    json component{{"p", kind}, {"uniq_id", id_of(board.board) + "_" + entity.id}, {"name", entity.name}};
+    json component{{"p", kind}, {"uniq_id", device_id(board.board) + "_" + entity.id}, {"name", entity.name}};
     if (options_.entity_ids) {
         auto id = board.board + "_" + entity.id;
         for (char& c : id)
@@ -199,14 +204,14 @@ json HomeAssistant::component(const ExportedBoard& board, const Entity& entity) 
 
 json HomeAssistant::error_component(const ExportedBoard& board) const {
     return {{"p", "sensor"},
-            {"uniq_id", id_of(board.board) + "_" + std::string(kLastError)},
+            {"uniq_id", device_id(board.board) + "_" + std::string(kLastError)},
             {"name", "Last error"},
             {"ent_cat", "diagnostic"},
             {"stat_t", state(board.board, kLastError)}};
 }
 
 json HomeAssistant::root_document(const ExportedBoard& board) const {
-    json device{{"ids", {id_of(board.board)}},
+    json device{{"ids", {device_id(board.board)}},
                 {"name", board.name.empty() ? board.board : board.name},
                 {"mf", "ASIP"}};
     if (!board.chip.empty()) device["mdl"] = board.chip;
@@ -253,7 +258,8 @@ HomeAssistant::Components HomeAssistant::components_of(std::string_view document
     const auto components = parsed->find("cmps");
     if (components == parsed->end() || !components->is_object()) return result;
     for (const auto& [name, component] : components->items())
-        if (component.is_object() && component.contains("p") && component["p"].is_string())
+        if (component.is_object() && component.size() > 1 && component.contains("p") &&
+            component["p"].is_string())
             result[name] = component["p"].get<std::string>();
     return result;
 }
@@ -270,6 +276,13 @@ std::string HomeAssistant::removing_document(const ExportedBoard& board, const C
     for (const auto& each : removed)
         document["cmps"][each->first] = {{"p", each->second}};
     return model::dump_json(document);
+}
+
+// One that leaves components out does not remove them: they are named by their platform alone first.
+Dialect::Document HomeAssistant::next_document(const ExportedBoard& board, const std::string& on_bus) const {
+    auto removing = removing_document(board, components_of(on_bus));
+    if (removing.empty()) return {document(board), true};
+    return {std::move(removing), false};
 }
 
 std::string HomeAssistant::state_text(const Entity& entity, const json& value) const {
@@ -296,17 +309,8 @@ std::string HomeAssistant::cut(std::string text) {
     return text;
 }
 
-std::optional<HomeAssistant::Command> HomeAssistant::command_of(std::string_view topic) const {
-    const auto begin = base() + "/";
-    constexpr std::string_view kEnd = "/set";
-    if (!topic.starts_with(begin) || !topic.ends_with(kEnd)) return std::nullopt;
-    topic.remove_prefix(begin.size());
-    if (topic.size() <= kEnd.size()) return std::nullopt;
-    topic.remove_suffix(kEnd.size());
-    const auto slash = topic.find('/');
-    if (slash == std::string_view::npos || topic.find('/', slash + 1) != std::string_view::npos)
-        return std::nullopt;
-    return Command{std::string(topic.substr(0, slash)), std::string(topic.substr(slash + 1))};
+std::optional<Dialect::Command> HomeAssistant::command_of(std::string_view topic) const {
+    return command_below(base() + "/", topic);
 }
 
 Expected<json> HomeAssistant::value_of(const Entity& entity, std::string_view payload) const {

@@ -6,8 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/expected.hpp"
-#include "gateway/export/exported_board.hpp"
+#include "gateway/export/dialect.hpp"
 
 namespace asip::gateway::exports {
 
@@ -20,7 +19,7 @@ namespace asip::gateway::exports {
 ///     ROOT/export/ha/BOARD/ENTITY         the value
 ///     ROOT/export/ha/BOARD/ENTITY/set     what Home Assistant wants it to be
 ///     ROOT/export/ha/BOARD/last-error     the last command that failed, in words
-class HomeAssistant {
+class HomeAssistant final : public Dialect {
   public:
     struct Options {
         std::string root = "asip";
@@ -35,28 +34,42 @@ class HomeAssistant {
     explicit HomeAssistant(Options options) : options_(std::move(options)) {}
     const Options& options() const { return options_; }
 
-    std::string base() const { return options_.root + "/export/ha"; }
-    std::string gateway_state() const { return base() + "/$state"; }
-    std::string lease() const { return base() + "/$lease"; }
-    std::string status() const { return options_.prefix + "/status"; }
-    std::string commands() const { return base() + "/+/+/set"; }
-    std::string board_state(std::string_view board) const {
+    std::string_view by() const override { return "home-assistant"; }
+    std::string_view title() const override { return "Home Assistant"; }
+    bool read_only() const override { return options_.read_only; }
+    std::string base() const override { return options_.root + "/export/ha"; }
+    std::string place() const override { return options_.prefix; }
+    std::vector<std::string> retained(const std::string& place) const override {
+        return {place + "/device/+/config"};
+    }
+    std::vector<std::string> ours(const Retained& found, const std::string& place) const override;
+    /// Whether a topic is the document of some board of this bus.
+    bool is_document(const std::string& topic, const std::string& place) const;
+    std::string gateway_state() const override { return base() + "/$state"; }
+    std::string status() const override { return options_.prefix + "/status"; }
+    std::string board_state(std::string_view board) const override {
         return base() + "/" + std::string(board) + "/$state";
+    }
+    std::string state_of_board(bool there, std::string_view /*state*/) const override {
+        return there ? "online" : "offline";
+    }
+    std::string document_topic(std::string_view board) const override;
+    Document next_document(const ExportedBoard& board, const std::string& on_bus) const override;
+    std::string state(std::string_view board, const Entity& entity) const override {
+        return state(board, entity.id);
     }
     std::string state(std::string_view board, std::string_view entity) const {
         return base() + "/" + std::string(board) + "/" + std::string(entity);
     }
-    std::string document_topic(std::string_view board) const;
-    /// Whether a topic is the document of some board of this bus.
-    bool is_document(std::string_view topic) const;
-    /// Of all devices below the prefix, those of other programs among them.
-    std::string documents() const { return options_.prefix + "/device/+/config"; }
+    std::string error(std::string_view board) const override { return state(board, kLastError); }
+    std::string error_text(const std::string& sentence) const override { return cut(sentence); }
+    std::string commands() const override { return base() + "/+/+/set"; }
 
     /// Which entities are in a document: component -> platform.
     using Components = std::map<std::string, std::string>;
     std::string document(const ExportedBoard& board) const;
     Components components(const ExportedBoard& board) const;
-    /// Those of a document as it is on the bus; any text may be given.
+    /// Those of a document as it is on the bus, without those that it removes; any text may be given.
     static Components components_of(std::string_view document);
     /// The document in which those of `old` that are no longer there, or have another platform, are named by
     /// their platform alone: so Home Assistant removes them. Publish it, and document() some time later.
@@ -66,15 +79,12 @@ class HomeAssistant {
     /// The beginning of a text that is longer than a state may be.
     static std::string cut(std::string text);
     /// The value of an entity for its state topic; null: it is not known. Empty: the topic is cleared.
-    std::string state_text(const Entity& entity, const nlohmann::json& value) const;
+    std::string state_text(const Entity& entity, const nlohmann::json& value) const override;
 
-    struct Command {
-        std::string board, entity;
-    };
     /// Of a command's topic; nothing: it is none.
-    std::optional<Command> command_of(std::string_view topic) const;
+    std::optional<Command> command_of(std::string_view topic) const override;
     /// What Home Assistant asks for, as a value of the entity. Fails with a sentence.
-    Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const;
+    Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const override;
 
   private:
     nlohmann::json root_document(const ExportedBoard& board) const;
@@ -83,7 +93,7 @@ class HomeAssistant {
     nlohmann::json error_component(const ExportedBoard& board) const;
     std::string platform(const Entity& entity) const;
     bool shown(const Entity& entity) const;
-    std::string id_of(std::string_view board) const;
+    std::string device_id(std::string_view board) const;
 
     Options options_;
 };

@@ -18,11 +18,15 @@ constexpr const char* kBoard = "asip/export/ha/uno1/$state";
 constexpr const char* kDistance = "asip/export/ha/uno1/distance-0";
 constexpr const char* kServo = "asip/export/ha/uno1/servo-0-angle";
 const std::vector<std::string> kOnDemand{"--reports", "on-demand"};
+const std::vector<std::string> kShown{"homeassistant/#", "asip/export/#", "homie/#"};
 constexpr const char* kError = "asip/export/ha/uno1/last-error";
 
 class GatewayExport : public testing::Test {
   protected:
-    GatewayExport() { probe_.subscribe("homeassistant/#"), probe_.subscribe("asip/export/ha/#"); }
+    GatewayExport() {
+        for (const auto& filter : kShown)
+            probe_.subscribe(filter);
+    }
 
     std::unique_ptr<RunningGateway> start(const std::vector<std::string>& more = {"--home-assistant"}) {
         return std::make_unique<RunningGateway>(broker_.address(), more);
@@ -38,7 +42,9 @@ class GatewayExport : public testing::Test {
     }
     /// Topics that the broker keeps for a new reader.
     std::vector<std::string> retained() const {
-        BusProbe reader(broker_.port(), {"homeassistant/#", "asip/export/ha/#", "test/end"});
+        auto filters = kShown;
+        filters.push_back("test/end");
+        BusProbe reader(broker_.port(), filters);
         reader.publish("test/end", "x");
         wait_until([&] { return reader.count("test/end") > 0; });
         std::vector<std::string> topics;
@@ -159,6 +165,27 @@ TEST_F(GatewayExportOfMany, Clean_RemovesWhatIsLeft_UnlessAGatewayExports) {
     ASSERT_TRUE(becomes(kGateway, "offline"));
     const auto done = clean();
     EXPECT_EQ(done.status, 0) << done.errors;
+    EXPECT_TRUE(retained().empty()) << retained().size();
+}
+
+TEST_F(GatewayExportOfMany, EachDialect_IsExportedAndCleanedBesideTheOthers) {
+    announce("uno1");
+    auto gateway = start({"--home-assistant", "--homie", "--wot-mqtt"});
+    ASSERT_TRUE(is_shown());
+    EXPECT_TRUE(becomes("homie/5/uno1/$state", "ready"));
+    EXPECT_TRUE(becomes("homie/5/asip/$state", "ready"));
+    EXPECT_TRUE(becomes("asip/export/wot/uno1/$state", "\"online\""));
+    probe_.publish("asip/uno1/distance/out", R"({"distance":{"0":42}})");
+    EXPECT_TRUE(becomes("homie/5/uno1/distance/distance-0", "42"));
+    EXPECT_TRUE(becomes("asip/export/wot/uno1/distance-0", "42"));
+    EXPECT_TRUE(becomes(kDistance, "42"));
+    gateway->process().signal(SIGKILL);
+    ASSERT_TRUE(becomes("homie/5/asip/$state", "lost"));
+    ASSERT_TRUE(becomes("asip/export/wot/$state", "\"offline\""));
+    ASSERT_TRUE(becomes(kGateway, "offline"));
+    const auto done = run({ASIP_PROGRAMS "/asip-gateway", "clean", "--broker", broker_.address()});
+    EXPECT_EQ(done.status, 0) << done.errors;
+    EXPECT_THAT(done.output, HasSubstr("Homie: nothing of the export is left"));
     EXPECT_TRUE(retained().empty()) << retained().size();
 }
 

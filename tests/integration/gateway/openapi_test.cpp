@@ -80,9 +80,9 @@ TEST_F(GatewayOpenapi, EachOperationAndStatus_IsAsDocumented) {
     ASSERT_TRUE(sees("lost", "lost"));
     const auto up = drive("up");
     EXPECT_EQ(up.status, 0) << up.errors;
-    RunningGateway without_metrics(broker_.address(), {"--tokens", tokens_, "--no-metrics"});
-    const auto no_metrics = drive("nometrics", without_metrics);
-    EXPECT_EQ(no_metrics.status, 0) << no_metrics.errors;
+    RunningGateway without_parts(broker_.address(), {"--tokens", tokens_, "--no-metrics", "--no-wot"});
+    const auto without = drive("without", without_parts);
+    EXPECT_EQ(without.status, 0) << without.errors;
     const auto flood = drive("flood");
     EXPECT_EQ(flood.status, 0) << flood.errors;
     RunningGateway narrow(broker_.address(), {"--tokens", tokens_, "--max-client-bytes", "262144"});

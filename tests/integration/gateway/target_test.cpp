@@ -30,7 +30,7 @@ TEST_F(GatewayTarget, AbsoluteTarget_IsServedAndItsAuthorityIsTheHost) {
 TEST_F(GatewayTarget, OptionsOfAll_SaysWhatMayBeSent) {
     const auto all = request(port(), "OPTIONS", "*");
     EXPECT_EQ(all.status, 204);
-    EXPECT_EQ(all.headers.at("allow"), "GET, HEAD, POST, DELETE, OPTIONS");
+    EXPECT_EQ(all.headers.at("allow"), "GET, HEAD, POST, PUT, DELETE, OPTIONS");
     EXPECT_EQ(request(port(), "OPTIONS", "*", "", {{"Host", "evil.example"}}).status, 421);
     EXPECT_EQ(request(port(), "OPTIONS", "/").status, 204);
     EXPECT_EQ(ask("*").status, 400);

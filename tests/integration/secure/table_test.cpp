@@ -129,9 +129,12 @@ TEST_F(TableOfRules, TopicsThatAreInNoRow_AreDeniedToEverybody) {
                                       "asip/junk",
                                       "asip/export",
                                       "asip/export/ha",
-                                      "asip/export/homie/x",
+                                      "asip/export/wot",
+                                      "asip/export/other/x",
                                       "homeassistant/" + name,
                                       "homeassistant/sensor/x/config",
+                                      "homie/4/" + name,
+                                      "homie/5",
                                       "elsewhere",
                                       "elsewhere/" + name})
             trials.push_back({name, "write " + topic, false, {topic}, {}});

@@ -103,7 +103,8 @@ class ApiTest : public testing::Test {
         request.body = body;
         request.headers = std::move(headers);
         request.headers.emplace_back("host", "localhost");
-        if (method == "POST") request.headers.emplace_back("content-type", "application/json");
+        if (method == "POST" || method == "PUT")
+            request.headers.emplace_back("content-type", "application/json");
         request.peer = {"127.0.0.1", true, false};
         auto captured = std::make_shared<Captured>();
         gateway_->request(request, http::Reply(captured, 1));

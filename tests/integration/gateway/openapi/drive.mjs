@@ -38,6 +38,8 @@ function send(method, path, { headers = {}, body } = {}) {
 const upgrade = { Upgrade: "websocket", Connection: "Upgrade", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==" };
 const write = "/api/boards/uno1/services/servo/commands/write";
 const post = (path, body = {}, headers = {}) => () => send("POST", path, { body, headers });
+const angle = "/things/uno1/properties/servo-0-angle";
+const put = (path, body, headers = {}) => () => send("PUT", path, { body, headers });
 const get = (path, headers = {}) => () => send("GET", path, { headers });
 const key = (text) => ({ "Idempotency-Key": text });
 
@@ -50,10 +52,10 @@ async function twice(path, one, other, id) {
   return send("POST", path, { body: other, headers: key(id) });
 }
 // Many at a time: one after the other a busy machine may stay below what is allowed.
-async function flood(path, body) {
+async function flood(path, body, method = "POST") {
   let answers = [];
   for (let i = 0; i < 100; ++i) {
-    answers = await Promise.all(Array.from({ length: 20 }, () => send("POST", path, { body })));
+    answers = await Promise.all(Array.from({ length: 20 }, () => send(method, path, { body })));
     const refused = answers.find((answer) => answer.status === 429);
     if (refused) return refused;
   }
@@ -135,12 +137,27 @@ const cases = {
     getHealth: { 200: get("/healthz") },
     getReady: { 200: get("/readyz") },
     makeCode: { 200: post("/api/codes") },
+    getDirectory: { 200: get("/.well-known/wot") },
+    listThings: { 200: get("/things?limit=10") },
+    getThing: { 200: get("/things/uno1"), 404: get("/things/none") },
+    readProperties: { 200: get("/things/uno1/properties"), 404: get("/things/none/properties") },
+    readProperty: { 200: get("/things/uno1/properties/board-state"), 404: get("/things/uno1/properties/none") },
+    writeProperty: {
+      204: put(angle, 90), 400: put(angle, 900), 404: put("/things/uno1/properties/none", 1),
+      409: async () => { await put(angle, 10, key("set"))(); return put(angle, 11, key("set"))(); },
+      503: put("/things/lost/properties/servo-0-angle", 90), 504: put("/things/frozen/properties/servo-0-angle?deadline_ms=50", 90),
+    },
+    observeProperty: { 200: get("/things/uno1/properties/distance-0/stream"), 404: get("/things/uno1/properties/none/stream"), 429: () => streams("/things/uno1/properties/distance-0/stream") },
+    invokeAction: { 404: post("/things/uno1/actions/none") },
+    streamThings: { 200: get("/events"), 429: () => streams("/events") },
+    streamThingsOfType: { 200: get("/events/thing_deleted"), 404: get("/events/none"), 429: () => streams("/events/thing_created") },
   },
   flood: {
     sendCommand: { 429: () => flood(write, [0, 900 / 10]) },
     sendRaw: { 429: () => flood("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }) },
     labelBoard: { 429: () => flood("/api/boards/uno1/labels", { labels: { room: "lab" } }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
+    writeProperty: { 429: () => flood(angle, 90, "PUT") },
   },
   // The registry is stopped, and one client may keep 256 kB.
   stalled: {
@@ -149,7 +166,12 @@ const cases = {
     getHistory: { 429: () => crowd(get("/api/history")) },
     getValue: { 429: () => crowd(get("/api/boards/uno1/services/servo/value?wait=2")) },
   },
-  nometrics: { getMetrics: { 404: get("/metrics") } },
+  without: {
+    getMetrics: { 404: get("/metrics") },
+    getDirectory: { 404: get("/.well-known/wot") },
+    listThings: { 404: get("/things") },
+    streamThings: { 404: get("/events") },
+  },
   quiet: { stopAll: { 200: post("/api/stop?once=true") }, resumeAll: { 200: post("/api/resume") } },
   down: {
     forgetBoard: { 503: () => send("DELETE", "/api/boards/uno1") },
@@ -164,9 +186,16 @@ const cases = {
     streamEvents: { 503: get("/api/events") },
     streamValues: { 503: get("/api/boards/uno1/services/distance/stream") },
     getReady: { 503: get("/readyz") },
+    writeProperty: { 503: put(angle, 90) },
+    observeProperty: { 503: get("/things/uno1/properties/distance-0/stream") },
+    streamThings: { 503: get("/events") },
+    streamThingsOfType: { 503: get("/events/thing_created") },
   },
   nohistory: { getBoardHistory: { 404: get("/api/boards/uno1/history") }, getHistory: { 404: get("/api/history") } },
 };
+
+// What no board here does: api_things_test.cpp brings it about.
+const elsewhere = { writeProperty: [422], invokeAction: [204, 409, 422, 429, 503, 504] };
 
 const document = JSON.parse((await send("GET", "/api/openapi.json")).text);
 let failures = 0;
@@ -179,10 +208,10 @@ const ajv = new Ajv({ strict: false });
 ajv.addSchema({ $id: "document", components: document.components });
 
 function sample(path) {
-  return path.replace("{board}", "uno1").replace("{service}", "servo").replace("{command}", "write").replace("{name}", "servo").replace("{id}", "known");
+  return path.replace("/things/{id}", "/things/uno1").replace("{property}", "servo-0-angle").replace("{action}", "none").replace("{type}", "thing_created").replace("{board}", "uno1").replace("{service}", "servo").replace("{command}", "write").replace("{name}", "servo").replace("{id}", "known");
 }
 function common(method, path, operation) {
-  const body = method === "POST" ? { body: {} } : {};
+  const body = method === "POST" || method === "PUT" ? { body: {} } : {};
   return {
     400: () => send(method, sample(path) + "?nonsense=1", body),
     401: () => send(method, sample(path), { ...body, headers: { Authorization: "Bearer wrong" } }),
@@ -200,7 +229,7 @@ for (const [path, item] of Object.entries(document.paths)) {
     const wanted = Object.keys(operation.responses).map(Number);
     for (const status of wanted) {
       const somewhere = Object.values(cases).some((each) => each[id]?.[status]) || [400, 401, 403, 415, 421].includes(status);
-      if (!somewhere) fail(`${id} documents ${status}, and nothing here brings it about`);
+      if (!somewhere && !elsewhere[id]?.includes(status)) fail(`${id} documents ${status}, and nothing here brings it about`);
       const run = cases[phase]?.[id]?.[status] ?? (phase === "up" ? common(method.toUpperCase(), path, operation)[status] : undefined);
       if (!run || (phase === "up" && !cases.up[id]?.[status] && ![400, 401, 403, 415, 421].includes(status))) continue;
       const answer = await run();

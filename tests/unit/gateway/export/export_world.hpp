@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gateway/export/exporter.hpp"
+#include "gateway/export/home_assistant.hpp"
 
 namespace asip::gateway::exports {
 
@@ -53,11 +54,21 @@ class ExportWorld {
         std::vector<std::function<void(std::string)>> answers;
     };
 
-    explicit ExportWorld(std::uint64_t seed = 1) : seed_(seed) {}
+    explicit ExportWorld(std::uint64_t seed = 1, std::shared_ptr<const Dialect> dialect = nullptr)
+        : seed_(seed), dialect_(dialect ? std::move(dialect) : home_assistant()) {}
+
+    static std::shared_ptr<const Dialect> home_assistant(const std::string& prefix = "homeassistant",
+                                                         bool read_only = false) {
+        HomeAssistant::Options options;
+        options.prefix = prefix;
+        options.read_only = read_only;
+        return std::make_shared<HomeAssistant>(std::move(options));
+    }
 
     Exporter::Options options() const {
         Exporter::Options options;
         options.host = "host";
+        options.dialect = dialect_;
         return options;
     }
 
@@ -181,7 +192,7 @@ class ExportWorld {
             message.payload = payload;
             home_assistant_reads(message);
         }
-        publish("homeassistant/status", "online");
+        if (!dialect_->status().empty()) publish(dialect_->status(), "online");
     }
 
     std::map<std::string, std::string> retained;
@@ -284,7 +295,8 @@ class ExportWorld {
         port.board = [this](const std::string& name) -> std::optional<Exporter::Present> {
             const auto found = boards.find(name);
             if (found == boards.end()) return std::nullopt;
-            return Exporter::Present{found->second.there, found->second.board};
+            return Exporter::Present{found->second.there, found->second.board,
+                                     found->second.there ? "online" : "lost"};
         };
         port.values = [this](const std::string& board, const std::string& service,
                              const std::function<void(std::string_view, bool)>& each) {
@@ -304,6 +316,7 @@ class ExportWorld {
     }
 
     std::uint64_t seed_;
+    std::shared_ptr<const Dialect> dialect_;
 };
 
 /// A board with these distance sensors and, where it is asked for, a servo.

@@ -352,7 +352,7 @@ TEST_F(ExporterTest, AnotherPrefix_ClearsTheOldOne) {
     world.kill(first);
     world.publish("elsewhere/device/other/config", "{}", true);
     auto options = world.options();
-    options.dialect.prefix = "elsewhere";
+    options.dialect = ExportWorld::home_assistant("elsewhere");
     world.start(options);
     world.pass(10s);
     EXPECT_FALSE(world.retained.contains(kDocument));

@@ -140,10 +140,10 @@ TEST(HomeAssistantDocument, TopicIsValidForEachName_AndOneForEachBoard) {
     EXPECT_NE(dotted, ha.document_topic("uno_1"));
     EXPECT_NE(dotted, ha.document_topic("uno..1"));
     for (const auto* board : {"uno1", "uno.1", "a-b"})
-        EXPECT_TRUE(ha.is_document(ha.document_topic(board)));
+        EXPECT_TRUE(ha.is_document(ha.document_topic(board), "homeassistant"));
     for (const auto* other : {"homeassistant/device/other/config", "homeassistant/device/asip-x/y/config",
                               "x", "homeassistant/device/asip-x/state", "homeassistant/sensor/asip-x/config"})
-        EXPECT_FALSE(ha.is_document(other)) << other;
+        EXPECT_FALSE(ha.is_document(other, "homeassistant")) << other;
 }
 
 TEST(HomeAssistantDocument, RemovedComponent_IsNamedByItsPlatformAlone) {

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "asip/bus/demander.hpp"
+#include "gateway/export/exported_board.hpp"
+#include "gateway/export/web_of_things.hpp"
+#include "gateway/instant.hpp"
+
+namespace asip::gateway::api {
+
+/// What the Web of Things is shown over HTTP.
+struct ThingsOptions {
+    bool enabled = true;
+    exports::WebOfThings::Options dialect;
+    /// Where consumers find the broker: "mqtt://pi.local:1883", or ":1883" behind the name by which they
+    /// found the gateway. Empty: no forms of MQTT.
+    std::string broker;
+    bool broker_password = false;
+};
+
+/// Boards as things: those that were asked for last, and the values that are read of them. Pure.
+class Things {
+  public:
+    static constexpr std::size_t kMaxBoards = 200;
+    static constexpr std::size_t kMaxWants = 1000;
+    static constexpr Duration kWantFor = std::chrono::seconds(30);
+
+    Things(ThingsOptions options, const model::ModelSet& models)
+        : options_(std::move(options)), dialect_(options_.dialect), models_(models) {}
+
+    const ThingsOptions& options() const { return options_; }
+    const exports::WebOfThings& dialect() const { return dialect_; }
+    /// Making one costs more than all else of a request: it is made again when the description changed. Null:
+    /// the board has no description.
+    std::shared_ptr<const exports::ExportedBoard> find(const bus::BoardItem& item);
+    /// Demands a service's values for a while, of boards that report on demand. False: they were demanded
+    /// already.
+    bool want(bus::Demander& demander, const std::string& board, const std::string& service, Time now);
+
+  private:
+    struct Kept {
+        std::string description;
+        std::shared_ptr<const exports::ExportedBoard> board;
+    };
+    struct Wanted {
+        bus::Demander::Want want;
+        Time until;
+    };
+
+    ThingsOptions options_;
+    exports::WebOfThings dialect_;
+    const model::ModelSet& models_;
+    std::map<std::string, Kept, std::less<>> boards_;
+    std::map<std::pair<std::string, std::string>, Wanted> wants_;
+};
+
+}  // namespace asip::gateway::api

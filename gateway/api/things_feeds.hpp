@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+#include <string>
+
+#include "gateway/export/exported_board.hpp"
+#include "gateway/export/web_of_things.hpp"
+#include "gateway/stream/feed.hpp"
+
+namespace asip::gateway::api {
+
+/// Of a feed of a service's values those of one entity, each a message; the same value is sent once.
+std::unique_ptr<Feed> property_feed(std::unique_ptr<Feed> values, exports::Entity entity);
+
+/// Of a feed of the catalogue's changes those of things: `thing_created`, `thing_updated`, `thing_deleted`.
+/// `only`: one of these; empty: all.
+std::unique_ptr<Feed> things_feed(std::unique_ptr<Feed> changes, exports::WebOfThings dialect,
+                                  std::string only);
+
+}  // namespace asip::gateway::api

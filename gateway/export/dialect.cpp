@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/export/dialect.hpp"
+
+namespace asip::gateway::exports {
+
+std::vector<std::string> Dialect::below(const std::string& begin, const Retained& found) {
+    std::vector<std::string> result;
+    for (auto each = found.lower_bound(begin); each != found.end() && each->first.starts_with(begin); ++each)
+        result.push_back(each->first);
+    return result;
+}
+
+std::optional<Dialect::Command> Dialect::command_below(std::string_view begin, std::string_view topic) {
+    constexpr std::string_view kEnd = "/set";
+    if (!topic.starts_with(begin) || !topic.ends_with(kEnd)) return std::nullopt;
+    topic.remove_prefix(begin.size());
+    if (topic.size() <= kEnd.size()) return std::nullopt;
+    topic.remove_suffix(kEnd.size());
+    const auto slash = topic.find('/');
+    if (slash == std::string_view::npos || topic.find('/', slash + 1) != std::string_view::npos)
+        return std::nullopt;
+    return Command{std::string(topic.substr(0, slash)), std::string(topic.substr(slash + 1))};
+}
+
+}  // namespace asip::gateway::exports

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/expected.hpp"
+#include "gateway/export/exported_board.hpp"
+
+namespace asip::gateway::exports {
+
+// Of what another system sends.
+inline constexpr std::size_t kMaxCommandBytes = 4096;
+inline constexpr int kMaxCommandDepth = 4;
+inline constexpr std::size_t kShownBytes = 60;  ///< of it, in a sentence
+
+/// What boards are in the words of another system that uses the same broker. A dialect says what is
+/// published and what is meant by what comes; Exporter says when. Pure, and the same for the same input.
+class Dialect {
+  public:
+    using Retained = std::map<std::string, std::string>;  ///< topic -> payload
+
+    virtual ~Dialect() = default;
+
+    /// "home-assistant": sends the commands, and names the export on a command line.
+    virtual std::string_view by() const = 0;
+    /// "Home Assistant"
+    virtual std::string_view title() const = 0;
+    virtual bool read_only() const = 0;
+
+    // --- where things are
+
+    /// The topic below which the export keeps its lease.
+    virtual std::string base() const = 0;
+    std::string lease() const { return base() + "/$lease"; }
+    /// Where its documents are: the beginning of their topics. It may be another one at the next start.
+    virtual std::string place() const = 0;
+    /// Filters for all that it may have retained while its documents were at `place`, but for what is below
+    /// base().
+    virtual std::vector<std::string> retained(const std::string& place) const = 0;
+    /// Of all that is retained the topics that are this export's own.
+    virtual std::vector<std::string> ours(const Retained& found, const std::string& place) const = 0;
+
+    // --- the gateway
+
+    virtual std::string gateway_state() const = 0;
+    virtual std::string online() const { return "online"; }
+    virtual std::string leaving() const { return "offline"; }  ///< the gateway ends
+    virtual std::string lost() const { return "offline"; }     ///< published by the broker
+    /// What a state says while the document beside it changes; empty: nothing.
+    virtual std::string changing() const { return {}; }
+    /// A document of the gateway itself. Empty: it has none.
+    virtual std::string gateway_document_topic() const { return {}; }
+    virtual std::string gateway_document(const std::vector<std::string>& /*boards*/,
+                                         const std::string& /*on_bus*/) const {
+        return {};
+    }
+    /// Where the other system says "online" when it starts; empty: nowhere.
+    virtual std::string status() const { return {}; }
+
+    // --- a board
+
+    /// What a board is called in topics.
+    virtual std::string id_of(std::string_view board) const { return std::string(board); }
+    virtual std::string board_state(std::string_view board) const = 0;
+    /// `state`: of the catalogue.
+    virtual std::string state_of_board(bool there, std::string_view state) const = 0;
+    /// Empty: boards have none.
+    virtual std::string document_topic(std::string_view board) const = 0;
+    struct Document {
+        std::string text;
+        bool last = true;  ///< false: another one follows some time later
+    };
+    /// What is to be published where `on_bus` is: it may be the same.
+    virtual Document next_document(const ExportedBoard& board, const std::string& on_bus) const = 0;
+    /// With which the topic of a document ends that is cleared last, since by it all else of a board is known
+    /// as ours; then its state is first. Empty: a document is cleared first.
+    virtual std::string_view last_cleared() const { return {}; }
+
+    // --- its entities
+
+    virtual std::string state(std::string_view board, const Entity& entity) const = 0;
+    /// Null: the value is not known. Empty: the topic is cleared.
+    virtual std::string state_text(const Entity& entity, const nlohmann::json& value) const = 0;
+    virtual int state_qos() const { return 0; }
+    /// Where it stands what the value is to become; empty: nowhere.
+    virtual std::string target(std::string_view /*board*/, const Entity& /*entity*/) const { return {}; }
+    /// Where the last command that failed is said, in words.
+    virtual std::string error(std::string_view board) const = 0;
+    virtual std::string error_text(const std::string& sentence) const = 0;
+    virtual bool error_is_retained() const { return true; }
+
+    // --- commands
+
+    virtual std::string commands() const = 0;  ///< filter
+    /// Devices of others are among these topics.
+    virtual bool has_neighbours() const { return false; }
+    struct Command {
+        std::string board;   ///< as id_of() calls it
+        std::string entity;  ///< its id
+    };
+    /// Of a command's topic; nothing: it is none.
+    virtual std::optional<Command> command_of(std::string_view topic) const = 0;
+    /// What a command asks for, as a value of the entity. Fails with a sentence.
+    virtual Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const = 0;
+
+  protected:
+    static std::vector<std::string> below(const std::string& begin, const Retained& found);
+    /// BEGIN + "BOARD/ENTITY/set".
+    static std::optional<Command> command_below(std::string_view begin, std::string_view topic);
+};
+
+}  // namespace asip::gateway::exports

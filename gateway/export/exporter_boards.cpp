@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// Boards, their values and commands for them; when there is a connection and who exports: exporter.cpp.
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "asip/model/json.hpp"
+#include "asip/text/printable.hpp"
+#include "gateway/export/exporter.hpp"
+
+namespace asip::gateway::exports {
+
+using nlohmann::json;
+
+// --- boards
+
+void Exporter::clear_some() {
+    while (!clear_.empty() && port_.has_room()) {
+        retain(std::move(clear_.front()), {});
+        clear_.pop_front();
+    }
+}
+
+void Exporter::pump(Time now) {
+    clear_some();
+    if (!clear_.empty()) return;
+    if (!options_.enabled) {
+        phase_ = Phase::kFinished;
+        lease_.release();
+        return port_.disconnect();
+    }
+    lease_.set_prefix(dialect().place());
+    std::set<std::string> later;
+    while (!dirty_.empty() && port_.has_room()) {
+        const auto name = *dirty_.begin();
+        dirty_.erase(dirty_.begin());
+        update(name, now);
+        const auto record = records_.find(name);
+        if (record != records_.end() && record->second.document_due) later.insert(name);
+    }
+    if (gateway_due_ && dirty_.empty()) show_gateway();
+    dirty_.merge(later);
+}
+
+void Exporter::update(const std::string& name, Time now) {
+    auto present = port_.board(name);
+    if (!present) return remove(name);
+    const auto [found, added] = records_.try_emplace(name);
+    auto& record = found->second;
+    gateway_due_ = gateway_due_ || (added && !dialect().gateway_document_topic().empty());
+    record.there = present->there;
+    const bool changed = !(record.board == present->board);
+    if (changed) take(record, std::move(present->board));
+    if (record.document_due) publish_document(record, now);
+    if (changed || std::exchange(record.values_due, false)) all_values(record, now);
+    auto state = dialect().state_of_board(present->there, present->state);
+    if (record.state == state) return;
+    record.state = std::move(state);
+    retain(dialect().board_state(name), record.state);
+}
+
+std::string Exporter::state_topic(const Record& record, std::size_t index) const {
+    const auto& board = record.board;
+    return index < board.entities.size() ? dialect().state(board.board, board.entities[index])
+                                         : dialect().error(board.board);
+}
+
+void Exporter::take(Record& record, ExportedBoard board) {
+    std::map<std::string, PacedValue> old;
+    for (std::size_t i = 0; i < record.states.size(); ++i)
+        old[state_topic(record, i)] = std::move(record.states[i]);
+    auto targets = std::exchange(record.targets, {});
+    record.board = std::move(board);
+    record.document_due = true;
+    record.states.clear();
+    record.states.resize(record.board.entities.size() + error_slots());
+    for (std::size_t i = 0; i < record.states.size(); ++i) {
+        const auto topic = state_topic(record, i);
+        std::erase(clear_, topic);  // it is wanted again
+        if (const auto kept = old.find(topic); kept != old.end()) {
+            record.states[i] = std::move(kept->second);
+            old.erase(kept);
+        }
+        if (i >= record.board.entities.size()) continue;
+        const auto target = dialect().target(record.board.board, record.board.entities[i]);
+        std::erase(clear_, target);
+        if (auto kept = targets.extract(target)) record.targets.insert(std::move(kept));
+    }
+    for (const auto& [topic, value] : old)
+        if (!value.sent().empty()) clear_.push_back(topic);
+    for (const auto& [topic, payload] : targets)
+        clear_.push_back(topic);
+    watch(record);
+}
+
+/// Which services have values for it, which are demanded.
+void Exporter::watch(Record& record) {
+    const auto& board = record.board;
+    record.by_service.clear();
+    for (std::size_t i = 0; i < board.entities.size(); ++i)
+        if (const auto& entity = board.entities[i]; entity.kind != EntityKind::kButton)
+            record.by_service[entity.service()].push_back(i);
+    std::vector<bus::Demander::Want> wants;
+    for (const auto& [service, entities] : record.by_service)
+        wants.push_back(port_.want(board.board, service, options_.per_second));
+    record.wants = std::move(wants);
+}
+
+void Exporter::publish_document(Record& record, Time now) {
+    record.document_due = false;
+    const auto topic = dialect().document_topic(record.board.board);
+    if (topic.empty()) return;
+    std::erase(clear_, topic);  // it is wanted again
+    auto document = dialect().next_document(record.board, record.document);
+    if (document.text != record.document) {
+        if (record.document_at && now - *record.document_at < kBetweenDocuments) {
+            record.document_due = true;
+            return;
+        }
+        if (auto changing = dialect().changing(); !changing.empty()) {
+            retain(dialect().board_state(record.board.board), changing);
+            record.state = std::move(changing);
+        }
+        retain(topic, document.text);
+        record.document = std::move(document.text);
+        record.document_at = now;
+    }
+    record.document_due = !document.last;
+}
+
+void Exporter::remove(const std::string& name) {
+    const auto found = records_.find(name);
+    if (found == records_.end()) return;
+    const auto& record = found->second;
+    const auto document = dialect().document_topic(name);
+    if (!document.empty() && dialect().last_cleared().empty()) retain(document, {});
+    retain(dialect().board_state(name), {});
+    for (std::size_t i = 0; i < record.states.size(); ++i)
+        if (!record.states[i].sent().empty()) clear_.push_back(state_topic(record, i));
+    for (const auto& [topic, payload] : record.targets)
+        clear_.push_back(topic);
+    if (!document.empty() && !dialect().last_cleared().empty()) clear_.push_back(document);
+    records_.erase(found);
+    gateway_due_ = gateway_due_ || !dialect().gateway_document_topic().empty();
+    clear_some();
+}
+
+// --- values
+
+void Exporter::publish_state(Record& record, std::size_t index) {
+    const auto& text = record.states[index].sent();
+    if (index < record.board.entities.size()) publish_target(record, record.board.entities[index], text);
+    retain(state_topic(record, index), text, dialect().state_qos());
+}
+
+/// Ahead of the value itself.
+void Exporter::publish_target(Record& record, const Entity& entity, const std::string& payload) {
+    auto topic = dialect().target(record.board.board, entity);
+    if (topic.empty() || (payload.empty() && !record.targets.contains(topic))) return;
+    auto& target = record.targets[topic];
+    if (target == payload) return;
+    target = payload;
+    if (payload.empty()) record.targets.erase(topic);
+    retain(std::move(topic), payload, dialect().state_qos());
+}
+
+void Exporter::offer(Record& record, std::size_t index, std::string text, Time now) {
+    auto& state = record.states[index];
+    if (state.offer(std::move(text), now, between_, port_.has_room()))
+        publish_state(record, index);
+    else if (state.waits())
+        pending_.emplace(record.board.board, index);
+}
+
+void Exporter::all_values(Record& record, Time now) {
+    for (const auto& [service, entities] : record.by_service)
+        port_.values(record.board.board, service,
+                     [&](std::string_view text, bool set) { values_of(record, service, text, set, now); });
+}
+
+void Exporter::values_of(Record& record, std::string_view service, std::string_view text, bool set,
+                         Time now) {
+    const auto found = record.by_service.find(service);
+    if (found == record.by_service.end()) return;
+    json value;
+    if (!text.empty()) {
+        auto parsed = model::parse_json(text);
+        if (!parsed) return;
+        value = std::move(*parsed);
+    }
+    for (const auto index : found->second) {
+        const auto& entity = record.board.entities[index];
+        if (entity.read.has_value() == set) continue;
+        const auto shown = set ? value_set(entity, value) : value_in(entity, value);
+        // What is not known any more is said where something else was said before.
+        if (shown || (set && !record.states[index].sent().empty()))
+            offer(record, index, dialect().state_text(entity, shown.value_or(nullptr)), now);
+    }
+}
+
+// --- commands
+
+Exporter::Record* Exporter::record_of(const std::string& id) {
+    const auto named = records_.find(id);
+    if (named != records_.end() && dialect().id_of(id) == id) return &named->second;
+    for (auto& [name, record] : records_)
+        if (dialect().id_of(name) == id) return &record;
+    return nullptr;
+}
+
+void Exporter::command(const Dialect::Command& which, const std::string& payload) {
+    auto* record = record_of(which.board);
+    const auto* entity = record == nullptr ? nullptr : record->board.entity(which.entity);
+    if (record == nullptr && dialect().has_neighbours()) return;
+    if (entity == nullptr) {
+        port_.log(std::string(dialect().title()) + " sets " +
+                  text::printable(which.board + "/" + which.entity, kShownBytes) + ", which is not there");
+        return;
+    }
+    const auto board = record->board.board;
+    const auto value = dialect().value_of(*entity, payload);
+    if (!value) return failed(board, value.error());
+    if (!record->there) return failed(board, entity->name + ": the board is not there");
+    if (entity->kind != EntityKind::kButton) publish_target(*record, *entity, payload);
+    for (const auto& request : requests_for(*entity, *value))
+        port_.command(board, request, [this, board, name = entity->name](const std::string& fault) {
+            if (!fault.empty()) failed(board, name + ": " + fault);
+        });
+}
+
+void Exporter::failed(const std::string& board, const std::string& sentence) {
+    port_.log("board " + board + ": a command of " + std::string(dialect().title()) + " failed: " + sentence);
+    const auto found = records_.find(board);
+    if (phase_ != Phase::kActive || found == records_.end() || dialect().read_only()) return;
+    auto text = dialect().error_text(sentence);
+    if (dialect().error_is_retained())
+        return offer(found->second, found->second.board.entities.size(), std::move(text), now_);
+    mqtt::Message message;
+    message.topic = dialect().error(board);
+    message.payload = std::move(text);
+    port_.publish(std::move(message));
+}
+
+}  // namespace asip::gateway::exports

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/export/homie.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+#include "asip/text/printable.hpp"
+#include "gateway/export/entities.hpp"
+#include "gateway/export/home_assistant.hpp"
+
+namespace asip::gateway::exports {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kVersion = "5.0";
+constexpr std::size_t kMaxDescriptionBytes = std::size_t{1} << 20;
+constexpr int kMaxDescriptionDepth = 12;
+constexpr int kChannels = 3;  // of a colour
+const std::string kEmptyText(1, '\0');
+
+bool is_id(std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+    });
+}
+
+/// Two names that differ in what an id may not hold must not become one.
+std::string with_sum(std::string_view name) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    constexpr int kBits = 32;
+    std::uint32_t sum = 2166136261;  // FNV-1a
+    for (const char c : name)
+        sum = (sum ^ static_cast<unsigned char>(c)) * 16777619;
+    auto id = slug_of(name) + "-";
+    for (int shift = kBits - 4; shift >= 0; shift -= 4)
+        id += kDigits[sum >> shift & 15];
+    return id;
+}
+
+json document_from(const std::string& text) {
+    auto parsed =
+        model::parse_json(text, {.max_bytes = kMaxDescriptionBytes, .max_depth = kMaxDescriptionDepth});
+    return parsed && parsed->is_object() ? std::move(*parsed) : json();
+}
+
+std::string root_of(const std::string& description) {
+    const auto document = document_from(description);
+    if (!document.is_object()) return {};
+    const auto root = document.find("root");
+    return root != document.end() && root->is_string() ? root->get<std::string>() : std::string();
+}
+
+/// `document` with a version that is larger than that of `on_bus`; `on_bus` where both say the same.
+std::string next_version(json document, const std::string& on_bus) {
+    auto old = document_from(on_bus);
+    std::int64_t version = 0;
+    if (old.is_object()) {
+        if (const auto found = old.find("version"); found != old.end() && found->is_number_integer())
+            version = found->get<std::int64_t>();
+        old.erase("version");
+        if (old == document) return on_bus;
+    }
+    document["version"] = version + 1;
+    return model::dump_json(document);
+}
+
+std::string number_text(double value) {
+    return model::dump_json(json_number(value));
+}
+
+/// "0:180:5"; empty: no bounds.
+std::string format_of_number(const Entity& entity) {
+    if (!entity.min && !entity.max) return {};
+    auto text =
+        (entity.min ? number_text(*entity.min) : "") + ":" + (entity.max ? number_text(*entity.max) : "");
+    if (entity.step && *entity.step > 0) text += ":" + number_text(*entity.step);
+    return text;
+}
+
+/// "a,b"; empty: they cannot be told apart so.
+std::string format_of_words(const Entity& entity) {
+    std::string text;
+    for (const auto& [word, value] : entity.options) {
+        if (word.empty() || word.find(',') != std::string::npos) return {};
+        text += (text.empty() ? "" : ",") + word;
+    }
+    return text;
+}
+
+// A light has one value in this dialect: its colour, as bright as it is, or its brightness. Black is off.
+std::string light_text(const Entity& entity, const json& value) {
+    const bool on = value.value("on", false);
+    const double brightness = on ? value.value("brightness", kFullBrightness) : 0;
+    if (!entity.color) return number_text(brightness);
+    const auto color = value.value("color", static_cast<std::uint32_t>(kMaxColor));
+    std::string text = "rgb";
+    for (int shift = 16; shift >= 0; shift -= 8) {
+        const double part = color >> shift & 0xff;
+        text += "," + number_text(on ? std::round(part * brightness / kFullBrightness) : 0);
+    }
+    return text;
+}
+
+std::optional<double> homie_number(std::string_view text) {
+    double value = 0;
+    const auto* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || rest != end || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
+/// "rgb,255,0,0"
+std::optional<std::array<double, kChannels>> color_from(std::string_view text) {
+    constexpr std::string_view kBegin = "rgb,";
+    if (!text.starts_with(kBegin)) return std::nullopt;
+    text.remove_prefix(kBegin.size());
+    std::array<double, kChannels> parts{};
+    for (int i = 0; i < kChannels; ++i) {
+        const auto comma = text.find(',');
+        if ((comma == std::string_view::npos) != (i == kChannels - 1)) return std::nullopt;
+        const auto part = homie_number(text.substr(0, comma));
+        if (!part || *part < 0 || *part > kFullBrightness) return std::nullopt;
+        parts[static_cast<std::size_t>(i)] = std::round(*part);
+        text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+    }
+    return parts;
+}
+
+std::optional<json> light_from(const Entity& entity, std::string_view payload) {
+    if (!entity.color) {
+        const auto level = homie_number(payload);
+        if (!level || *level < 0 || *level > kFullBrightness) return std::nullopt;
+        return *level > 0 ? json{{"on", true}, {"brightness", json_number(std::round(*level))}}
+                          : json{{"on", false}};
+    }
+    const auto parts = color_from(payload);
+    if (!parts) return std::nullopt;
+    const double brightest = *std::max_element(parts->begin(), parts->end());
+    if (brightest == 0) return json{{"on", false}};
+    json value{{"on", true}};
+    std::uint32_t color = 0;
+    for (const double part : *parts) {
+        const double full = entity.write ? std::round(part * kFullBrightness / brightest) : part;
+        color = color << 8 | static_cast<std::uint32_t>(full);
+    }
+    value["color"] = color;
+    if (entity.write) value["brightness"] = json_number(brightest);
+    return value;
+}
+
+void describe_value(json& property, const Entity& entity) {
+    std::string type, format;
+    switch (entity.kind) {
+        case EntityKind::kBinarySensor:
+        case EntityKind::kSwitch:
+            type = "boolean";
+            break;
+        case EntityKind::kButton:
+            type = "enum";
+            format = "press";
+            property["retained"] = false;
+            break;
+        case EntityKind::kText:
+            type = "string";
+            break;
+        case EntityKind::kSelect:
+            format = format_of_words(entity);
+            type = format.empty() ? "string" : "enum";
+            break;
+        case EntityKind::kLight:
+            type = entity.color ? "color" : "integer";
+            format = entity.color ? "rgb" : "0:" + number_text(kFullBrightness);
+            break;
+        case EntityKind::kSensor:
+            format = format_of_words(entity);
+            if (entity.max_length > 0 || (!entity.options.empty() && format.empty()))
+                type = "string";
+            else if (!format.empty())
+                type = "enum";
+            break;
+        case EntityKind::kNumber:
+            break;
+    }
+    if (type.empty()) {
+        type = entity.whole ? "integer" : "float";
+        format = format_of_number(entity);
+        if (const auto unit = device_class_of(entity.quantity, entity.unit).unit; !unit.empty())
+            property["unit"] = unit;
+    }
+    property["datatype"] = type;
+    if (!format.empty()) property["format"] = format;
+}
+
+}  // namespace
+
+bool Homie::valid_domain(std::string_view text) {
+    return is_id(text);
+}
+
+std::string Homie::gateway_id() const {
+    return is_id(options_.root) ? options_.root : with_sum(options_.root);
+}
+
+std::string Homie::id_of(std::string_view board) const {
+    return is_id(board) && board != gateway_id() ? std::string(board) : with_sum(board);
+}
+
+std::vector<std::string> Homie::ours(const Retained& found, const std::string& place) const {
+    auto result = below(base() + "/", found);
+    const auto begin = place + "/5/";
+    std::string id;
+    bool own = false;
+    for (auto& topic : below(begin, found)) {
+        const auto slash = topic.find('/', begin.size());
+        if (slash == std::string::npos) continue;
+        if (auto next = topic.substr(begin.size(), slash - begin.size()); next != id) {
+            id = std::move(next);
+            own = id == gateway_id();
+            const auto description = found.find(begin + id + "/" + std::string(kDescription));
+            if (!own && description != found.end()) own = root_of(description->second) == gateway_id();
+        }
+        if (own) result.push_back(std::move(topic));
+    }
+    return result;
+}
+
+std::string Homie::gateway_document(const std::vector<std::string>& boards, const std::string& on_bus) const {
+    json document{{"homie", kVersion}, {"name", "ASIP gateway"}, {"type", "asip-gateway"}};
+    for (const auto& board : boards)
+        document["children"].push_back(id_of(board));
+    return next_version(std::move(document), on_bus);
+}
+
+json Homie::property(const Entity& entity) const {
+    json property{{"name", entity.name}, {"settable", settable(entity)}};
+    describe_value(property, entity);
+    return property;
+}
+
+Dialect::Document Homie::next_document(const ExportedBoard& board, const std::string& on_bus) const {
+    json document{{"homie", kVersion},
+                  {"name", board.name.empty() ? board.board : board.name},
+                  {"type", "asip-board"},
+                  {"root", gateway_id()},
+                  {"nodes", json::object()}};
+    for (const auto& entity : board.entities) {
+        if (entity.kind == EntityKind::kButton && options_.read_only) continue;
+        auto& node = document["nodes"][slug_of(entity.service())];
+        if (node.is_null()) node["name"] = entity.service();
+        node["properties"][entity.id] = property(entity);
+    }
+    return {next_version(std::move(document), on_bus), true};
+}
+
+std::string Homie::state_of_board(bool there, std::string_view state) const {
+    if (state == "sleeping" || state == "lost") return std::string(state);
+    return there ? "ready" : "disconnected";
+}
+
+std::string Homie::state(std::string_view board, const Entity& entity) const {
+    return topic(id_of(board), slug_of(entity.service()) + "/" + entity.id);
+}
+
+std::string Homie::target(std::string_view board, const Entity& entity) const {
+    if (!settable(entity) || entity.kind == EntityKind::kButton) return {};
+    return state(board, entity) + "/$target";
+}
+
+std::string Homie::state_text(const Entity& entity, const json& value) const {
+    if (value.is_null()) return {};
+    if (entity.kind == EntityKind::kLight) return light_text(entity, value);
+    if (!value.is_string()) return model::dump_json(value);
+    const auto& text = value.get_ref<const std::string&>();
+    return text.empty() ? kEmptyText : text;
+}
+
+std::optional<Dialect::Command> Homie::command_of(std::string_view topic) const {
+    const auto begin = options_.domain + "/5/";
+    if (!topic.starts_with(begin)) return std::nullopt;
+    topic.remove_prefix(begin.size());
+    const auto slash = topic.find('/');
+    if (slash == std::string_view::npos) return std::nullopt;
+    auto command = command_below("", topic.substr(slash + 1));  // "NODE/PROPERTY/set"
+    if (command) command->board = topic.substr(0, slash);
+    return command;
+}
+
+Expected<json> Homie::value_of(const Entity& entity, std::string_view payload) const {
+    if (options_.read_only) return fail("this export is read-only");
+    if (!entity.settable()) return fail(entity.name + " cannot be set");
+    std::optional<json> value;
+    if (payload.size() <= kMaxCommandBytes) {
+        switch (entity.kind) {
+            case EntityKind::kLight:
+                value = light_from(entity, payload);
+                break;
+            case EntityKind::kSwitch:
+                if (payload == "true" || payload == "false") value = payload == "true";
+                break;
+            case EntityKind::kNumber:
+                if (const auto wanted = homie_number(payload)) value = json_number(*wanted);
+                break;
+            case EntityKind::kButton:
+                if (payload == "press") value = json();
+                break;
+            default:
+                value = payload == kEmptyText ? std::string() : std::string(payload);
+        }
+    }
+    if (!value || requests_for(entity, *value).empty())
+        return fail(entity.name + " cannot be set to " + text::printable(payload, kShownBytes));
+    return *value;
+}
+
+}  // namespace asip::gateway::exports

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/export/web_of_things.hpp"
+
+#include <cctype>
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+#include "asip/text/printable.hpp"
+
+namespace asip::gateway::exports {
+namespace {
+
+using nlohmann::json;
+using Forms = WebOfThings::Forms;
+
+constexpr const char* kContext = "https://www.w3.org/2022/wot/td/v1.1";
+constexpr const char* kDirectoryContext = "https://www.w3.org/2022/wot/discovery";
+constexpr const char* kJson = "application/json";
+constexpr const char* kTd = "application/td+json";
+
+/// What an URN may hold.
+std::string escaped(std::string_view text) {
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x80 && (std::isalnum(byte) != 0 || std::string_view("-._~").find(c) != std::string::npos))
+            result += c;
+        else
+            result.append("%").append(1, kDigits[byte >> 4]).append(1, kDigits[byte & 15]);
+    }
+    return result;
+}
+
+json words_of(const Entity& entity) {
+    auto words = json::array();
+    for (const auto& [word, value] : entity.options)
+        words.push_back(word);
+    return words;
+}
+
+json number_schema(const Entity& entity) {
+    json schema{{"type", entity.whole ? "integer" : "number"}};
+    if (!entity.unit.empty()) schema["unit"] = entity.unit;
+    if (entity.min) schema["minimum"] = json_number(*entity.min);
+    if (entity.max) schema["maximum"] = json_number(*entity.max);
+    if (entity.whole && entity.step && *entity.step > 1) schema["multipleOf"] = json_number(*entity.step);
+    return schema;
+}
+
+json light_schema(const Entity& entity) {
+    json members{{"on", {{"type", "boolean"}}}};
+    if (entity.write)
+        members["brightness"] = {
+            {"type", "integer"}, {"minimum", 0}, {"maximum", json_number(kFullBrightness)}};
+    if (entity.color)
+        members["color"] = {{"type", "integer"},
+                            {"minimum", 0},
+                            {"maximum", json_number(kMaxColor)},
+                            {"description", "Red, green and blue: 0xrrggbb"}};
+    return {{"type", "object"}, {"properties", std::move(members)}, {"required", {"on"}}};
+}
+
+json schema_of(const Entity& entity) {
+    switch (entity.kind) {
+        case EntityKind::kBinarySensor:
+        case EntityKind::kSwitch:
+            return {{"type", "boolean"}};
+        case EntityKind::kLight:
+            return light_schema(entity);
+        case EntityKind::kText:
+            return {{"type", "string"}, {"maxLength", entity.max_length}};
+        case EntityKind::kSelect:
+            return {{"type", "string"}, {"enum", words_of(entity)}};
+        case EntityKind::kSensor:
+            if (entity.max_length > 0) return {{"type", "string"}};
+            if (!entity.options.empty()) return {{"type", "string"}, {"enum", words_of(entity)}};
+            return number_schema(entity);
+        case EntityKind::kNumber:
+        case EntityKind::kButton:
+            break;
+    }
+    return number_schema(entity);
+}
+
+/// A form of MQTT: topics stand in the address, and in the words of the vocabulary.
+json mqtt_form(const Forms& forms, const std::string& topic, json operations, bool publish) {
+    json form{{"href", forms.broker + "/" + topic},
+              {"op", std::move(operations)},
+              {"contentType", kJson},
+              {"security", json::array({"broker"})},
+              {"mqv:controlPacket", publish ? "publish" : "subscribe"},
+              {publish ? "mqv:topic" : "mqv:filter", topic},
+              {"mqv:qos", publish ? "1" : "0"}};
+    if (publish) form["mqv:retain"] = false;
+    return form;
+}
+
+json http_form(const std::string& address, json operations) {
+    return {{"href", address}, {"op", std::move(operations)}, {"contentType", kJson}};
+}
+
+json stream_form(const std::string& address, json operations) {
+    auto form = http_form(address, std::move(operations));
+    form["subprotocol"] = "sse";
+    return form;
+}
+
+void describe_security(json& thing, const Forms& forms) {
+    auto& schemes = thing["securityDefinitions"];
+    if (forms.token)
+        schemes["http"] = {{"scheme", "bearer"}, {"in", "header"}, {"name", "Authorization"}};
+    else
+        schemes["http"] = {{"scheme", "nosec"}};
+    thing["security"] = json::array({"http"});
+    if (!forms.broker.empty()) schemes["broker"] = {{"scheme", forms.broker_password ? "basic" : "nosec"}};
+}
+
+json page_parameters() {
+    return {{"offset", {{"type", "integer"}, {"minimum", 0}}},
+            {"limit", {{"type", "integer"}, {"minimum", 1}}}};
+}
+
+}  // namespace
+
+std::string WebOfThings::thing_id(std::string_view board) const {
+    return "urn:asip:" + escaped(options_.root) + ":" + std::string(board);
+}
+
+std::string WebOfThings::board_of(const std::string& id) const {
+    const auto begin = thing_id("");
+    return id.starts_with(begin) ? id.substr(begin.size()) : id;
+}
+
+json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
+    json thing{
+        {"@context",
+         {kContext, {{"htv", "http://www.w3.org/2011/http#"}, {"mqv", "https://www.w3.org/2019/wot/mqtt#"}}}},
+        {"@type", "Thing"},
+        {"id", thing_id(board.board)},
+        {"title", board.name.empty() ? board.board : board.name},
+        {"base", forms.base}};
+    if (!board.chip.empty())
+        thing["description"] = board.sketch.empty() ? board.chip : board.sketch + " on " + board.chip;
+    describe_security(thing, forms);
+    const bool mqtt = !forms.broker.empty();
+    const auto address = "things/" + board.board;
+    auto& properties = thing["properties"] = json::object();
+    auto actions = json::object();
+    for (const auto& entity : board.entities) {
+        const auto value_topic = state(board.board, entity);
+        const bool set_by_mqtt = mqtt && entity.settable() && !options_.read_only;
+        json described{{"title", entity.name}};
+        if (entity.kind == EntityKind::kButton) {
+            auto form = http_form(address + "/actions/" + entity.id, "invokeaction");
+            // Without an input consumers would leave it out.
+            form["htv:headers"] = {{{"htv:fieldName", "Content-Type"}, {"htv:fieldValue", kJson}}};
+            described["forms"] = json::array();
+            if (forms.may_set) described["forms"].push_back(std::move(form));
+            if (set_by_mqtt)
+                described["forms"].push_back(mqtt_form(forms, value_topic + "/set", "invokeaction", true));
+            if (!described["forms"].empty()) actions[entity.id] = std::move(described);
+            continue;
+        }
+        described.update(schema_of(entity));
+        const auto place = address + "/properties/" + entity.id;
+        const bool set_by_http = forms.may_set && entity.settable();
+        described["observable"] = true;
+        described["readOnly"] = !set_by_http && !set_by_mqtt;
+        auto operations = json::array({"readproperty"});
+        if (set_by_http) operations.push_back("writeproperty");
+        described["forms"] = {http_form(place, std::move(operations)),
+                              stream_form(place + "/stream", {"observeproperty", "unobserveproperty"})};
+        if (mqtt) {
+            auto form = mqtt_form(forms, value_topic,
+                                  {"readproperty", "observeproperty", "unobserveproperty"}, false);
+            form["mqv:retain"] = true;
+            described["forms"].push_back(std::move(form));
+        }
+        if (set_by_mqtt)
+            described["forms"].push_back(mqtt_form(forms, value_topic + "/set", "writeproperty", true));
+        properties[entity.id] = std::move(described);
+    }
+    json state{
+        {"title", "State of the board"},
+        {"type", "string"},
+        {"enum", {"online", "sleeping", "updating", "offline", "lost"}},
+        {"readOnly", true},
+        {"observable", mqtt},
+        {"forms",
+         json::array({http_form(address + "/properties/" + std::string(kBoardState), "readproperty")})}};
+    if (mqtt) {
+        const json operations{"readproperty", "observeproperty", "unobserveproperty"};
+        state["forms"].push_back(mqtt_form(forms, board_state(board.board), operations, false));
+        properties[std::string(kGatewayState)] = {
+            {"title", "State of the gateway"},
+            {"type", "string"},
+            {"enum", {"online", "offline"}},
+            {"readOnly", true},
+            {"observable", true},
+            {"forms", json::array({mqtt_form(forms, gateway_state(), operations, false)})}};
+        if (!options_.read_only)
+            thing["events"][std::string(kFailed)] = {
+                {"title", "A command over MQTT failed"},
+                {"data", {{"type", "string"}}},
+                {"forms", json::array({mqtt_form(forms, error(board.board),
+                                                 {"subscribeevent", "unsubscribeevent"}, false)})}};
+    }
+    properties[std::string(kBoardState)] = std::move(state);
+    thing["forms"] = json::array({http_form(address + "/properties", "readallproperties")});
+    if (!actions.empty()) thing["actions"] = std::move(actions);
+    return thing;
+}
+
+json WebOfThings::directory(const Forms& forms) const {
+    json thing{{"@context", {kContext, kDirectoryContext}},
+               {"@type", "ThingDirectory"},
+               {"id", "urn:asip:" + escaped(options_.root)},
+               {"title", "Boards of an ASIP service bus"},
+               {"base", forms.base}};
+    auto alone = forms;
+    alone.broker.clear();
+    describe_security(thing, alone);
+    thing["properties"]["things"] = {{"description", "The things that the asker may see, page by page"},
+                                     {"uriVariables", page_parameters()},
+                                     {"type", "array"},
+                                     {"readOnly", true},
+                                     {"forms",
+                                      {{{"href", "things{?offset,limit}"},
+                                        {"op", "readproperty"},
+                                        {"contentType", "application/ld+json"}}}}};
+    thing["actions"]["retrieveThing"] = {
+        {"description", "One thing, by its id or the name of its board"},
+        {"uriVariables", {{"id", {{"@type", "ThingID"}, {"type", "string"}}}}},
+        {"output", {{"type", "object"}}},
+        {"safe", true},
+        {"idempotent", true},
+        {"forms",
+         {{{"href", "things/{id}"},
+           {"op", "invokeaction"},
+           {"htv:methodName", "GET"},
+           {"response", {{"contentType", kTd}}}}}}};
+    for (const std::string what : {"created", "updated", "deleted"}) {
+        auto name = "thing" + what;
+        name[5] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[5])));
+        thing["events"][name] = {
+            {"data", {{"type", "object"}, {"properties", {{"id", {{"type", "string"}}}}}}},
+            {"forms", json::array({stream_form("events/thing_" + what, "subscribeevent")})}};
+    }
+    return thing;
+}
+
+std::string WebOfThings::state_of_board(bool there, std::string_view state) const {
+    return model::dump_json(
+        json(state.empty() ? std::string(there ? "online" : "offline") : std::string(state)));
+}
+
+std::string WebOfThings::state_text(const Entity& /*entity*/, const json& value) const {
+    return value.is_null() ? std::string() : model::dump_json(value);
+}
+
+std::string WebOfThings::error_text(const std::string& sentence) const {
+    return model::dump_json(json(sentence));
+}
+
+std::optional<Dialect::Command> WebOfThings::command_of(std::string_view topic) const {
+    return command_below(base() + "/", topic);
+}
+
+Expected<json> WebOfThings::value_of(const Entity& entity, std::string_view payload) const {
+    if (options_.read_only) return fail("this export is read-only");
+    json value;
+    const bool button = entity.kind == EntityKind::kButton;
+    if (!button) {
+        const auto parsed =
+            model::parse_json(payload, {.max_bytes = kMaxCommandBytes, .max_depth = kMaxCommandDepth});
+        if (parsed) value = *parsed;
+    }
+    if (!entity.settable()) return fail(entity.name + " cannot be set");
+    if ((!button && value.is_null()) || requests_for(entity, value).empty())
+        return fail(entity.name + " cannot be set to " + text::printable(payload, kShownBytes));
+    return value;
+}
+
+}  // namespace asip::gateway::exports

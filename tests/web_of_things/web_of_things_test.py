@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulated boards as things, consumed by node-wot over HTTP and over MQTT, by nothing but their Thing Descriptions."""
+
+import json
+import os
+import pathlib
+import queue
+import subprocess
+import threading
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+from bus import DESK, IMAGES, Bus, die_with_parent, eventually, paho_client
+
+MODULES = os.environ["ASIP_NODE_WOT"]
+ROVER = {"name": "rover", "board": "uno", "image": str(IMAGES / "asip_uno_robot.elf"), "link": "rover.port", "parts": []}
+
+
+class ThingsBus(Bus):
+    def start_gateway(self, *more):
+        self.start("gateway", "asip-gateway", "--http", f"127.0.0.1:{self.http_port}", "--wot-mqtt", *more)
+        eventually(lambda: self.get("/readyz"), "the gateway")
+
+    def start_agent(self, board):
+        """Values come because consumers want them."""
+        port = self.work / f"{board}.port"
+        eventually(port.exists, f"the port of {board}")
+        self.start(f"agent-{board}", "asip-agent", "--serial", str(port), "--name", board, "--lease", "6", "--no-step-up",
+                   "--patience", "60", "--reports", "on-demand")
+
+
+class Consumer:
+    def __init__(self, transport):
+        script = pathlib.Path(__file__).with_name("consume.cjs")
+        self.process = subprocess.Popen(["node", str(script), MODULES, transport], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                                        preexec_fn=die_with_parent)
+        self.answers = queue.Queue()
+        threading.Thread(target=lambda: [self.answers.put(json.loads(line)) for line in self.process.stdout if line.startswith("{")],
+                         daemon=True).start()
+
+    def ask(self, task, argument):
+        self.process.stdin.write(json.dumps({task: argument}) + "\n")
+        self.process.stdin.flush()
+
+    def answer(self):
+        return self.answers.get(timeout=60)
+
+    def __call__(self, task, argument):
+        self.ask(task, argument)
+        answer = self.answer()
+        if "error" in answer:
+            raise RuntimeError(answer["error"])
+        return answer.get("value")
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait(20)
+        self.process.stdout.close()
+
+
+class Things(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.bus = ThingsBus(boards=(DESK, ROVER))
+        cls.addClassCleanup(cls.bus.close)
+        cls.desk, cls.rover = (f"{cls.bus.url}/things/{name}" for name in ("desk", "rover"))
+        # The export over MQTT begins a moment after the gateway.
+        eventually(lambda: "exports boards to Web of Things" in cls.bus.logs(), "the export")
+
+    def consumer(self, transport):
+        made = Consumer(transport)
+        self.addCleanup(made.close)
+        return made
+
+    def test_Descriptions_PassTheSchemaOfTheW3C(self):
+        consumer = self.consumer("http")
+        for address in (self.desk, self.rover, self.bus.url + "/.well-known/wot"):
+            self.assertEqual(consumer("validate", address), [], address)
+        self.assertEqual([thing["title"] for thing in self.bus.get("/things")], ["desk", "rover"])
+        urn = self.bus.get("/things/desk")["id"]
+        self.assertEqual(self.bus.get("/things/" + urn)["id"], urn)
+
+    def consume(self, transport):
+        consumer = self.consumer(transport)
+        eventually(lambda: consumer("read", [self.desk, "distance-0"]) == 42, "a distance")
+        self.assertEqual(len(consumer("observe", [self.desk, "distance-0", 1])), 1)
+        for angle in (30, 120):
+            consumer("write", [self.desk, "servo-0-angle", angle])
+            eventually(lambda: consumer("read", [self.desk, "servo-0-angle"]) == angle, f"the servo at {angle}")
+        self.assertEqual(consumer("read", [self.desk, "board-state"]), "online")
+        self.assertEqual(consumer("invoke", [self.rover, "motors-stop"]), "invoked")
+        return consumer
+
+    def test_OverHttp_ReadsWritesObservesInvokes(self):
+        consumer = self.consume("http")
+        # Executed when it is answered, and refused with a status where it cannot be.
+        consumer("write", [self.desk, "servo-0-angle", 77])
+        self.assertIn("77", self.bus.part("desk/servo"))
+        eventually(lambda: consumer("read", [self.desk, "servo-0-angle"]) == 77, "the servo at 77")
+        with self.assertRaisesRegex(RuntimeError, "Bad Request"):
+            consumer("write", [self.desk, "servo-0-angle", 181])
+        self.assertEqual(consumer("read", [self.desk, "servo-0-angle"]), 77)
+        values = self.bus.get("/things/desk/properties")
+        self.assertEqual((values["servo-0-angle"], values["board-state"]), (77, "online"))
+
+    def test_OverMqtt_ReadsWritesObservesInvokes(self):
+        consumer = self.consume("mqtt")
+        self.assertEqual(consumer("read", [self.desk, "gateway-state"]), "online")
+        consumer.ask("event", [self.desk, "command-failed"])
+        time.sleep(1)
+        self.publish("asip/export/wot/desk/servo-0-angle/set", "181")
+        self.assertIn("cannot be set to 181", consumer.answer()["value"])
+
+    def publish(self, topic, payload):
+        client = paho_client()
+        client.connect("127.0.0.1", self.bus.broker_port)
+        client.loop_start()
+        client.publish(topic, payload, qos=1).wait_for_publish(20)
+        client.disconnect()
+        client.loop_stop()
+
+    def test_ThingThatIsForgotten_IsGone_AndSaidSo(self):
+        events = []
+        stream = urllib.request.urlopen(self.bus.url + "/events/thing_deleted", timeout=60)
+
+        def follow():
+            for line in stream:
+                events.append(line)
+                if b"urn:asip:asip:rover" in line:
+                    break
+            stream.close()
+        reader = threading.Thread(target=follow, daemon=True)
+        reader.start()
+        self.addCleanup(reader.join, 20)
+        self.bus.end("agent-rover")
+        eventually(lambda: self.bus.state("rover") == "offline", "the rover offline")
+        self.assertEqual(self.bus.get("/things/rover/properties/board-state"), "offline")
+        urllib.request.urlopen(urllib.request.Request(self.bus.url + "/api/boards/rover", method="DELETE"), timeout=30)
+        eventually(lambda: any(b"urn:asip:asip:rover" in line for line in events), "the event")
+        with self.assertRaises(urllib.error.HTTPError) as gone:
+            self.bus.get("/things/rover")
+        self.assertEqual(gone.exception.code, 404)
+        gone.exception.close()
+        self.bus.start_agent("rover")
+        eventually(lambda: self.bus.state("rover") == "online", "the rover back", 60)
+
+
+if __name__ == "__main__":
+    unittest.main()
