@@ -98,8 +98,7 @@ def published(bus, messages):
 
 
 def start(boards):
-    print(f"start beside {boards} boards of {len(SERVICES)} services")
-    print(f"{'':<18} {'messages':>9} {'MB':>7} {'seconds':>9} {'mosquitto_pub':>14} {'ratio':>7}    must 1.5, aim 1.1")
+    print(f"from the first message of an export to the last beside {boards} boards of {len(SERVICES)} services, over mosquitto_pub's")
     for option, topic in DIALECTS.items():
         bus = Exporting(boards=())
         try:
@@ -110,13 +109,15 @@ def start(boards):
             listener.close()
             beside = published(bus, listener.messages)
             size = sum(len(payload) for _, payload, _ in listener.messages)
-            print(f"{option:<18} {len(listener.messages):>9} {size / 1e6:>7.2f} {took:>9.2f} {beside:>14.2f} {took / beside:>7.2f}", flush=True)
+            # The Web of Things has its documents over HTTP: what is sent are states.
+            wanted = "" if option == "--wot-mqtt" else "  must     1.50  aim     1.10"
+            print(f"  {option:<40} {took / beside:>10.2f} x{wanted}", flush=True)
+            print(f"    {len(listener.messages)} messages, {size / 1e6:.2f} MB: {took:.2f} s and {beside:.2f} s")
         finally:
             bus.close()
 
 
 def memory(boards):
-    print(f"memory beside {boards} boards, MB")
     sizes = []
     for options in (("--no-page",), tuple(DIALECTS)):
         bus = Exporting(boards=())
@@ -130,7 +131,8 @@ def memory(boards):
             sizes.append(resident(bus.programs["gateway"]))
         finally:
             bus.close()
-    print(f"without exports {sizes[0] / 1e6:.1f}; with all {sizes[1] / 1e6:.1f}    must 60, aim 30", flush=True)
+    print(f"memory of a gateway with all exports, {boards} boards  {sizes[1] / 1e6:>10.1f} MB  must       60  aim       30", flush=True)
+    print(f"  without exports {sizes[0] / 1e6:.1f} MB")
 
 
 def values():

@@ -47,9 +47,9 @@ std::optional<exports::Exporter::Present> Exports::board(const std::string& name
     const auto found = gateway_.mirror().find(query, gateway_.now());
     if (!found || found->boards.empty()) return std::nullopt;
     const auto& item = found->boards[0];
-    auto board = exports::exported_board(item, gateway_.models());
+    auto board = gateway_.things().find(item);
     if (!board) return std::nullopt;
-    return exports::Exporter::Present{exports::is_there(item.state), std::move(*board), item.state};
+    return exports::Exporter::Present{exports::is_there(item.state), std::move(board), item.state};
 }
 
 void Exports::command(const std::string& board, const exports::Request& request,

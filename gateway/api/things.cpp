@@ -22,15 +22,21 @@ using exports::WebOfThings;
 using nlohmann::json;
 
 std::shared_ptr<const ExportedBoard> Things::find(const bus::BoardItem& item) {
-    if (const auto kept = boards_.find(item.board);
-        kept != boards_.end() && kept->second.description == item.description)
-        return kept->second.board;
+    const auto hash = std::hash<std::string>()(item.description);
+    if (const auto known = boards_.find(item.board); known != boards_.end() && known->second.hash == hash &&
+                                                     known->second.bytes == item.description.size())
+        if (auto board = known->second.board.lock()) return board;
     auto made = exports::exported_board(item, models_);
     if (!made) return nullptr;
-    if (boards_.size() >= kMaxBoards) boards_.clear();
-    auto& kept = boards_[item.board];
-    kept = {item.description, std::make_shared<const ExportedBoard>(std::move(*made))};
-    return kept.board;
+    auto board = std::make_shared<const ExportedBoard>(std::move(*made));
+    if (boards_.size() >= tidy_at_) {
+        std::erase_if(boards_, [](const auto& each) { return each.second.board.expired(); });
+        tidy_at_ = 2 * std::max(kMaxBoards, boards_.size());
+    }
+    boards_[item.board] = {hash, item.description.size(), board};
+    last_.push_back(board);
+    if (last_.size() > kMaxBoards) last_.pop_front();
+    return board;
 }
 
 bool Things::want(bus::Demander& demander, const std::string& board, const std::string& service, Time now) {
@@ -272,11 +278,8 @@ void get_things(Call& call) {
         query.board = names[at];
         const auto found = mirror.find(query, call.now());
         if (!found || found->boards.empty()) continue;
-        // Not kept: a page of them would take the places of those that are used.
-        auto board = exports::exported_board(found->boards[0], call.gateway.models());
-        if (!board) continue;
-        list.push_back(things.dialect().thing(
-            *seen(call.principal.rights, std::make_shared<const ExportedBoard>(std::move(*board))), forms));
+        if (auto board = things.find(found->boards[0]))
+            list.push_back(things.dialect().thing(*seen(call.principal.rights, std::move(board)), forms));
     }
     auto response = typed(list, "application/ld+json");
     if (end < names.size())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
@@ -22,10 +23,10 @@ struct ThingsOptions {
     bool broker_password = false;
 };
 
-/// Boards as things: those that were asked for last, and the values that are read of them. Pure.
+/// Boards as things and as exporters see them, and the values that are read of things. Pure.
 class Things {
   public:
-    static constexpr std::size_t kMaxBoards = 200;
+    static constexpr std::size_t kMaxBoards = 200;  ///< that are kept though no exporter has them
     static constexpr std::size_t kMaxWants = 1000;
     static constexpr Duration kWantFor = std::chrono::seconds(30);
 
@@ -34,17 +35,18 @@ class Things {
 
     const ThingsOptions& options() const { return options_; }
     const exports::WebOfThings& dialect() const { return dialect_; }
-    /// Making one costs more than all else of a request: it is made again when the description changed. Null:
-    /// the board has no description.
+    /// Making one costs more than all else of a request: it is made again when the description changed, and
+    /// shared. Null: the board has no description.
     std::shared_ptr<const exports::ExportedBoard> find(const bus::BoardItem& item);
     /// Demands a service's values for a while, of boards that report on demand. False: they were demanded
     /// already.
     bool want(bus::Demander& demander, const std::string& board, const std::string& service, Time now);
 
   private:
-    struct Kept {
-        std::string description;
-        std::shared_ptr<const exports::ExportedBoard> board;
+    struct Known {
+        std::size_t hash = 0;  // of the description
+        std::size_t bytes = 0;
+        std::weak_ptr<const exports::ExportedBoard> board;
     };
     struct Wanted {
         bus::Demander::Want want;
@@ -54,7 +56,9 @@ class Things {
     ThingsOptions options_;
     exports::WebOfThings dialect_;
     const model::ModelSet& models_;
-    std::map<std::string, Kept, std::less<>> boards_;
+    std::map<std::string, Known, std::less<>> boards_;
+    std::size_t tidy_at_ = 2 * kMaxBoards;
+    std::deque<std::shared_ptr<const exports::ExportedBoard>> last_;  // that were made
     std::map<std::pair<std::string, std::string>, Wanted> wants_;
 };
 

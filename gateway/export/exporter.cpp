@@ -143,8 +143,8 @@ void Exporter::begin_scan(Time now) {
 }
 
 /// What the broker keeps of a board that is there.
-void Exporter::take_retained(const std::string& name, const Dialect::Retained& found, Time now) {
-    auto& record = records_[name];
+void Exporter::take_retained(Record& record, Present present, const Dialect::Retained& found, Time now) {
+    const auto& name = present.board->board;
     const auto on_bus = [&](const std::string& topic) {
         const auto each = found.find(topic);
         return each == found.end() ? std::string() : each->second;
@@ -152,8 +152,7 @@ void Exporter::take_retained(const std::string& name, const Dialect::Retained& f
     record.document = on_bus(dialect().document_topic(name));
     record.document_due = record.values_due = true;
     record.state = on_bus(dialect().board_state(name));
-    if (record.board.board.empty())
-        if (auto present = port_.board(name)) take(record, std::move(present->board));
+    if (!record.board) take(record, present.board);
     record.targets.clear();
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         auto text = record.states[i].sent();
@@ -161,8 +160,8 @@ void Exporter::take_retained(const std::string& name, const Dialect::Retained& f
         // Behind the document.
         if (!text.empty()) record.states[i].offer(std::move(text), now, between_, false);
         if (record.states[i].waits()) pending_.emplace(name, i);
-        if (i >= record.board.entities.size()) continue;
-        const auto target = dialect().target(name, record.board.entities[i]);
+        if (i >= record.board->entities.size()) continue;
+        const auto target = dialect().target(name, record.board->entities[i]);
         if (auto each = found.find(target); each != found.end()) record.targets[target] = each->second;
     }
 }
@@ -182,10 +181,11 @@ void Exporter::finish_scan(Time now) {
         dirty_.insert(name);  // it may have been forgotten meanwhile
     const auto boards = options_.enabled ? port_.boards() : std::vector<std::string>();
     for (const auto& name : boards) {
-        if (!port_.board(name)) continue;
+        auto present = port_.board(name);
+        if (!present) continue;
         dirty_.insert(name);
-        take_retained(name, found, now);
         auto& record = records_[name];
+        take_retained(record, std::move(*present), found, now);
         wanted.insert({dialect().document_topic(name), dialect().board_state(name)});
         for (std::size_t i = 0; i < record.states.size(); ++i)
             wanted.insert(state_topic(record, i));

@@ -45,9 +45,9 @@ class Exporter {
     };
     /// A board as the catalogue has it.
     struct Present {
-        bool there = false;  ///< it can be commanded
-        ExportedBoard board;
-        std::string state{};  ///< of the catalogue
+        bool there = false;                          ///< it can be commanded
+        std::shared_ptr<const ExportedBoard> board;  ///< exporters share it
+        std::string state{};                         ///< of the catalogue
     };
     struct Port {
         std::function<void()> connect;     ///< the export's own connection, with its will
@@ -110,7 +110,7 @@ class Exporter {
   private:
     enum class Phase { kIdle, kConnecting, kScanning, kActive, kFinished };
     struct Record {
-        ExportedBoard board;
+        std::shared_ptr<const ExportedBoard> board;
         bool there = false;
         std::string state;     // as it was published
         std::string document;  // likewise
@@ -126,13 +126,13 @@ class Exporter {
 
     void begin_scan(Time now);
     void finish_scan(Time now);
-    void take_retained(const std::string& name, const Dialect::Retained& found, Time now);
+    void take_retained(Record& record, Present present, const Dialect::Retained& found, Time now);
     void show_gateway();
     void become_idle(const std::string& why);
     void clear_some();
     void pump(Time now);
     void update(const std::string& name, Time now);
-    void take(Record& record, ExportedBoard board);
+    void take(Record& record, std::shared_ptr<const ExportedBoard> board);
     void watch(Record& record);
     void remove(const std::string& name);
     void publish_document(Record& record, Time now);

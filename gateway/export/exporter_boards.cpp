@@ -48,7 +48,8 @@ void Exporter::update(const std::string& name, Time now) {
     auto& record = found->second;
     gateway_due_ = gateway_due_ || (added && !dialect().gateway_document_topic().empty());
     record.there = present->there;
-    const bool changed = !(record.board == present->board);
+    const bool changed =
+        record.board != present->board && (!record.board || !(*record.board == *present->board));
     if (changed) take(record, std::move(present->board));
     if (record.document_due) publish_document(record, now);
     if (changed || std::exchange(record.values_due, false)) all_values(record, now);
@@ -59,12 +60,12 @@ void Exporter::update(const std::string& name, Time now) {
 }
 
 std::string Exporter::state_topic(const Record& record, std::size_t index) const {
-    const auto& board = record.board;
+    const auto& board = *record.board;
     return index < board.entities.size() ? dialect().state(board.board, board.entities[index])
                                          : dialect().error(board.board);
 }
 
-void Exporter::take(Record& record, ExportedBoard board) {
+void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) {
     std::map<std::string, PacedValue> old;
     for (std::size_t i = 0; i < record.states.size(); ++i)
         old[state_topic(record, i)] = std::move(record.states[i]);
@@ -72,7 +73,7 @@ void Exporter::take(Record& record, ExportedBoard board) {
     record.board = std::move(board);
     record.document_due = true;
     record.states.clear();
-    record.states.resize(record.board.entities.size() + error_slots());
+    record.states.resize(record.board->entities.size() + error_slots());
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         const auto topic = state_topic(record, i);
         std::erase(clear_, topic);  // it is wanted again
@@ -80,8 +81,8 @@ void Exporter::take(Record& record, ExportedBoard board) {
             record.states[i] = std::move(kept->second);
             old.erase(kept);
         }
-        if (i >= record.board.entities.size()) continue;
-        const auto target = dialect().target(record.board.board, record.board.entities[i]);
+        if (i >= record.board->entities.size()) continue;
+        const auto target = dialect().target(record.board->board, record.board->entities[i]);
         std::erase(clear_, target);
         if (auto kept = targets.extract(target)) record.targets.insert(std::move(kept));
     }
@@ -94,7 +95,7 @@ void Exporter::take(Record& record, ExportedBoard board) {
 
 /// Which services have values for it, which are demanded.
 void Exporter::watch(Record& record) {
-    const auto& board = record.board;
+    const auto& board = *record.board;
     record.by_service.clear();
     for (std::size_t i = 0; i < board.entities.size(); ++i)
         if (const auto& entity = board.entities[i]; entity.kind != EntityKind::kButton)
@@ -107,17 +108,17 @@ void Exporter::watch(Record& record) {
 
 void Exporter::publish_document(Record& record, Time now) {
     record.document_due = false;
-    const auto topic = dialect().document_topic(record.board.board);
+    const auto topic = dialect().document_topic(record.board->board);
     if (topic.empty()) return;
     std::erase(clear_, topic);  // it is wanted again
-    auto document = dialect().next_document(record.board, record.document);
+    auto document = dialect().next_document(*record.board, record.document);
     if (document.text != record.document) {
         if (record.document_at && now - *record.document_at < kBetweenDocuments) {
             record.document_due = true;
             return;
         }
         if (auto changing = dialect().changing(); !changing.empty()) {
-            retain(dialect().board_state(record.board.board), changing);
+            retain(dialect().board_state(record.board->board), changing);
             record.state = std::move(changing);
         }
         retain(topic, document.text);
@@ -148,13 +149,13 @@ void Exporter::remove(const std::string& name) {
 
 void Exporter::publish_state(Record& record, std::size_t index) {
     const auto& text = record.states[index].sent();
-    if (index < record.board.entities.size()) publish_target(record, record.board.entities[index], text);
+    if (index < record.board->entities.size()) publish_target(record, record.board->entities[index], text);
     retain(state_topic(record, index), text, dialect().state_qos());
 }
 
 /// Ahead of the value itself.
 void Exporter::publish_target(Record& record, const Entity& entity, const std::string& payload) {
-    auto topic = dialect().target(record.board.board, entity);
+    auto topic = dialect().target(record.board->board, entity);
     if (topic.empty() || (payload.empty() && !record.targets.contains(topic))) return;
     auto& target = record.targets[topic];
     if (target == payload) return;
@@ -168,12 +169,12 @@ void Exporter::offer(Record& record, std::size_t index, std::string text, Time n
     if (state.offer(std::move(text), now, between_, port_.has_room()))
         publish_state(record, index);
     else if (state.waits())
-        pending_.emplace(record.board.board, index);
+        pending_.emplace(record.board->board, index);
 }
 
 void Exporter::all_values(Record& record, Time now) {
     for (const auto& [service, entities] : record.by_service)
-        port_.values(record.board.board, service,
+        port_.values(record.board->board, service,
                      [&](std::string_view text, bool set) { values_of(record, service, text, set, now); });
 }
 
@@ -188,7 +189,7 @@ void Exporter::values_of(Record& record, std::string_view service, std::string_v
         value = std::move(*parsed);
     }
     for (const auto index : found->second) {
-        const auto& entity = record.board.entities[index];
+        const auto& entity = record.board->entities[index];
         if (entity.read.has_value() == set) continue;
         const auto shown = set ? value_set(entity, value) : value_in(entity, value);
         // What is not known any more is said where something else was said before.
@@ -209,14 +210,14 @@ Exporter::Record* Exporter::record_of(const std::string& id) {
 
 void Exporter::command(const Dialect::Command& which, const std::string& payload) {
     auto* record = record_of(which.board);
-    const auto* entity = record == nullptr ? nullptr : record->board.entity(which.entity);
+    const auto* entity = record == nullptr ? nullptr : record->board->entity(which.entity);
     if (record == nullptr && dialect().has_neighbours()) return;
     if (entity == nullptr) {
         port_.log(std::string(dialect().title()) + " sets " +
                   text::printable(which.board + "/" + which.entity, kShownBytes) + ", which is not there");
         return;
     }
-    const auto board = record->board.board;
+    const auto board = record->board->board;
     const auto value = dialect().value_of(*entity, payload);
     if (!value) return failed(board, value.error());
     if (!record->there) return failed(board, entity->name + ": the board is not there");
@@ -233,7 +234,7 @@ void Exporter::failed(const std::string& board, const std::string& sentence) {
     if (phase_ != Phase::kActive || found == records_.end() || dialect().read_only()) return;
     auto text = dialect().error_text(sentence);
     if (dialect().error_is_retained())
-        return offer(found->second, found->second.board.entities.size(), std::move(text), now_);
+        return offer(found->second, found->second.board->entities.size(), std::move(text), now_);
     mqtt::Message message;
     message.topic = dialect().error(board);
     message.payload = std::move(text);

@@ -295,7 +295,8 @@ class ExportWorld {
         port.board = [this](const std::string& name) -> std::optional<Exporter::Present> {
             const auto found = boards.find(name);
             if (found == boards.end()) return std::nullopt;
-            return Exporter::Present{found->second.there, found->second.board,
+            return Exporter::Present{found->second.there,
+                                     std::make_shared<const ExportedBoard>(found->second.board),
                                      found->second.there ? "online" : "lost"};
         };
         port.values = [this](const std::string& board, const std::string& service,
