@@ -99,9 +99,9 @@ void post_stop(Call& call) {
         if (!item || item->names_only || !call.sees(board)) continue;
         (item->state == "lost" || item->state == "offline" ? lost : alive).push_back(std::move(board));
     }
+    ask_all(call, alive, send_stop);
     for (const auto& board : lost)
         send_stop(call, board, [](const CommandRecord&) {});
-    ask_all(call, alive, send_stop);
 }
 
 void post_resume_board(Call& call) {

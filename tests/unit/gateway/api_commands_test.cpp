@@ -155,6 +155,26 @@ TEST_F(ApiTest, QueueToTheBrokerFull_IsAnsweredAtOnceAndCanBeSentAgain) {
     EXPECT_EQ(again->status(), 200);
 }
 
+// Steps of work in front of a stop, not milliseconds: no message of another command, and none to a board that
+// is lost.
+TEST_F(ApiTest, StopOfAllBehindAllCommandsThatMayWait_IsTheNextMessageOfEachBoardThatIsThere) {
+    for (const char* board : {"a-lost", "b-there", "c-lost", "d-there"})
+        announce(board);
+    for (const char* board : {"a-lost", "c-lost"})
+        bus(std::string("asip/servicebus/") + board + "/$state", "lost");
+    for (int i = 0; i < 2000; ++i)
+        ask("POST", "/api/boards/b-there/services/servo/commands/write", "[0,90]");
+    const auto before = published_.size();
+    ASSERT_GE(before, 100u) << "as many as may wait for their answers";
+    ask("POST", "/api/stop");
+    ASSERT_EQ(published_.size(), before + 4);
+    std::vector<std::string> topics;
+    for (auto i = before; i < published_.size(); ++i)
+        topics.push_back(published_[i].topic);
+    EXPECT_THAT(topics, testing::ElementsAre("asip/b-there/$stop", "asip/d-there/$stop", "asip/a-lost/$stop",
+                                             "asip/c-lost/$stop"));
+}
+
 TEST_F(ApiTest, QueueToTheBrokerFull_AWebSocketIsAnsweredAtOnce) {
     announce();
     const auto socket = ask("GET", "/api/stream", "",
