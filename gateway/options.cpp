@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <limits>
 
 #include "asip/bus/topics.hpp"
 #include "asip/program/exit_status.hpp"
@@ -110,6 +111,10 @@ void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--http-key", raw.key, "TLS: private key, PEM"));
 }
 
+/// A terabyte, or what a 32-bit machine can address.
+constexpr std::size_t kLargestBuffer = std::size_t{1}
+                                       << (std::numeric_limits<std::size_t>::digits > 40 ? 40 : 31);
+
 void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
     const auto add = [&](CLI::Option* option) {
         settings.setting(option)->capture_default_str()->group("Limits");
@@ -142,7 +147,7 @@ void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--max-client-bytes", raw.gateway.client_bytes,
                        "Most memory for all that is kept for one client: its subscriptions, what waits to be "
                        "read by it, and its commands of the last minute; beyond: 429")
-            ->check(CLI::Range(std::size_t{256} << 10, std::size_t{1} << 40)));
+            ->check(CLI::Range(std::size_t{256} << 10, kLargestBuffer)));
     add(app.add_option("--stream-bytes", limits.stream_bytes,
                        "Most bytes of a stream that are handed to its connection at once")
             ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 20)));
