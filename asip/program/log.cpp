@@ -61,7 +61,7 @@ std::string json_line(Level level, std::string_view text, std::span<const Field>
     line["text"] = text;
     for (const auto& field : fields)
         line[std::string(field.name)] = field.value;
-    return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return text::escape_json(line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 }  // namespace

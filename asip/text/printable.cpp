@@ -30,6 +30,19 @@ bool is_c1(std::string_view text, std::size_t at) {
     return second >= 0x80 && second <= 0x9f;
 }
 
+/// Of a character that no one sees, at the beginning: its bytes. 0: another one is there.
+std::size_t unseen_bytes(std::string_view text) {
+    if (text.starts_with("\xd8\x9c")) return 2;
+    if (text.starts_with("\xef\xbb\xbf")) return 3;
+    if (text.size() < 3 || text[0] != '\xe2') return 0;
+    const auto second = static_cast<unsigned char>(text[1]);
+    const auto third = static_cast<unsigned char>(text[2]);
+    const bool unseen =
+        (second == 0x80 && ((third >= 0x8b && third <= 0x8f) || (third >= 0xa8 && third <= 0xae))) ||
+        (second == 0x81 && third >= 0xa0 && third <= 0xa9);
+    return unseen ? 3 : 0;
+}
+
 }  // namespace
 
 std::string printable(std::string_view text, std::size_t max_bytes) {
@@ -48,14 +61,14 @@ std::string escape_controls(std::string_view text) {
     std::string result;
     result.reserve(text.size());
     for (std::size_t i = 0; i < text.size(); ++i) {
-        if (is_c1(text, i)) {
-            append_escaped(result, text[i]);
-            append_escaped(result, text[++i]);
-        } else if (is_ascii_control(text[i])) {
-            append_escaped(result, text[i]);
-        } else {
+        const auto unseen = is_c1(text, i) ? 2 : is_ascii_control(text[i]) ? 1 : unseen_bytes(text.substr(i));
+        if (unseen == 0) {
             result += text[i];
+            continue;
         }
+        for (const char c : text.substr(i, unseen))
+            append_escaped(result, c);
+        i += unseen - 1;
     }
     return result;
 }
@@ -74,7 +87,10 @@ std::string escape_json(std::string document) {
         if (is_c1(text, i)) {
             length = 2;
             character = 0x80U | byte(1);
-        } else if (begins_unseen(text.substr(i))) {
+        } else if (const auto unseen = unseen_bytes(text.substr(i)); unseen == 2) {
+            length = 2;
+            character = (static_cast<unsigned>(text[i]) & 0x1fU) << 6U | byte(1);
+        } else if (unseen == 3) {
             length = 3;
             character = (static_cast<unsigned>(text[i]) & 0xfU) << 12U | byte(1) << 6U | byte(2);
         } else if (text[i] != '\x7f') {
@@ -105,12 +121,7 @@ bool is_showable(std::string_view text) {
 }
 
 bool begins_unseen(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) return true;
-    if (text.size() < 3 || text[0] != '\xe2') return false;
-    const auto second = static_cast<unsigned char>(text[1]);
-    const auto third = static_cast<unsigned char>(text[2]);
-    return (second == 0x80 && ((third >= 0x8b && third <= 0x8f) || (third >= 0xa8 && third <= 0xae))) ||
-           (second == 0x81 && third >= 0xa0 && third <= 0xa9);
+    return unseen_bytes(text) > 0;
 }
 
 }  // namespace asip::text

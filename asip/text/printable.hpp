@@ -11,7 +11,7 @@ namespace asip::text {
 std::string printable(std::string_view text, std::size_t max_bytes = 80);
 
 /// The whole text in one line, for a person. UTF-8 is kept: only control characters (below U+0020, U+007F to
-/// U+009F) become `\xNN`. The result is always showable.
+/// U+009F) and those of begins_unseen() become `\xNN`. The result is always showable.
 std::string escape_controls(std::string_view text);
 
 /// JSON that says the same and can be written to a terminal as it is: characters that it would obey (U+007F
@@ -27,7 +27,7 @@ std::string without_credentials(std::string_view address);
 bool is_showable(std::string_view text);
 
 /// Whether a character of UTF-8 at the beginning of `text` is one that no one sees; some of them turn the
-/// order of what follows. U+200B to U+200F, U+2028 to U+202E, U+2060 to U+2069, U+FEFF.
+/// order of what follows. U+061C, U+200B to U+200F, U+2028 to U+202E, U+2060 to U+2069, U+FEFF.
 bool begins_unseen(std::string_view text);
 
 }  // namespace asip::text

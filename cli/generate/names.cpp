@@ -150,7 +150,7 @@ std::string visible(std::string_view text) {
         const auto byte = static_cast<unsigned char>(text[at]);
         if (byte < 0x20 || byte == 0x7f || text::begins_unseen(text.substr(at))) {
             result += '?';
-            at += byte < 0x80 ? 1 : 3;
+            at += byte < 0x80 ? 1 : byte < 0xe0 ? 2 : 3;
         } else {
             result += text[at++];
         }

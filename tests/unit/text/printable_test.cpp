@@ -18,6 +18,23 @@ TEST(EscapeControls, Utf8_IsKeptAndControlsAreEscaped) {
     EXPECT_EQ(escape_controls("\u009b2J"), "\\xc2\\x9b2J");
 }
 
+/// A mark turns the order of what follows: "status=denied" would be read as something else.
+TEST(EscapeControls, MarksThatNoOneSees_AreEscaped) {
+    for (const std::string_view mark :
+         {"\u061c", "\u200b", "\u200e", "\u200f", "\u202a", "\u202b", "\u202c", "\u202d", "\u202e", "\u2066",
+          "\u2067", "\u2068", "\u2069", "\u2028", "\ufeff"}) {
+        const auto shown = escape_controls("a" + std::string(mark) + "b");
+        EXPECT_TRUE(shown.starts_with("a\\x")) << shown;
+        EXPECT_TRUE(shown.ends_with("b")) << shown;
+        EXPECT_EQ(shown.find(mark), std::string::npos) << shown;
+        EXPECT_EQ(escape_json("\"" + std::string(mark) + "\"").find(mark), std::string::npos);
+        EXPECT_TRUE(begins_unseen(mark));
+    }
+    EXPECT_EQ(escape_json("\"\u061c\""), R"("\u061c")");
+    EXPECT_EQ(escape_controls("\u0627\u0644 \u061f \u2010"), "\u0627\u0644 \u061f \u2010")
+        << "letters and signs stay";
+}
+
 TEST(EscapeControls, AnyPairOfBytes_BecomesShowable) {
     for (int first = 0; first < 256; ++first) {
         for (int second = 0; second < 256; ++second) {
