@@ -4,21 +4,17 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/query.hpp"
-#include "asip/bus/reply_topics.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::registry {
 
 IdentityWatch::IdentityWatch(const bus::Topics& topics, std::string id, std::string run,
-                             const std::string& user)
-    : topics_(topics),
-      id_(std::move(id)),
-      run_(std::move(run)),
-      reply_topic_(bus::ReplyTopics(topics_, user, "registry-" + run_).to(topics_.registry_query(id_))) {
+                             std::string reply_topic, const std::string& question)
+    : topics_(topics), id_(std::move(id)), run_(std::move(run)), reply_topic_(std::move(reply_topic)) {
     bus::Query query;
     query.limit = 1;
     query.brief = true;
-    probe_ = bus::encode(bus::RegistryRequest{query, run_, reply_topic_});
+    probe_ = bus::encode(bus::RegistryRequest{query, question, reply_topic_});
 }
 
 mqtt::Message IdentityWatch::probe() const {

@@ -12,8 +12,10 @@ namespace asip::registry {
 /// publish on one topic. Pure.
 class IdentityWatch {
   public:
-    /// `run`: random, what the epochs of this run begin with. `user`: of the broker, for the reply topic.
-    IdentityWatch(const bus::Topics& topics, std::string id, std::string run, const std::string& user);
+    /// `run`: random, what the epochs of this run begin with: everybody reads it, so that neither the reply
+    /// topic nor `question`, by which probe() is known, may be found by it.
+    IdentityWatch(const bus::Topics& topics, std::string id, std::string run, std::string reply_topic,
+                  const std::string& question);
 
     /// Subscribe to it, and to the statistics of this id, before probe() is published.
     std::string reply_topic() const { return reply_topic_; }

@@ -34,14 +34,13 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
       history_(history),
       now_(now),
       run_(random_hex(random_, 8)),
+      replies_(topics_, user_, "registry-" + random_hex(random_, 16)),
       catalogue_(catalogue_options(options, models)),
       feed_(id_),
-      first_state_(
-          topics_, id_,
-          bus::ReplyTopics(topics_, user_, "registry-" + run_ + "/first").to(topics_.any_registry_query()),
-          options.copy_boards, first_state_dependencies()),
+      first_state_(topics_, id_, replies_.below("first").to(topics_.any_registry_query()),
+                   options.copy_boards, first_state_dependencies()),
       statistics_(options.stats_interval, now.time),
-      identity_(topics_, id_, run_, options.mqtt.user),
+      identity_(topics_, id_, run_, replies_.to(topics_.registry_query(id_)), random_hex(random_, 16)),
       tidier_(topics_, port_,
               [this](const std::string& board) {
                   const auto item = catalogue_.board(board, now_);

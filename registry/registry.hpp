@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/reply_topics.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/random.hpp"
 #include "registry/catalogue_types.hpp"
@@ -96,7 +97,8 @@ class Registry {
     Port port_;
     HistoryKeeper* history_;
     Instant now_;
-    std::string run_;  // random, of this start; epochs are run_ and the number of the connection
+    std::string run_;           // random, of this start; epochs are run_ and the number of the connection
+    bus::ReplyTopics replies_;  // what keeps others from them is a random level, which is published nowhere
     Catalogue catalogue_;
     ChangeFeed feed_;
     FirstState first_state_;

@@ -4,8 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <deque>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "history_files.hpp"
 #include "messages.hpp"
@@ -103,6 +105,34 @@ class RegistryRun {
 };
 
 const std::string kState = "asip/servicebus/uno1/$state";
+
+/// Whoever reads what a registry publishes for everybody learns nothing of its reply topics: with their names
+/// a viewer could have answers sent there.
+TEST(Registry, RandomLevelsOfItsReplyTopics_ArePublishedNowhere) {
+    const HistoryFile file;
+    RegistryRun run(file.path(), 0s);
+    run.complete(0s);
+    run.ask(R"({"find":"boards"})", 1s);
+    for (int i = 0; i < 30; ++i)
+        run.registry.tick(moment(std::chrono::seconds(i)));
+    std::set<std::string> secrets;  // each run of hexadecimal digits that could be one
+    std::string everybody;
+    for (const auto& message : run.connection.published) {
+        const bool to_registries = message.topic.ends_with("/query");
+        if (!to_registries) everybody += message.topic + " " + message.payload + "\n";
+        const auto at = message.payload.find("asip/reply/");
+        if (!to_registries || at == std::string::npos) continue;
+        const auto topic = message.payload.substr(at, message.payload.find('"', at) - at);
+        for (std::size_t from = 0; from < topic.size();) {
+            const auto end = std::min(topic.find_first_not_of("0123456789abcdef", from), topic.size());
+            if (end - from >= 8) secrets.insert(topic.substr(from, end - from));
+            from = end + 1;
+        }
+    }
+    ASSERT_EQ(secrets.size(), 1u);
+    EXPECT_THAT(everybody, testing::HasSubstr("epoch"));
+    EXPECT_EQ(everybody.find(*secrets.begin()), std::string::npos) << everybody;
+}
 
 TEST(RegistryWithHistory, StartedAgain_TimesAndForgettingGoOnAndNothingIsAddedTwice) {
     const HistoryFile file;
