@@ -15,7 +15,7 @@
 #include "agent/describe/label_files.hpp"
 #include "agent/inbound/continuations.hpp"
 #include "agent/inbound/inbox.hpp"
-#include "agent/port/outage.hpp"
+#include "agent/port/port_outage.hpp"
 #include "agent/program/broker_reports.hpp"
 #include "agent/program/options.hpp"
 #include "agent/safety/stop_files.hpp"
@@ -144,7 +144,7 @@ class BoardAgent {
     boost::asio::steady_timer check_timer_;
     Inbox inbox_;
     std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
-    Outage outage_;
+    PortOutage outage_;
     mqtt::Backoff bus_patience_{std::chrono::minutes(1), std::chrono::minutes(5)};  // as a service
     std::optional<Time> armed_for_;
     Life life_ = Life::kRunning;

@@ -88,11 +88,13 @@ void BrokerReports::stray_answer(const std::string& topic) {
 
 void BrokerReports::look_for_drops(const mqtt::Counters& counters) {
     if (std::exchange(dropped_context_, counters.dropped_context) != counters.dropped_context)
-        log_.warning("the broker is slower than the board; oldest values dropped",
-                     {{"dropped", counters.dropped_context}});
+        log_.warning(
+            "more values wait for the broker than are kept (it is slow, or away); oldest values dropped",
+            {{"dropped", counters.dropped_context}});
     if (std::exchange(dropped_answers_, counters.refused) != counters.refused)
-        log_.warning("the broker is slower than commands come; answers dropped",
-                     {{"dropped", counters.refused}});
+        log_.warning(
+            "more waits for the broker than is kept (it is slow, or away); answers or announcements dropped",
+            {{"dropped", counters.refused}});
 }
 
 }  // namespace asip::agent

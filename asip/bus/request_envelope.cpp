@@ -8,6 +8,7 @@
 #include "asip/bus/broken_request.hpp"
 #include "asip/bus/written_numbers.hpp"
 #include "asip/model/json.hpp"
+#include "asip/mqtt/client_core.hpp"
 #include "asip/text/file_text.hpp"
 
 namespace asip::bus {
@@ -17,10 +18,11 @@ using nlohmann::json;
 
 bool valid_reply_topic(std::string_view topic) {
     if (topic.empty() || topic.size() > kMaxReplyTopicBytes || topic.front() == '$') return false;
-    return std::none_of(topic.begin(), topic.end(), [](char c) {
+    const bool controls = std::any_of(topic.begin(), topic.end(), [](char c) {
         const auto byte = static_cast<unsigned char>(c);
-        return byte < 0x20 || byte == 0x7f || c == '+' || c == '#';
+        return byte < 0x20 || byte == 0x7f;
     });
+    return !controls && mqtt::can_be_topic(std::string(topic));
 }
 
 bool looks_like_json(std::string_view payload) {

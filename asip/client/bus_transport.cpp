@@ -189,7 +189,8 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const auto asked_topics = asked_;
     asked_topics->emplace(id, message.topic);
     if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
-        calls_.finish(id, failure(Error::Kind::kRefused, "the broker is slower than the commands come"));
+        calls_.finish(
+            id, failure(Error::Kind::kRefused, "too many commands wait for the broker: it is slow, or away"));
     }
     auto outcome = co_await calls_.wait(id, deadline + kAnswerTime, unanswered);
     asked_topics->erase(id);  // this may be gone

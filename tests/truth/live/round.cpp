@@ -33,7 +33,7 @@ Round::Round(std::uint64_t seed, Counts& counts, bool pico) : seed_(seed), count
 void Round::connect() {
     replies_seen_ = 0;
     reconnects_seen_ = 0;
-    for (Outage& outage : outages_)
+    for (Downtime& outage : outages_)
         outage.announced = 0;
     probe_ = std::make_unique<asip::test::BusProbe>(
         broker_.port(), std::vector<std::string>{kReplies, "asip/servicebus/+/$state"});
@@ -65,7 +65,7 @@ std::size_t Round::announced(const LiveBoard& board) const {
 
 // How long an agent takes to start depends on the machine.
 void Round::end_outages() {
-    for (Outage& outage : outages_) {
+    for (Downtime& outage : outages_) {
         if (outage.over()) continue;
         if (online(*outage.board) && announced(*outage.board) > outage.announced)
             outage.until = now_ms();

@@ -47,7 +47,7 @@ struct Sent {
 };
 
 /// A board's agent, or the broker, is not there: what is under way then nobody answers.
-struct Outage {
+struct Downtime {
     const LiveBoard* board;
     std::int64_t from;
     std::size_t announced;  ///< how often the agent had been announced when it began
@@ -101,7 +101,7 @@ class Round {
     std::int64_t broker_died_ = std::numeric_limits<std::int64_t>::min() / 2;
     std::deque<Sent> sent_;
     std::array<std::array<int, 16>, 2> duties_{};
-    std::vector<Outage> outages_;
+    std::vector<Downtime> outages_;
     std::vector<std::pair<std::int64_t, std::int64_t>> starved_;
     std::int64_t pumped_ = 0;
     std::int64_t watched_ = 0;  // when watch_processor() looked last

@@ -26,7 +26,7 @@ std::int64_t Round::starved_ms(std::int64_t from, std::int64_t until) const {
 }
 
 bool Round::nobody_there(const Sent& sent) const {
-    return std::any_of(outages_.begin(), outages_.end(), [&](const Outage& outage) {
+    return std::any_of(outages_.begin(), outages_.end(), [&](const Downtime& outage) {
         return outage.board == sent.board && outage.until >= sent.at &&
                outage.from <= sent.at + kDeadlineMs + starved_ms(sent.at, outage.from);
     });

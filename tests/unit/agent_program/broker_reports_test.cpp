@@ -83,6 +83,14 @@ TEST_F(BrokerReportsTest, Drops_AreSaidAgainWhereTheyGoOn) {
     }
 }
 
+TEST_F(BrokerReportsTest, Drops_NameEveryReasonThatThereCanBe) {
+    reports.look_for_drops(counters);
+    counters.dropped_context += 7;
+    counters.refused += 2;
+    reports.look_for_drops(counters);
+    EXPECT_THAT(said(), ::testing::Each(HasSubstr("it is slow, or away")));
+}
+
 TEST_F(BrokerReportsTest, MissingCredentials_AreSaidOnce) {
     reports.credentials_missing("uno1", "/etc/asip");
     reports.credentials_missing("uno1", "/etc/asip");

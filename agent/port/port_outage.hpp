@@ -12,7 +12,7 @@ namespace asip::agent {
 /// Decides when a person is told that the board cannot be reached: each kind of failure once, then once a
 /// minute, however often it is tried. The outage is over when the board is heard, not when its port opens:
 /// some ports open and close again as long as nothing is behind them. Pure.
-class Outage {
+class PortOutage {
   public:
     static constexpr Duration kRemindEvery = std::chrono::minutes(1);
 

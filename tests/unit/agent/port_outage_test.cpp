@@ -4,32 +4,32 @@
 
 #include <chrono>
 
-#include "agent/port/outage.hpp"
+#include "agent/port/port_outage.hpp"
 
 namespace asip::agent {
 namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Outage, FirstAttempt_IsTheOneBeforeAnyOtherAndBeforeThePortWasOpen) {
-    Outage failing;
+TEST(PortOutage, FirstAttempt_IsTheOneBeforeAnyOtherAndBeforeThePortWasOpen) {
+    PortOutage failing;
     EXPECT_TRUE(failing.first_attempt());
     EXPECT_FALSE(failing.first_attempt());
-    Outage opened;
+    PortOutage opened;
     opened.opened();
     EXPECT_FALSE(opened.first_attempt());
 }
 
-TEST(Outage, FourAttemptsASecond_AreReportedOnceThenOnceAMinute) {
-    Outage outage;
+TEST(PortOutage, FourAttemptsASecond_AreReportedOnceThenOnceAMinute) {
+    PortOutage outage;
     int reported = 0;
     for (Time now{}; now < Time{} + 150s; now += 250ms)
         reported += outage.failed(link::StreamError::Kind::kNotThere, now);
     EXPECT_EQ(reported, 3);
 }
 
-TEST(Outage, KindsOfFailureInTurns_AreReportedOnceEach) {
-    Outage outage;
+TEST(PortOutage, KindsOfFailureInTurns_AreReportedOnceEach) {
+    PortOutage outage;
     int reported = 0;
     for (Time now{}; now < Time{} + 30s; now += 500ms) {
         reported += outage.failed(link::StreamError::Kind::kNotThere, now);
@@ -38,8 +38,8 @@ TEST(Outage, KindsOfFailureInTurns_AreReportedOnceEach) {
     EXPECT_EQ(reported, 2);
 }
 
-TEST(Outage, BoardHeard_IsReportedOnceAndTheNextOutageAtOnce) {
-    Outage outage;
+TEST(PortOutage, BoardHeard_IsReportedOnceAndTheNextOutageAtOnce) {
+    PortOutage outage;
     EXPECT_FALSE(outage.heard()) << "there was none";
     EXPECT_TRUE(outage.failed(link::StreamError::Kind::kNotThere, Time{}));
     EXPECT_TRUE(outage.heard());
