@@ -47,28 +47,6 @@ const PageFile* file_of(const std::string& path) {
     return found == files.end() ? nullptr : &*found;
 }
 
-void redeem(Gateway& gateway, const http::Peer& peer, const std::string& code, const http::Reply& reply) {
-    const auto cookie = gateway.gate().logins().redeem(code, gateway.now().time);
-    if (!cookie) {
-        auto response =
-            problem(401,
-                    "the code was used already or is older than 30 s; get another one with asipctl "
-                    "open, or sign in with a token");
-        return reply.send(std::move(response));
-    }
-    const auto& base = gateway.options().base_path;
-    http::Response response;
-    response.status = 303;
-    response.content_type = "text/plain";
-    response.headers = {
-        {"Location", base + "/"},
-        {"Cache-Control", "no-store"},
-        {"Referrer-Policy", "no-referrer"},
-        {"Set-Cookie", gateway.gate().options().cookie + "=" + *cookie + "; Path=" + base +
-                           "/; HttpOnly; SameSite=Strict; Max-Age=43200" + (peer.secure ? "; Secure" : "")}};
-    reply.send(std::move(response));
-}
-
 }  // namespace
 
 void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply,
@@ -79,7 +57,7 @@ void serve_page(Gateway& gateway, const http::Request& request, const http::Repl
     if (path.empty()) {
         const auto* code = request.parameter("code");
         if (code != nullptr && request.method == "GET" && kiosk == nullptr)
-            return redeem(gateway, peer, *code, reply);
+            return log_in(gateway, request, peer, *code, reply);
         path = "index.html";
     }
     const auto* file = gateway.options().page ? file_of(path) : nullptr;

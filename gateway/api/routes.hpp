@@ -10,7 +10,7 @@ namespace asip::gateway::api {
 
 /// What somebody needs to be allowed to. That an answer holds only what they may see is the operation's own
 /// duty: see limits.hpp.
-enum class Need { kNothing, kRead, kCommand, kLabel, kRaw, kForget };
+enum class Need { kNothing, kRead, kCommand, kStop, kLabel, kRaw, kForget };
 
 /// A parameter behind `?`. One that no route has is refused, and so is one that is given twice.
 struct Parameter {
@@ -91,6 +91,10 @@ void get_readyz(Call& call);
 /// `/` and the files of the page. `kiosk`: whose link it is below; null: none.
 void serve_page(Gateway& gateway, const http::Request& request, const http::Reply& reply,
                 const http::Peer& peer, const Rights* kiosk);
+
+/// `/?code=CODE`: logs a browser in.
+void log_in(Gateway& gateway, const http::Request& request, const http::Peer& peer, const std::string& code,
+            const http::Reply& reply);
 
 std::string openapi_document(const std::vector<Route>& routes, const std::string& base_path);
 

@@ -63,6 +63,8 @@ bool allowed(const Rights& rights, Need need) {
             return rights.may_read();
         case Need::kCommand:
             return rights.may_command();
+        case Need::kStop:
+            return rights.may_stop();
         case Need::kLabel:
             return rights.may_label();
         case Need::kRaw:
@@ -164,10 +166,12 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
         return reply.send(std::move(response));
     }
     const std::string role(to_string(principal.rights.role));
+    const bool whole_boards = need != Need::kNothing && need != Need::kRead && need != Need::kCommand;
+    if (whole_boards && principal.rights.may_command() && !principal.rights.services.empty())
+        return reply.send(
+            problem(403, "a token that is limited to some services may do nothing to whole boards"));
     reply.send(problem(403, need == Need::kRaw
                                 ? "a " + role + " without the right to raw lines may not do this"
-                            : need == Need::kLabel && principal.rights.may_command()
-                                ? "a token that is limited to some services may not label boards"
                             : need == Need::kForget ? "only an admin may forget boards"
                                                     : "a " + role + " may only read"));
 }

@@ -34,10 +34,15 @@ void get_status(Call& call) {
     auto& gateway = call.gateway;
     const auto& mirror = gateway.mirror();
     const auto& rights = call.principal.rights;
-    json you{{"name", rights.name},          {"role", to_string(rights.role)},
-             {"raw", rights.may_send_raw()}, {"command", rights.may_command()},
-             {"label", rights.may_label()},  {"forget", rights.may_forget()},
-             {"limited", rights.limited()},  {"session", call.principal.kind == Principal::Kind::kSession}};
+    json you{{"name", rights.name},
+             {"role", to_string(rights.role)},
+             {"raw", rights.may_send_raw()},
+             {"command", rights.may_command()},
+             {"stop", rights.may_stop()},
+             {"label", rights.may_label()},
+             {"forget", rights.may_forget()},
+             {"limited", rights.limited()},
+             {"session", call.principal.kind == Principal::Kind::kSession}};
     json broker{{"connected", mirror.connected()}};
     // Where there never was a connection there is no such time.
     if (const auto since = mirror.connected_since().wall; since != text::WallTime{})
@@ -70,8 +75,14 @@ void get_readyz(Call& call) {
     send_json(call, {{"status", "ok"}});
 }
 
-// A code for whoever asks, with the same rights: `asipctl open` puts it behind the page's address.
+// A code for whoever asks, with the same rights: `asipctl open` puts it behind the page's address. A session
+// that made codes could go on for ever, under cookies that no log-out ends.
 void post_code(Call& call) {
+    if (call.principal.kind == Principal::Kind::kSession)
+        return send_problem(
+            call, 403, "a browser that is signed in makes no codes; asipctl open makes one, with the token");
+    if (call.principal.rights.role == Role::kKiosk)
+        return send_problem(call, 403, "a kiosk's token opens its own link only, and makes no codes");
     const auto code = call.gateway.gate().logins().make_code(call.principal.rights, call.now().time);
     if (code.empty())
         return send_problem(call, 429,

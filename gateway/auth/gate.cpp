@@ -60,16 +60,21 @@ std::string client_of(const Principal& principal, const http::Peer& peer) {
 }
 
 std::string host_part(std::string_view authority) {
-    if (!authority.empty() && authority.front() == '[')
-        return lower(
-            authority.substr(1, authority.find(']') == std::string_view::npos ? 0 : authority.find(']') - 1));
-    return lower(authority.substr(0, authority.rfind(':')));
+    const bool bracketed = authority.starts_with('[');
+    const auto end = bracketed ? authority.find(']') : std::min(authority.find(':'), authority.size());
+    if (end == std::string_view::npos) return {};
+    const auto host = bracketed ? authority.substr(1, end - 1) : authority.substr(0, end);
+    const auto rest = authority.substr(bracketed ? end + 1 : end);
+    const bool port =
+        rest.empty() || (rest.front() == ':' && rest.find_first_not_of("0123456789", 1) == rest.npos);
+    const bool address = !bracketed || (is_ip_address(host) && host.find(':') != host.npos);
+    return port && address ? lower(host) : std::string();
 }
 
 std::optional<Denied> Gate::wrong_host(const http::Request& request) const {
     const auto host = host_part(request.header("host"));
-    if (host.empty() && request.http_1_0) return std::nullopt;
-    if (host.empty()) return Denied{400, "the request has no Host"};
+    if (!request.has_header("host") && request.http_1_0) return std::nullopt;
+    if (host.empty()) return Denied{400, "the request has no Host of the form NAME:PORT"};
     if (!request.scheme.empty() && (request.scheme == "https") != request.peer.secure &&
         !options_.behind_proxy)
         return Denied{421, "this connection is not " + request.scheme};
@@ -100,7 +105,7 @@ std::optional<Denied> Gate::wrong_origin(const http::Request& request) const {
     return Denied{403, "a page of " + text::printable(origin) + " may not do this; --allow-origin lets one"};
 }
 
-std::string Gate::cookie_of(const http::Request& request) const {
+std::string Gate::cookie_of(const http::Request& request, std::string_view name) {
     std::string_view rest = request.header("cookie");
     while (!rest.empty()) {
         const auto end = rest.find(';');
@@ -108,9 +113,8 @@ std::string Gate::cookie_of(const http::Request& request) const {
         rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
         while (!pair.empty() && pair.front() == ' ')
             pair.remove_prefix(1);
-        if (pair.starts_with(options_.cookie) && pair.size() > options_.cookie.size() &&
-            pair[options_.cookie.size()] == '=')
-            return std::string(pair.substr(options_.cookie.size() + 1));
+        if (pair.starts_with(name) && pair.substr(name.size()).starts_with('='))
+            return std::string(pair.substr(name.size() + 1));
     }
     return {};
 }
@@ -124,7 +128,7 @@ Expected<Principal, Denied> Gate::who(const http::Request& request, const Instan
     }
     if (const auto cookie = cookie_of(request); !cookie.empty()) {
         if (auto rights = logins_.session(cookie, now.time)) {
-            Principal principal{std::move(*rights), Principal::Kind::kSession};
+            Principal principal{std::move(*rights), Principal::Kind::kSession, cookie};
             if (still_admitted(principal, now)) return principal;
         }
     }
@@ -164,10 +168,23 @@ bool Gate::still_admitted(const Principal& principal, const Instant& now) const 
     if (rights.until && *rights.until <= now.wall) return false;
     if (principal.kind == Principal::Kind::kAnonymous || principal.kind == Principal::Kind::kLoopback)
         return true;
-    if (rights.name == options_.loopback.name) return options_.loopback.role != Role::kNone;
-    if (rights.name == options_.anonymous.name) return options_.anonymous.role != Role::kNone;
+    if (principal.kind == Principal::Kind::kSession && !logins_.session(principal.cookie, now.time))
+        return false;
+    return in_force(rights);
+}
+
+bool Gate::in_force(const Rights& rights) const {
+    if (rights.token_hash.empty()) {
+        const auto& own = rights.name == options_.loopback.name ? options_.loopback : options_.anonymous;
+        return rights.name == own.name && own.role != Role::kNone;
+    }
     const auto* token = tokens_.named(rights.name);
     return token != nullptr && *token == rights;
+}
+
+void Gate::set_tokens(Tokens tokens) {
+    tokens_ = std::move(tokens);
+    logins_.end_unless([this](const Rights& rights) { return in_force(rights); });
 }
 
 }  // namespace asip::gateway

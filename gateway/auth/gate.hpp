@@ -15,6 +15,7 @@ namespace asip::gateway {
 struct Principal {
     Rights rights;
     enum class Kind { kAnonymous, kLoopback, kToken, kSession } kind = Kind::kAnonymous;
+    std::string cookie{};  ///< kSession: of the browser; the session may end before the rights do
 };
 
 /// Why a request is not served: an HTTP status and a sentence for a person, that says what to do.
@@ -40,8 +41,9 @@ class Gate {
 
     Gate(Options options, Secrets secrets) : options_(std::move(options)), logins_(std::move(secrets)) {}
 
-    /// In place of those of before. Ask still_admitted() of whoever was admitted by them.
-    void set_tokens(Tokens tokens) { tokens_ = std::move(tokens); }
+    /// In place of those of before; log-ins by tokens that are gone or changed end. Ask still_admitted() of
+    /// whoever was admitted by them.
+    void set_tokens(Tokens tokens);
     const Tokens& tokens() const { return tokens_; }
     Logins& logins() { return logins_; }
     const Options& options() const { return options_; }
@@ -58,10 +60,13 @@ class Gate {
     /// brings, decides what it may; it may read only.
     Expected<Principal, Denied> admit_link(const http::Request& request, std::string_view token,
                                            const Instant& now) const;
-    /// Whether somebody admitted earlier still is: for open streams. A changed token ends them as well.
+    /// Whether somebody admitted earlier still is: for open streams. A token that was changed or replaced
+    /// ends them, and so does the end of the session.
     bool still_admitted(const Principal& principal, const Instant& now) const;
     /// The value of our cookie; empty: none.
-    std::string cookie_of(const http::Request& request) const;
+    std::string cookie_of(const http::Request& request) const { return cookie_of(request, options_.cookie); }
+    /// Of any cookie, by its name.
+    static std::string cookie_of(const http::Request& request, std::string_view name);
     /// The origin of the request, if it is one that answers may be given to; empty: none.
     std::string allowed_origin(const http::Request& request) const;
 
@@ -69,13 +74,14 @@ class Gate {
     std::optional<Denied> wrong_host(const http::Request& request) const;
     std::optional<Denied> wrong_origin(const http::Request& request) const;
     Expected<Principal, Denied> who(const http::Request& request, const Instant& now) const;
+    bool in_force(const Rights& rights) const;
 
     Options options_;
     Tokens tokens_;
     Logins logins_;
 };
 
-/// The host of a Host header or an origin, in lower case, without port and brackets.
+/// The host of a Host header, in lower case, without port and brackets; empty: it is no HOST[:PORT].
 std::string host_part(std::string_view authority);
 /// Whom limits count: the name of the token, else the address.
 std::string client_of(const Principal& principal, const http::Peer& peer);

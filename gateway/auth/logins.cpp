@@ -30,6 +30,12 @@ std::string Logins::make_code(const Rights& rights, Time now) {
     return code;
 }
 
+std::optional<Rights> Logins::offered(std::string_view code, Time now) const {
+    const auto found = codes_.find(hash_of(code));
+    if (found == codes_.end() || found->second.until <= now) return std::nullopt;
+    return found->second.rights;
+}
+
 std::optional<std::string> Logins::redeem(std::string_view code, Time now) {
     const auto found = codes_.find(hash_of(code));
     if (found == codes_.end()) return std::nullopt;
@@ -61,6 +67,12 @@ void Logins::end_oldest(const std::string& name) {
 
 void Logins::end(std::string_view cookie) {
     sessions_.erase(hash_of(cookie));
+}
+
+void Logins::end_unless(const std::function<bool(const Rights&)>& in_force) {
+    const auto is_over = [&](const auto& each) { return !in_force(each.second.rights); };
+    std::erase_if(codes_, is_over);
+    std::erase_if(sessions_, is_over);
 }
 
 void Logins::expire(Time now) {

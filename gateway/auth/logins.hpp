@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,12 +26,16 @@ class Logins {
 
     /// A code that works once, within kCodeTime; empty: too many of this name are open.
     std::string make_code(const Rights& rights, Time now);
+    /// Whom a code logs in; it can still be redeemed. Nothing for one that is not known, used or too old.
+    std::optional<Rights> offered(std::string_view code, Time now) const;
     /// The cookie's value. A code works once; nothing for one that is not known, used or too old.
     std::optional<std::string> redeem(std::string_view code, Time now);
     /// The rights as they were when the code was made; nothing for a cookie that is not known or too old.
     std::optional<Rights> session(std::string_view cookie, Time now) const;
     /// Log out: the cookie is worth nothing from now on. One that is not known is passed over.
     void end(std::string_view cookie);
+    /// Ends the codes and sessions whose rights are not in force any more.
+    void end_unless(const std::function<bool(const Rights&)>& in_force);
     /// Forgets what is too old. Call now and then: what is too old works no more in any case.
     void expire(Time now);
     std::size_t sessions() const { return sessions_.size(); }

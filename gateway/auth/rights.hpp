@@ -21,8 +21,8 @@ enum class Role {
 };
 std::string_view to_string(Role role);
 
-/// What somebody may do, and under which name it is logged. A value: it holds nothing of the tokens' file,
-/// and whether it is still in force is Gate::still_admitted()'s to say.
+/// What somebody may do, and under which name it is logged. A value: whether it is still in force is
+/// Gate::still_admitted()'s to say.
 struct Rights {
     Role role = Role::kNone;
     bool raw = false;  ///< may send raw lines, which reach every service; an admin may anyway
@@ -31,15 +31,19 @@ struct Rights {
     std::vector<std::string> services;    ///< patterns of services, on every board that is seen; empty: all
     std::vector<std::string> frames;      ///< kKiosk: origins whose pages may show it
     std::optional<text::WallTime> until;  ///< when they end; nothing: never
+    /// The hash of the token that gives them; empty: none does. Another token with the same name and the same
+    /// rights gives other rights.
+    std::string token_hash;
 
     bool may_read() const { return role != Role::kNone; }
     bool may_command() const { return role >= Role::kOperator; }
-    bool may_send_raw() const {
-        return role >= Role::kOperator && (raw || role == Role::kAdmin) && services.empty();
-    }
+    /// A stop, a resume and a raw line reach every service of a board, and a board is forgotten as a whole:
+    /// none of them is for rights on some services only.
+    bool may_stop() const { return may_command() && services.empty(); }
     /// Labels and friendly names; those of a service may be read by everybody who sees the board.
-    bool may_label() const { return may_command() && services.empty(); }
-    bool may_forget() const { return role == Role::kAdmin; }
+    bool may_label() const { return may_stop(); }
+    bool may_send_raw() const { return may_stop() && (raw || role == Role::kAdmin); }
+    bool may_forget() const { return role == Role::kAdmin && services.empty(); }
     /// By the patterns alone: whether anything may be read is the role's to say.
     bool sees_board(std::string_view board) const;
     bool sees_service(std::string_view board, std::string_view service) const;

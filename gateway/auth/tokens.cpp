@@ -82,7 +82,8 @@ Expected<Tokens> Tokens::parse(std::string_view text) {
         for (std::size_t i = 3; i < words.size(); ++i) {
             if (auto member = read_member(*rights, words[i]); !member) return wrong(member.error());
         }
-        tokens.tokens_.push_back({words[2], std::move(*rights)});
+        rights->token_hash = words[2];
+        tokens.tokens_.push_back(std::move(*rights));
     }
     return tokens;
 }
@@ -119,15 +120,15 @@ const Rights* Tokens::find(std::string_view token) const {
     const auto hash = hash_of(token);
     const Rights* found = nullptr;
     for (const auto& each : tokens_) {
-        if (equal_in_constant_time(each.hash, hash)) found = &each.rights;
+        if (equal_in_constant_time(each.token_hash, hash)) found = &each;
     }
     return found;
 }
 
 const Rights* Tokens::named(std::string_view name) const {
-    const auto found = std::find_if(tokens_.begin(), tokens_.end(),
-                                    [&](const Token& each) { return each.rights.name == name; });
-    return found == tokens_.end() ? nullptr : &found->rights;
+    const auto found =
+        std::find_if(tokens_.begin(), tokens_.end(), [&](const Rights& each) { return each.name == name; });
+    return found == tokens_.end() ? nullptr : &*found;
 }
 
 std::string token_line(const Rights& rights, std::string_view hash) {

@@ -30,11 +30,7 @@ class Tokens {
     std::size_t size() const { return tokens_.size(); }
 
   private:
-    struct Token {
-        std::string hash;
-        Rights rights;
-    };
-    std::vector<Token> tokens_;
+    std::vector<Rights> tokens_;
 };
 
 /// The line of the file for a new token, without a line end; parse() reads it back as these rights.

@@ -15,7 +15,7 @@ const kReloadMs = 200;
 const rates = [1, 2, 5, 10, 20, 50];
 let rate = 10; // values a second, kept from board to board
 
-const rights = () => `${status.may_command} ${status.may_forget} ${status.may_label}`;
+const rights = () => `${status.may_stop} ${status.may_forget} ${status.may_label}`;
 
 const facts_of = (facts) => facts.filter(([, text]) => text).map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)));
 
@@ -118,7 +118,7 @@ class Board extends Part {
 
   show_tools() {
     this.tools_for = rights();
-    const stop = () => status.may_command && h("asip-stop", { board: this.name });
+    const stop = () => status.may_stop && h("asip-stop", { board: this.name });
     const forget = () => status.may_forget && h("button", { onclick: () => this.ask_to_forget() }, "Forget this board");
     const tool = this.state && (alive(this.state) ? stop() : forget());
     this.tools.replaceChildren(...(tool ? [tool] : []));

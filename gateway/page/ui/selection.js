@@ -22,11 +22,11 @@ class Selection extends Part {
     this.count = h("strong", {});
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     const button = (text, work, more = {}) => h("button", { onclick: work, ...more }, text);
-    this.commands = [button("Stop", () => this.ask_each("stop"), { class: "stop" }), button("Resume", () => this.ask_each("resume")),
-      button("Send …", () => this.open(() => this.send_form()))];
+    this.stops = [button("Stop", () => this.ask_each("stop"), { class: "stop" }), button("Resume", () => this.ask_each("resume"))];
+    this.send = button("Send …", () => this.open(() => this.send_form()));
     this.labels = button("Label …", () => this.open(() => this.label_form()));
     this.panel = h("div", { class: "selection-panel" });
-    this.append(h("div", { class: "toolbar" }, this.count, this.commands, this.labels, button("Clear", () => this.clear()), this.answer), this.panel);
+    this.append(h("div", { class: "toolbar" }, this.count, this.stops, this.send, this.labels, button("Clear", () => this.clear()), this.answer), this.panel);
     this.listen(status, "change", () => this.show());
     this.show();
   }
@@ -34,7 +34,8 @@ class Selection extends Part {
   show() {
     this.hidden = this.picked.size === 0;
     set_text(this.count, `${plural(this.picked.size, "board")} selected`);
-    for (const each of this.commands) each.hidden = !status.may_command;
+    for (const each of this.stops) each.hidden = !status.may_stop;
+    this.send.hidden = !status.may_command;
     this.labels.hidden = !status.may_label;
     if (this.hidden) this.open(() => "");
   }

@@ -71,9 +71,9 @@ class Stop extends Part {
     this.resume_button = h("button", { class: "resume", hidden: true, title: "Nothing moves by it; commands are executed again", onclick: () => this.resume() });
     this.append(this.button, this.resume_button, this.answer);
     const allow = () => {
-      this.button.hidden = !status.may_command;
+      this.button.hidden = !status.may_stop;
       const stopped = board ? boards.catalogue.rows.get(board)?.reason === "latched" : attention_of(boards.catalogue.rows.values()).stopped.length > 0;
-      this.resume_button.hidden = !status.may_command || !stopped;
+      this.resume_button.hidden = !status.may_stop || !stopped;
       set_text(this.resume_button, board ? `Resume ${board}` : "Resume all");
       set_text(this.button, board ? `Stop ${board}` : status.you.limited ? "Stop my boards" : "Stop all");
     };

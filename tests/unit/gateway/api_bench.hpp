@@ -67,8 +67,8 @@ class ApiTest : public testing::Test {
         port.soon = [](const std::function<void()>& then) { then(); };
         gateway_ = std::make_unique<Gateway>(
             std::move(options), model::ModelSet::standard(), catalogue::UnitsOf(),
-            [n = 0ull]() mutable { return ++n << 56; }, [](std::size_t) { return std::string("secret"); },
-            std::move(port));
+            [n = 0ull]() mutable { return ++n << 56; },
+            [n = 0](std::size_t) mutable { return "secret-" + std::to_string(++n); }, std::move(port));
         gateway_->subscribed();
         settle();
     }

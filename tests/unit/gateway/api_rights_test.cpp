@@ -195,6 +195,26 @@ TEST_F(LimitedApi, TokenLimitedToServices_MayNotLabel_OneLimitedToBoardsMay) {
     EXPECT_EQ(as_anna("POST", "/api/boards/uno1/labels", R"({"labels":{"a":"b"}})")->status(), 0) << "sent";
 }
 
+// A stop reaches every service of a board, also those that the token does not show.
+TEST_F(LimitedApi, TokenLimitedToServices_StopsAndResumesNoWholeBoard) {
+    announce("uno1");
+    for (const char* path :
+         {"/api/stop", "/api/resume", "/api/boards/uno1/stop", "/api/boards/uno1/resume"}) {
+        const auto refused = as_anna("POST", path, "{}");
+        EXPECT_EQ(refused->status(), 403) << path;
+        EXPECT_THAT(refused->detail(), HasSubstr("limited to some services")) << path;
+    }
+    EXPECT_TRUE(published_.empty());
+    EXPECT_EQ(as_anna("GET", "/api/status")->body()["you"]["stop"], false);
+    EXPECT_EQ(as_anna("GET", "/api/status")->body()["you"]["command"], true);
+    gateway_->gate().set_tokens(*Tokens::parse("operator anna " + hash_of("do") + " boards=uno1\n"));
+    EXPECT_EQ(as_anna("GET", "/api/status")->body()["you"]["stop"], true);
+    as_anna("POST", "/api/boards/uno1/stop", "{}");
+    EXPECT_EQ(published_.size(), 1u) << "of whole boards";
+    gateway_->gate().set_tokens(*Tokens::parse("admin anna " + hash_of("do") + " services=servo\n"));
+    EXPECT_EQ(as_anna("DELETE", "/api/boards/uno1")->status(), 403) << "a board is forgotten as a whole";
+}
+
 TEST_F(LimitedApi, CommandsEnvelope_NamesWhoSentIt) {
     announce("uno1");
     as_anna("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
@@ -216,6 +236,109 @@ TEST_F(LimitedApi, CodeOfAToken_BecomesACookieWithItsRights) {
     EXPECT_EQ(get("/?code=wrong")->status(), 401);
     EXPECT_EQ(ask("DELETE", "/api/session", "", {{"cookie", value}})->status(), 204);
     EXPECT_EQ(ask("GET", "/api/status", "", {{"cookie", value}})->status(), 401);
+}
+
+using Headers = std::vector<std::pair<std::string, std::string>>;
+
+class LogIns : public ApiTest {
+  protected:
+    LogIns() : ApiTest(Role::kNone) {
+        gateway_->gate().set_tokens(*Tokens::parse("operator anna " + hash_of("do") + "\nviewer mallory " +
+                                                   hash_of("see") + "\nkiosk hall " + hash_of("look") +
+                                                   " boards=uno1\n"));
+    }
+    std::string code(const char* token) {
+        const auto made =
+            ask("POST", "/api/codes", "{}", {{"authorization", std::string("Bearer ") + token}});
+        return made->body().value("code", "");
+    }
+    static std::string cookie_in(const Captured& answer) {
+        const auto set = answer.header("Set-Cookie");
+        return set.substr(0, set.find(';'));
+    }
+    std::string name(const std::string& cookies) {
+        const auto status = ask("GET", "/api/status", "", {{"cookie", cookies}});
+        return status->status() == 200 ? status->body()["you"]["name"].get<std::string>() : std::string();
+    }
+    /// What a browser gets that follows an address with a code.
+    std::shared_ptr<Captured> follow(const std::string& address, const Headers& headers) {
+        return ask("GET", address, "", headers);
+    }
+};
+
+TEST_F(LogIns, Session_MakesNoCodes_SoThatItEnds) {
+    const auto cookie = cookie_in(*get("/?code=" + code("do")));
+    ASSERT_EQ(name(cookie), "anna");
+    const auto refused = ask("POST", "/api/codes", "{}", {{"cookie", cookie}});
+    EXPECT_EQ(refused->status(), 403);
+    EXPECT_THAT(refused->detail(), HasSubstr("asipctl open"));
+    EXPECT_EQ(ask("POST", "/api/codes", "{}", {{"cookie", cookie}, {"authorization", "Bearer do"}})->status(),
+              200)
+        << "with the token itself";
+    time_ += 12h;
+    EXPECT_EQ(name(cookie), "");
+}
+
+TEST_F(LogIns, Kiosk_MakesNoCodes) {
+    EXPECT_EQ(ask("POST", "/api/codes", "{}", {{"authorization", "Bearer look"}})->status(), 403);
+}
+
+TEST_F(LogIns, LinkOfAnotherSite_LogsNobodyIn) {
+    for (const char* site : {"cross-site", "same-site"}) {
+        const auto address = "/?code=" + code("see");
+        const auto refused = follow(address, {{"sec-fetch-site", site}, {"accept", "text/html"}});
+        EXPECT_EQ(refused->status(), 403) << site;
+        EXPECT_EQ(refused->header("Set-Cookie"), "");
+        const auto typed = follow(address, {{"sec-fetch-site", "none"}, {"accept", "text/html"}});
+        EXPECT_EQ(typed->status(), 303) << "the code is not used up";
+    }
+}
+
+TEST_F(LogIns, WhereAnotherSessionIsValid_TheUserIsAsked) {
+    const auto annas = cookie_in(*get("/?code=" + code("do")));
+    const Headers typed{{"cookie", annas}, {"sec-fetch-site", "none"}, {"accept", "text/html"}};
+    const Headers own{{"cookie", annas}, {"sec-fetch-site", "same-origin"}, {"accept", "text/html"}};
+    const auto address = "/?code=" + code("see");
+    for (const auto& asked :
+         {follow(address, typed), follow(address + "&replace=true", typed), follow(address, own)}) {
+        EXPECT_EQ(asked->status(), 409);
+        EXPECT_EQ(asked->header("Set-Cookie"), "");
+        EXPECT_THAT(std::string(asked->response->text()),
+                    testing::AllOf(HasSubstr("anna"), HasSubstr("mallory"), HasSubstr("replace=true")));
+    }
+    const auto agreed = follow(address + "&replace=true", own);
+    EXPECT_EQ(agreed->status(), 303);
+    EXPECT_EQ(name(cookie_in(*agreed)), "mallory");
+    EXPECT_EQ(follow("/?code=" + code("do"), typed)->status(), 303) << "the same name needs no question";
+    gateway_->gate().set_tokens(*Tokens::parse("viewer mallory " + hash_of("see")));
+    EXPECT_EQ(follow("/?code=" + code("see"), typed)->status(), 303) << "nor does a session that is over";
+}
+
+// Without TLS browsers do not say which site leads here. A SameSite=Strict cookie does.
+TEST_F(LogIns, WithoutSecFetchSite_OnlyOurOwnPageLogsIn) {
+    const auto annas = cookie_in(*get("/?code=" + code("do")));
+    const auto address = "/?code=" + code("see");
+    const Headers html{{"accept", "text/html,*/*;q=0.8"}};
+    const auto first = follow(address, html);
+    ASSERT_EQ(first->status(), 200);
+    EXPECT_THAT(std::string(first->response->text()), HasSubstr("again=true"));
+    const auto mark = cookie_in(*first);
+    EXPECT_THAT(first->header("Set-Cookie"), HasSubstr("HttpOnly; SameSite=Strict"));
+    EXPECT_EQ(name(mark), "") << "nobody is logged in yet";
+    EXPECT_EQ(follow(address + "&again=true", html)->status(), 403) << "a link of another site sends no mark";
+    const Headers with_session{html[0], {"cookie", mark + "; " + annas}};
+    EXPECT_EQ(follow(address + "&again=true", with_session)->status(), 409) << "now the session is seen";
+    EXPECT_EQ(name(annas), "anna");
+    const auto agreed = follow(address + "&replace=true", with_session);
+    EXPECT_EQ(agreed->status(), 303);
+    EXPECT_EQ(name(cookie_in(*agreed)), "mallory");
+    const auto other = "/?code=" + code("see");
+    EXPECT_EQ(follow(other + "&again=true", with_session)->status(), 403) << "a mark is of one code";
+}
+
+/// Between the address and the page.
+TEST_F(LogIns, ScriptOfTheQuestion_IsServed) {
+    EXPECT_EQ(get("/login.js")->status(), 200);
 }
 
 }  // namespace

@@ -172,6 +172,75 @@ TEST_F(GateTest, TokenChangedOrExpired_ItsStreamsEnd) {
     EXPECT_FALSE(gate.still_admitted(*old, at(10s)));
 }
 
+// A name says nothing: whoever was given the old token, or signed in by it, is not whom the new one is for.
+TEST_F(GateTest, TokenMadeAnewUnderItsName_RevivesAndKeepsNothingOfTheOldOne) {
+    Gate gate = make();
+    const auto by_token = gate.admit(get({{"authorization", "Bearer do"}}), at(0ms));
+    const auto anna = *gate.tokens().named("anna");
+    const auto cookie = *gate.logins().redeem(gate.logins().make_code(anna, at(0ms).time), at(0ms).time);
+    const auto unused = gate.logins().make_code(anna, at(0ms).time);
+    const auto with_cookie = get({{"cookie", "asip=" + cookie}});
+    const auto by_cookie = gate.admit(with_cookie, at(0ms));
+    ASSERT_TRUE(by_token && by_cookie);
+    ASSERT_EQ(by_cookie->rights.name, "anna");
+    const auto expect_over = [&](const char* when) {
+        EXPECT_FALSE(gate.still_admitted(*by_token, at(1s))) << when;
+        EXPECT_FALSE(gate.still_admitted(*by_cookie, at(1s))) << when;
+        EXPECT_EQ(gate.admit(with_cookie, at(1s))->rights.role, Role::kNone) << when;
+        EXPECT_FALSE(gate.logins().redeem(unused, at(1s).time)) << when;
+    };
+    gate.set_tokens(*Tokens::parse("operator anna " + hash_of("another") + "\n"));
+    expect_over("replaced by one with the same name and rights");
+    EXPECT_TRUE(gate.admit(get({{"authorization", "Bearer another"}}), at(1s)));
+    gate.set_tokens(*Tokens::parse(""));
+    gate.set_tokens(*Tokens::parse("operator anna " + hash_of("another") + "\n"));
+    expect_over("taken out, and made anew");
+    gate.set_tokens(*Tokens::parse("operator anna " + hash_of("do") + "\n"));
+    EXPECT_EQ(gate.admit(with_cookie, at(1s))->rights.role, Role::kNone)
+        << "a backup of the file revives none";
+}
+
+// What it opened would go on for as long as the browser keeps it open.
+TEST_F(GateTest, SessionThatEnded_ItsStreamsEnd) {
+    Gate gate = make();
+    const auto sign_in = [&] {
+        const auto code = gate.logins().make_code(*gate.tokens().named("anna"), at(0ms).time);
+        return *gate.logins().redeem(code, at(0ms).time);
+    };
+    const auto stay = sign_in(), leave = sign_in();
+    const auto staying = gate.admit(get({{"cookie", "asip=" + stay}}), at(0ms));
+    const auto leaving = gate.admit(get({{"cookie", "asip=" + leave}}), at(0ms));
+    gate.logins().end(leave);
+    EXPECT_FALSE(gate.still_admitted(*leaving, at(1s))) << "signed out";
+    EXPECT_TRUE(gate.still_admitted(*staying, at(1s)));
+    EXPECT_FALSE(gate.still_admitted(*staying, at(13h))) << "12 hours are over";
+}
+
+TEST_F(GateTest, RightsOnSomeServices_AreForNoWholeBoard) {
+    for (const char* role : {"operator", "operator+raw", "admin"}) {
+        auto rights = *parse_role(role);
+        EXPECT_TRUE(rights.may_stop());
+        rights.services = {"servo"};
+        EXPECT_TRUE(rights.may_command());
+        EXPECT_FALSE(rights.may_stop() || rights.may_send_raw() || rights.may_forget()) << role;
+    }
+}
+
+TEST_F(GateTest, HostWithMoreThanNameAndPort_IsNoHost) {
+    for (const char* host : {"[::1].evil.example", "[::1]evil.example:80", "[::1", "[::1]:80x", "[]", "[]:80",
+                             "[localhost]", "[1.2.3.4]", "localhost:evil.example", "localhost:80:80",
+                             "localhost:80 ", "127.0.0.1:x", "::1", ":80"}) {
+        EXPECT_EQ(host_part(host), "") << host;
+        EXPECT_EQ(status(get({{"host", host}})), 400) << host;
+        auto old = get({{"host", host}});
+        old.http_1_0 = true;
+        EXPECT_EQ(status(old), 400) << host;
+    }
+    EXPECT_EQ(host_part("[::1]"), "::1");
+    EXPECT_EQ(host_part("[FE80::1]:8080"), "fe80::1");
+    EXPECT_EQ(host_part("LAB.example:"), "lab.example");
+}
+
 // ---- proxies ----
 
 TEST_F(GateTest, ProxyThatNobodyWasToldOf_IsRefusedAndSaysWhatToDo) {
