@@ -69,8 +69,14 @@ std::string why_unreadable(const bus::TopicRef& ref, const Retained& message) {
     return description->board == ref.board ? std::string() : "describes another board: " + description->board;
 }
 
-bool looks_like_command(std::string_view topic) {
-    return topic.ends_with("/in") || topic.ends_with("/$stop");
+/// Of what is no topic of a board or registry: requests to forget, commands to what a gateway exports, and
+/// what reads like a command.
+bool looks_like_command(const bus::Topics& topics, std::string_view topic) {
+    const bool of_registry = topic.starts_with(topics.root() + "/registry/");
+    const bool of_export = topic.starts_with(topics.root() + "/export/");
+    return topic.ends_with("/in") || topic.ends_with("/$stop") ||
+           (of_registry && (topic.ends_with("/forget") || topic.ends_with("/query"))) ||
+           (of_export && topic.ends_with("/set"));
 }
 
 }  // namespace
@@ -111,7 +117,7 @@ std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vect
         const auto ref = topics.parse(message.topic);
         if (!ref) {
             // Other topics below our root belong to other programs.
-            if (looks_like_command(message.topic)) {
+            if (looks_like_command(topics, message.topic)) {
                 result.push_back({Lingering::Kind::kCommand, message.topic, {}, "a retained command"});
             } else if (message.topic.starts_with(topics.board_names() + "/")) {
                 result.push_back({Lingering::Kind::kInvalidName,

@@ -9,7 +9,33 @@
 
 namespace asip::cli {
 
+namespace {
+
+constexpr std::size_t kDefaultPort = 8883;
+
+/// The first option that was given and that the action does not know; empty: none. What is passed over in
+/// silence is done otherwise than it was meant: `add --dry-run` would add.
+std::string stray_option(const SecureOptions& options) {
+    const auto& action = options.action;
+    const bool init = action == "init";
+    const bool broker = action == "renew" && options.what == "broker";
+    const bool changes_users = action == "add" || action == "revoke" || action == "renew";
+    if (options.dry_run && !init && action != "undo") return "--dry-run";
+    if (options.yes && !init) return "--yes";
+    if (options.here && action != "add") return "--here";
+    if (!options.hosts.empty() && !init && !broker) return "--host";
+    if (options.port != kDefaultPort && !init) return "--port";
+    if (!options.mosquitto.empty() && !init) return "--mosquitto";
+    if (options.reload_pid && !init && !changes_users) return "--reload-pid";
+    return {};
+}
+
+}  // namespace
+
 int run_secure(const SecureOptions& options, Environment& environment) {
+    if (const auto stray = stray_option(options); !stray.empty())
+        return environment.fail_with(
+            {program::kExitUsage, "secure " + options.action + " has no " + stray + "; nothing was done"});
     if (options.action == "show") {
         const auto shown = secure_show(options, environment);
         return shown ? program::kExitOk : environment.fail_with(shown.error());

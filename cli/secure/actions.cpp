@@ -286,12 +286,14 @@ Outcome<void> secure_revoke(const SecureOptions& options, const Environment& env
             return known;
         }
     }
+    std::vector<RoleOfUser> gone;
     for (const auto& name : names) {
+        gone.push_back({name, bus->find(name) != nullptr ? bus->find(name)->role : Role::kViewer});
         if (auto done = remove_user(*folder, *bus, name, report); !done) return done;
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
     if (report_reload(options, *folder, *bus, report))
-        clear_leftovers(*folder, *bus, names, environment, report);
+        clear_leftovers(*folder, *bus, gone, environment, report);
     return tell_services(options, *folder, *bus, report);
 }
 

@@ -37,6 +37,11 @@ const Description& description_of(Role role) {
 /// A person must not announce a board of its own name, which the rules for boards would allow.
 constexpr std::array<std::string_view, 3> kNoBoard{"servicebus/%u/#", "%u/#", "reply/+/%u/#"};
 
+/// `+` in place of a board matches what is no board, too: the levels at which the bus has other things.
+constexpr std::array<std::string_view, 12> kNoCommand{
+    "servicebus/in", "servicebus/$stop", "servicebus/+/in", "registry/in", "registry/$stop", "registry/+/in",
+    "reply/in",      "reply/$stop",      "reply/+/in",      "export/in",   "export/$stop",   "export/+/in"};
+
 /// A line of Mosquitto's rules for what a right allows on a topic. `user`: empty in lines that hold for all.
 std::string line_for(const TopicRule& rule, std::string_view access, Right right, const std::string& root,
                      const std::string& user) {
@@ -101,15 +106,17 @@ std::string section(const RoleOfUser& user, const std::string& root) {
             if (rule.outside) text += line_for(rule, "readwrite", Right::kWrite, root, user.name);
         return text;
     }
-    if (user.role == Role::kRegistry) {
-        // It clears what is left of boards, and what is no topic of the bus. No line tells an empty message
-        // from another: a registry may therefore also report for a board.
-        text += "topic write " + root + "/servicebus/+/#\n";
-    } else {
+    // A registry clears what is left of boards. No line tells an empty message from another: a registry may
+    // therefore also report for a board.
+    if (user.role != Role::kRegistry) {
         for (const auto topic : kNoBoard) {
             std::string whole(topic);
             text += "topic deny " + root + "/" + whole.replace(whole.find("%u"), 2, user.name) + "\n";
         }
+    }
+    if (user.role == Role::kOperator || user.role == Role::kGateway) {
+        for (const auto topic : kNoCommand)
+            text += "topic deny " + root + "/" + std::string(topic) + "\n";
     }
     for (const auto& rule : topic_rules())
         text += lines_for(rule, beyond_all(rule, user.role), root, user.name);
@@ -136,8 +143,9 @@ std::string_view rights_of(Role role) {
 std::string explain_user_name(std::string_view name, Role role) {
     if (role == Role::kRegistry && name == "registry") return {};
     if (name == "reply") return "'reply' is reserved: answers come below it";
+    if (name == "export") return "'export' is reserved: what gateways export is below it";
     // ROOT/reply/USER/in would match ROOT/+/+/in.
-    if (name == "in" || name == "out" || name == "error")
+    if (name == "in" || name == "out" || name == "error" || name == "set")
         return "'" + std::string(name) + "' is reserved: it ends the topics of services";
     if (name == "broker") return "'broker' is reserved for the broker itself";
     return model::explain_board_name(name);

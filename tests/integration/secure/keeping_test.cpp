@@ -92,6 +92,58 @@ TEST_F(KeptBus, Revoked_LeavesNothingInTheBroker) {
     EXPECT_EQ(retained(), Words{"asip/servicebus/uno2/$state"});
 }
 
+/// No topic says whose a command is. It would be executed again by whatever subscribes to it.
+TEST_F(KeptBus, RevokedOperator_ItsRetainedCommandsAreNamedAndPruneKnowsThem) {
+    ASSERT_EQ(secure(Words{"add", "operator", "eve"} + reload()).status, 0);
+    ASSERT_TRUE(wait_until([&] { return may_publish("eve", "asip/registry/query"); }));
+    const Words left{"asip/registry/forget", "asip/registry/hall/forget", "asip/uno1/$stop", "asip/uno1/in",
+                     "asip/uno1/io/in"};
+    {
+        auto eve = probe("eve", {});
+        for (const auto& topic : left)
+            eve.publish(topic, "left", true);
+        ASSERT_TRUE(wait_until([&] { return eve.all_acknowledged(); }));
+    }
+    const auto revoked = secure(Words{"revoke", "eve"} + reload());
+    ASSERT_EQ(revoked.status, 0) << revoked.errors;
+    EXPECT_NE(revoked.output.find("the broker keeps 5 commands; eve may have left them"), std::string::npos)
+        << revoked.output;
+    const auto prune = [&](const Words& more) {
+        return run(Words{ASIP_TEST_ASIPCTL, "prune", "-o", "name"} + more + as("admin"));
+    };
+    std::string names;
+    for (const auto& topic : left)
+        names += topic + "\n";
+    EXPECT_EQ(prune({"--dry-run"}).output, names);
+    EXPECT_EQ(prune({"--dry-run"}).output, names) << "nothing was cleared";
+    EXPECT_EQ(prune({"--only", "commands"}).output, names);
+    EXPECT_EQ(prune({}).output, "");
+}
+
+/// What is passed over in silence is done otherwise than it was meant.
+TEST_F(KeptBus, OptionThatAnActionDoesNotKnow_IsRefusedAndNothingIsDone) {
+    const auto before = all_files();
+    for (const auto& words : std::vector<Words>{{"add", "operator", "zoe", "--dry-run"},
+                                                {"add", "operator", "zoe", "--yes"},
+                                                {"add", "operator", "zoe", "--host", "a"},
+                                                {"add", "operator", "zoe", "--port", "1"},
+                                                {"add", "operator", "zoe", "--mosquitto", "x"},
+                                                {"revoke", "uno1", "--dry-run"},
+                                                {"revoke", "uno1", "--here"},
+                                                {"renew", "uno1", "--dry-run"},
+                                                {"renew", "uno1", "--host", "a"},
+                                                {"renew", "broker", "--dry-run"},
+                                                {"show", "--dry-run"},
+                                                {"check", "--reload-pid", "1"},
+                                                {"undo", "--here"}}) {
+        const auto refused = secure(words);
+        EXPECT_EQ(refused.status, 2) << words.back();
+        EXPECT_NE(refused.errors.find("secure " + words.front() + " has no --"), std::string::npos)
+            << refused.errors;
+        EXPECT_EQ(all_files(), before) << words.front();
+    }
+}
+
 /// Mosquitto's own limits cannot tell who fills it; it stays, and serves those whose messages still fit.
 TEST_F(KeptBus, BrokerThatAUserFills_StaysBelowItsLimitAndServesTheOthers) {
     const std::string limit = "memory_limit ";

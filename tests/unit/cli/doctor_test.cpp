@@ -59,6 +59,28 @@ TEST(FindLingering, GoneBoardsCommandsOrphansNamesAndRegistries_AreFound) {
     EXPECT_EQ(all[6].kind, Lingering::Kind::kCommand);
 }
 
+/// Each would be executed by a program that subscribes, whenever it does.
+TEST(FindLingering, RetainedRequestsOfEveryKind_AreCommands) {
+    const std::vector<std::string> requests{"asip/export/ha/uno1/io-13/set",
+                                            "asip/registry/forget",
+                                            "asip/registry/query",
+                                            "asip/registry/r1/forget",
+                                            "asip/registry/r1/query",
+                                            "asip/servicebus/$probe",
+                                            "asip/uno1/$stop",
+                                            "asip/uno1/in",
+                                            "asip/uno1/servo/in"};
+    std::vector<Retained> all{{"asip/servicebus/uno1/$state", "online"},
+                              {"asip/servicebus/uno1/$description", kUno1},
+                              {"asip/uno1/servo/set", "{}"}};
+    for (const auto& topic : requests)
+        all.push_back({topic, "x"});
+    const auto found = find_lingering(kTopics, all);
+    EXPECT_EQ(topics_of(found), requests);
+    for (const auto& one : found)
+        EXPECT_EQ(one.kind, Lingering::Kind::kCommand) << one.topic;
+}
+
 TEST(TopicsOfBoard, NameThatBeginsAnother_TakesOnlyItsOwn) {
     const std::vector<Retained> all{{"asip/servicebus/uno1/$state", "lost"},
                                     {"asip/servicebus/uno11/$state", "lost"},

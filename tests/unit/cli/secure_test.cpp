@@ -53,8 +53,10 @@ TEST(SecureRoles, EachRole_IsReadBackFromItsName) {
 
 TEST(SecureRoles, NamesThatWouldChangeTheRules_AreRefused) {
     for (const char* name : {"", "a b", "a/b", "+", "#", "$x", "a:b", "a\nuser admin", "servicebus", "reply",
-                             "broker", "registry", "in", "out", "error"})
-        EXPECT_NE(explain_user_name(name, Role::kOperator), "") << name;
+                             "broker", "registry", "export", "in", "out", "error", "set"}) {
+        for (const auto role : {Role::kOperator, Role::kBoard, Role::kGateway})
+            EXPECT_NE(explain_user_name(name, role), "") << name;
+    }
     EXPECT_EQ(explain_user_name("ann", Role::kOperator), "");
     EXPECT_EQ(explain_user_name("uno_1.left", Role::kBoard), "");
     EXPECT_EQ(explain_user_name("registry", Role::kRegistry), "");
@@ -125,6 +127,37 @@ TEST(SecureRoles, WhatAUserLeft_IsAllOfItAndNothingOfOthers) {
         ::testing::ElementsAre(retained[0], retained[1], retained[3], retained[4], retained[6], retained[7]));
     EXPECT_THAT(left_by(bus::Topics(), retained, "ann"), ::testing::ElementsAre(retained[1], retained[6]));
     EXPECT_THAT(left_by(bus::Topics(), retained, "bob"), ::testing::IsEmpty());
+}
+
+/// Commands say nowhere whose they are: then it is said that they are there.
+TEST(SecureRoles, WhatStandsUnderNobodysName_IsNamedForRolesThatMayHaveLeftIt) {
+    const std::vector<Retained> retained{{"asip/uno1/in", "#,R"},
+                                         {"asip/servicebus/uno1/$demand/bob/c1", "{}"},
+                                         {"asip/registry/forget", "{}"},
+                                         {"asip/registry/hall/$stats", "{}"},
+                                         {"asip/export/ha/$lease", "{}"},
+                                         {"homeassistant/device/uno1/config", "{}"}};
+    const auto of = [&](Role role) { return unnamed_of(bus::Topics(), retained, role); };
+    EXPECT_EQ(of(Role::kOperator), "2 commands");
+    EXPECT_EQ(of(Role::kGateway), "2 commands, 2 exports");
+    EXPECT_EQ(of(Role::kHomeAssistant), "2 commands, 2 exports");
+    EXPECT_EQ(of(Role::kRegistry), "1 message of a registry that is gone");
+    EXPECT_EQ(of(Role::kAdmin), "2 commands, 2 exports, 1 message of a registry that is gone");
+    EXPECT_EQ(of(Role::kBoard), "");
+    EXPECT_EQ(of(Role::kViewer), "");
+}
+
+/// `+` in place of a board would match the levels at which the bus has other things.
+TEST(SecureRoles, Commanders_HaveNoLineBesideBoards) {
+    for (const auto role : {Role::kOperator, Role::kGateway}) {
+        const auto rules = access_rules("r", {{"ann", role}});
+        for (const char* level : {"servicebus", "registry", "reply", "export"})
+            for (const char* topic : {"/in", "/$stop", "/+/in"})
+                EXPECT_THAT(rules, ::testing::HasSubstr("topic deny r/" + std::string(level) + topic + "\n"));
+    }
+    EXPECT_THAT(access_rules("r", {{"registry", Role::kRegistry}}),
+                ::testing::Not(::testing::HasSubstr("/#\n")))
+        << "a registry writes on the topics of the table alone";
 }
 
 TEST(SecureRoles, ShippedRules_AreThoseOfTheRoles) {
