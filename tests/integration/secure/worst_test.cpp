@@ -48,19 +48,39 @@ class WorstOfEachKind : public RunningBus {
             throw std::runtime_error("eve");
     }
 
-    /// While another thread sends `flood` as `user` again and again: how long stops of an operator take. On a
-    /// machine that does other things, too, the time does not count for which broker and agent had to wait
-    /// for a processor.
+    struct Attack {
+        std::string user;
+        std::function<void(BusProbe&)> once;
+        int times;
+    };
     void flood(const std::string& user, const std::function<void(BusProbe&)>& once, int times) {
-        std::atomic<bool> ended{false};
-        std::thread attacker([&] {
-            auto probe = this->probe(user, {});
-            for (int i = 0; i < times && probe.connected(); ++i)
-                once(probe);
-            wait_until([&] { return probe.all_acknowledged() || !probe.connected(); },
-                       std::chrono::seconds(20));
-            ended = true;
-        });
+        flood({{user, once, times}});
+    }
+    /// Sends each attack, in a thread of its own, again and again, for as long as it takes to answer kStops
+    /// stops of an operator. On a machine that does other things, too, the time does not count for which
+    /// broker and agent had to wait for a processor.
+    void flood(const std::vector<Attack>& attacks) {
+        std::atomic<int> answered_meanwhile{0}, under_way{0}, begun{0};
+        std::vector<std::thread> attackers;
+        for (const auto& attack : attacks)
+            attackers.emplace_back([&] {
+                ++under_way;
+                auto probe = this->probe(attack.user, {});
+                for (int i = 0; i < attack.times || answered_meanwhile < kStops; ++i) {
+                    if (HasFailure()) break;
+                    // A broker that has enough of an attacker throws it out: it comes again.
+                    wait_until([&] { return probe.connected(); }, 20s);
+                    attack.once(probe);
+                    if (i == 0) ++begun;
+                    // What waits in the attacker's own memory is sent to nobody.
+                    if (i % kAtOnce == kAtOnce - 1)
+                        wait_until([&] { return probe.all_acknowledged() || !probe.connected(); }, 20s);
+                }
+                wait_until([&] { return probe.all_acknowledged() || !probe.connected(); }, 20s);
+                --under_way;
+            });
+        const auto all = static_cast<int>(attacks.size());
+        EXPECT_TRUE(wait_until([&] { return begun == all; }));
         auto ann = probe("ann", {"asip/reply/ann/uno/stop"});
         int stops = 0;
         do {
@@ -79,9 +99,11 @@ class WorstOfEachKind : public RunningBus {
             EXPECT_TRUE(answered) << "stop " << stops << " was never answered; " << agent_->errors();
             EXPECT_LT(took, 1s) << "stop " << stops;
             longest_ = std::max(longest_, took);
-        } while (!ended && !HasFailure());
-        attacker.join();
-        std::this_thread::yield();
+            if (under_way == all) ++answered_meanwhile;
+        } while (under_way > 0 && !HasFailure());
+        for (auto& attacker : attackers)
+            attacker.join();
+        EXPECT_GE(answered_meanwhile, kStops) << "stops while each attack was under way";
         stops_ += stops;
     }
     void expect_all_alive() {
@@ -96,12 +118,13 @@ class WorstOfEachKind : public RunningBus {
         RecordProperty(
             "longest_stop_ms",
             static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(longest_).count()));
-        EXPECT_TRUE(agent_answers()) << agent_->errors();
+        // Behind commands of the flood that still wait, in turn.
+        EXPECT_TRUE(wait_until([&] { return agent_answers(); })) << agent_->errors();
         // A board whose credential is used for the flood may be online, too.
         EXPECT_EQ(asipctl("bob", {"list", "--board", "uno", "--state", "online", "-o", "name"}).output,
                   "uno\n")
             << registry_->errors();
-        EXPECT_TRUE(gateway_commands()) << gateway_->errors();
+        EXPECT_TRUE(wait_until([&] { return gateway_commands(); })) << gateway_->errors();
     }
     static mqtt::Message message(const std::string& topic, std::string payload = {}) {
         mqtt::Message made;
@@ -111,6 +134,7 @@ class WorstOfEachKind : public RunningBus {
         return made;
     }
 
+    static constexpr int kStops = 20, kAtOnce = 50;
     std::chrono::steady_clock::duration longest_{};
     int stops_ = 0;
 };
@@ -223,6 +247,38 @@ TEST_F(WorstOfEachKind, ValuesOfHundredsOfServicesOfABoard) {
                 message("asip/uno2/s" + std::to_string(number) + "/error", std::string(100'000, 'x')));
         },
         300);
+    expect_all_alive();
+}
+
+/// An operator, a viewer and a board, each with its worst.
+TEST_F(WorstOfEachKind, AllOfThemAtOnce) {
+    int client = 0, question = 0, service = 0;
+    flood({{"eve",
+            [&](BusProbe& probe) {
+                auto command = message("asip/uno/in", "I,d,13,1");
+                command.response_topic = "asip/reply/eve/uno/c" + std::to_string(++client);
+                command.correlation = std::string(256, 'x');
+                probe.publish(command);
+                probe.publish(message("asip/uno/io/in", std::string(kLargest / 8, '[')));
+            },
+            200},
+           {"bob",
+            [&](BusProbe& probe) {
+                auto query = message("asip/registry/query", R"({"find":"services"})");
+                query.response_topic = "asip/reply/bob/registry/c" + std::to_string(++question);
+                probe.publish(query);
+                probe.publish(message("asip/servicebus/$probe", std::string(1000, 'x')));
+                probe.publish(message("asip/servicebus/uno/$demand/bob/c" + std::to_string(question),
+                                      R"({"services":{"io":{"hz":100}},"lease":300})"));
+            },
+            500},
+           {"uno2",
+            [&](BusProbe& probe) {
+                probe.publish(message("asip/uno2/s" + std::to_string(++service % 300) + "/out",
+                                      std::string(kLargest / 4, 'x')));
+                probe.publish(message("asip/servicebus/uno2/$state", service % 2 == 0 ? "online" : "lost"));
+            },
+            200}});
     expect_all_alive();
 }
 
