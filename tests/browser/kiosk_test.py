@@ -4,6 +4,7 @@ an operator. Nothing is shown to them that they may not do."""
 
 import functools
 import http.server
+import json
 import subprocess
 import threading
 import unittest
@@ -33,7 +34,8 @@ class Frames(http.server.BaseHTTPRequestHandler):
 
 class Kiosk(PageTest):
     boards = (DESK,)
-    expected_errors = ("frame-ancestors", "Refused to frame", "status of 401", "response code: 401", "status of 404", "response code: 404")
+    expected_errors = ("frame-ancestors", "Refused to frame", "status of 401", "response code: 401", "status of 404", "response code: 404",
+                       "status of 403", "status of 409")
 
     @classmethod
     def setUpClass(cls):
@@ -176,6 +178,43 @@ class Kiosk(PageTest):
         self.take_out("worker")
         self.browser.shown("#token", seconds=40)
         self.assertEqual(self.visible("button.stop, asip-command"), [])
+
+    def test_OperatorOfSomeServices_IsShownFormsAndNoStop(self):
+        self.browser.driver.delete_all_cookies()
+        token = self.make("operator", "helper", "--boards", "desk", "--services", "servo")
+        eventually(lambda: urlopen_status(f"{self.url}api/status", token) == 200, "the token is read")
+        self.open_page(f"{self.url}#/board/desk")
+        self.sign_in(token)
+        self.browser.shown("asip-command form", seconds=40)
+        self.assertEqual(self.visible("button.stop, button.resume"), [])
+
+    def test_CodeForAnotherName_AsksFirstAndIsRefusedFromAnotherSite(self):
+        self.browser.driver.delete_all_cookies()
+        tokens = {name: self.make("viewer", name) for name in ("first", "second")}
+        for token in tokens.values():
+            eventually(lambda: urlopen_status(f"{self.url}api/status", token) == 200, "the token is read")
+        driver = self.browser.driver
+
+        def address(name):
+            request = urllib.request.Request(f"{self.url}api/codes", data=b"{}", headers={
+                "Authorization": f"Bearer {tokens[name]}", "Content-Type": "application/json"})
+            return f"{self.url}?code={json.load(urllib.request.urlopen(request, timeout=10))['code']}#/board/desk"
+
+        def signed_in():
+            return self.browser.run("return fetch('/api/status').then((answer) => answer.json()).then((status) => status.you.name)")
+
+        driver.get(address("first"))
+        self.browser.shown("asip-board", seconds=40)
+        self.assertEqual(signed_in(), "first")
+        driver.get(f"http://localhost:{self.frames}/")
+        self.browser.run(f"location.href = '{address('second')}'")
+        eventually(lambda: "a page of another site led here" in self.browser.text("body"), "it is refused")
+        self.assertEqual(signed_in(), "first")
+        driver.get(address("second"))
+        eventually(lambda: "Sign in as second?" in self.browser.text("main"), "the question")
+        self.browser.shown("#go").click()
+        self.browser.shown("asip-board", seconds=40)
+        self.assertEqual(signed_in(), "second")
 
 
 def urlopen_status(address, token=None):
