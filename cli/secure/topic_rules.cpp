@@ -137,14 +137,14 @@ constexpr std::size_t kKinds = static_cast<std::size_t>(TopicKind::kAnyRegistryQ
 std::vector<TopicRule> exported() {
     constexpr const char* kCommand = "gateway: a command, 50 a second";
     const auto rule = [](std::string topic, std::string processor, bool outside = false) {
-        TopicRule rule;
-        rule.topic = std::move(topic);
-        rule.memory = "broker: one message, retained";
-        rule.processor = std::move(processor);
-        rule.disk = "-";
-        rule.exporter = kBoth;
-        rule.outside = outside;
-        return rule;
+        TopicRule made;
+        made.topic = std::move(topic);
+        made.memory = "broker: one message, retained";
+        made.processor = std::move(processor);
+        made.disk = "-";
+        made.exporter = kBoth;
+        made.outside = outside;
+        return made;
     };
     const auto home = [&](std::string topic, Rights home_assistant, std::string processor,
                           bool outside = false) {
