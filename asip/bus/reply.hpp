@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "asip/bus/refusal_reasons.hpp"
 #include "asip/expected.hpp"
 #include "asip/mqtt/message.hpp"
 
@@ -47,7 +48,7 @@ struct Reply {
     std::string answer{};  ///< JSON text; empty: none
     int code = 0;          ///< ASIP error number
     std::string error{};   ///< for a person
-    std::string reason{};  ///< one of the words below
+    std::string reason{};  ///< a word of refusal_reasons.hpp
     std::string by{};      ///< ReplyTo::by
     std::string clock{};   ///< the agent's clock when it answered: AgentClock::read()
 
@@ -63,26 +64,6 @@ struct Reply {
 
 /// "ok", "error", "timeout" or "refused". Static storage.
 std::string_view to_string(Reply::Status status);
-
-/// Reasons of Reply::kRefused that every program knows.
-inline constexpr std::string_view kRefusedQueueFull = "queue-full";
-inline constexpr std::string_view kRefusedInvalid = "invalid";
-inline constexpr std::string_view kRefusedBoardNotThere = "board-not-there";
-inline constexpr std::string_view kRefusedRetained = "retained";
-inline constexpr std::string_view kRefusedDeadline = "deadline";
-/// It waited while the board was stopped.
-inline constexpr std::string_view kRefusedStopped = "stopped";
-/// There is nothing to renew.
-inline constexpr std::string_view kRefusedNotHeld = "not-held";
-inline constexpr std::string_view kRefusedIdReused = "id-reused";
-
-/// Reasons of Reply::kTimeout: something on the line to the board was lost or damaged, so that it may or may
-/// not have executed the command; and: it executed the command, but the value that was asked for did not
-/// come.
-inline constexpr std::string_view kTimeoutDoubt = "doubt";
-inline constexpr std::string_view kTimeoutNoValue = "no-value";
-/// Of a command of several lines some were sent and others were not.
-inline constexpr std::string_view kTimeoutPartly = "partly";
 
 /// The JSON text of a reply, `{"id":"7","status":"ok","proof":"fence"}`. Bytes of id, error and reason that
 /// are not UTF-8 are replaced; an `answer` that is not JSON becomes a JSON string.

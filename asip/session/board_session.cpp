@@ -103,20 +103,6 @@ const char* to_string(BoardSession::State state) {
     return "?";
 }
 
-const char* to_string(Refusal refusal) {
-    switch (refusal) {
-        case Refusal::kInvalid:
-        case Refusal::kTooLong:
-            return "invalid";
-        case Refusal::kQueueFull:
-        case Refusal::kTooManyNames:
-            return "queue-full";
-        case Refusal::kNoBoard:
-            return "board-not-there";
-    }
-    return "?";
-}
-
 const char* to_string(Ending ending) {
     switch (ending) {
         case Ending::kExecuted:

@@ -11,6 +11,7 @@
 #include "asip/random.hpp"
 #include "asip/session/action.hpp"
 #include "asip/session/identity.hpp"
+#include "asip/session/refusal.hpp"
 #include "asip/time.hpp"
 
 namespace asip::session {
@@ -73,23 +74,6 @@ struct RequestOptions {
     /// is under way ends in kDoubt. None: each event is believed. The session itself checks the answers to
     /// questions of the protocol.
     AnswerCheck is_answer{};
-};
-
-/// Why submit() did not take a request. Nothing of it was sent.
-enum class Refusal {
-    /// Not a request line: `S,t[,...]`, printable characters, at most kMaxRequestBytes, and none of `#,B`,
-    /// `#,C`
-    /// and `#,V`, which are the session's own.
-    kInvalid,
-    /// Longer than Extensions::longest_request() of this board.
-    kTooLong,
-    /// kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all clients; of urgent ones
-    /// kMaxUrgent.
-    kQueueFull,
-    /// The link is down, the board is silent, or it was not identified since link_up.
-    kNoBoard,
-    /// It stores a name on the board, as others did before: see NameBudget.
-    kTooManyNames,
 };
 
 /// Counted since construction.
@@ -198,7 +182,6 @@ bool may_be_sent(const protocol::Request& request);
 
 /// For logs.
 const char* to_string(BoardSession::State state);
-const char* to_string(Refusal refusal);
 const char* to_string(Ending ending);
 
 }  // namespace asip::session
