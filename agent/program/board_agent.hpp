@@ -17,7 +17,7 @@
 #include "agent/inbound/inbox.hpp"
 #include "agent/port/port_outage.hpp"
 #include "agent/program/broker_reports.hpp"
-#include "agent/program/options.hpp"
+#include "agent/program/checked_options.hpp"
 #include "agent/safety/stop_files.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/backoff.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "agent/program/options.hpp"
+#include "agent/program/checked_options.hpp"
 #include "asip/expected.hpp"
 
 namespace asip::agent {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/program/raw_options.hpp"
+#include "agent/program/declared_options.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/program/options.hpp"
+#include "agent/program/checked_options.hpp"
 
 #include <chrono>
 #include <ctime>
 #include <filesystem>
 
 #include "agent/describe/label_files.hpp"
-#include "agent/program/raw_options.hpp"
+#include "agent/program/declared_options.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/link/tcp_stream.hpp"
 #include "asip/model/names.hpp"
