@@ -32,14 +32,15 @@ void Catalogue::Impl::renewed_by_description(Board& b, const Announcement& a, bo
         listen(b, false, events);
         // One that does not speak of the state makes what is retained of it no older.
         b.says_state ? heard(b, now) : void(b.last_heard = now);
-    } else if (model::is_there(b.reported)) {
-        b.retained_without_expiry = !a.expiry_seconds;
-        if (a.expiry_seconds) {
-            b.deadline = std::max(b.deadline,
-                                  now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
-        } else if (!repeats) {
-            b.deadline = std::max(b.deadline, now + lease);
-        }
+        return;
+    }
+    if (model::is_there(b.reported)) b.retained_without_expiry = !a.expiry_seconds;
+    // Also where it says that the board is not there: until then what an earlier session says comes late.
+    if (a.expiry_seconds) {
+        b.deadline =
+            std::max(b.deadline, now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
+    } else if (!repeats) {
+        b.deadline = std::max(b.deadline, now + lease);
     }
 }
 

@@ -31,6 +31,8 @@ class View {
     }
     void connect(Time now);
     void disconnect(Time now);
+    /// A message, past the broker.
+    void hear(const Message& message, Time now) { on_message(message, now); }
     /// A few times a second.
     virtual void tick(Time now) = 0;
     virtual bool is_complete() const = 0;

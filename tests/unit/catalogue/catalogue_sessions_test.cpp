@@ -184,6 +184,22 @@ TEST_F(CatalogueTest, StoredStateBehindADescriptionThatHoldsNone_Counts) {
     EXPECT_EQ(refused, Refusal::kOldHint);
 }
 
+TEST_F(CatalogueTest, StoredDescriptionThatSaysNotThere_LateMessageOfAnEarlierSessionDoesNotUndoIt) {
+    const std::string earlier = "0000000001aaaaaa";
+    const std::string later = "0000000002aaaaaa";
+    for (const std::string is : {"lost", "offline", "updating"}) {
+        const std::string name = "uno-" + is;
+        const auto said =
+            description(name, {.session = later, .more = R"("state":{"is":")" + is + R"(","age":1})"});
+        give(retained(said, 50));
+        give(description(name, {.session = earlier, .seq = 7, .more = R"("state":{"is":"online","age":1})"}),
+             1s);
+        EXPECT_EQ(refused, Refusal::kOldSession);
+        EXPECT_EQ(board(name).session, later);
+        EXPECT_EQ(state_of(name), is);
+    }
+}
+
 TEST_F(CatalogueTest, RetainedDescriptionOfAnUnknownSessionAgainstALivingBoard_IsRefused) {
     give(description("uno1", {.session = "b"}));
     give(retained(description("uno1", {.session = "old", .seq = 99, .services = "[]"})));
