@@ -190,6 +190,7 @@ class Kiosk(PageTest):
 
     def test_CodeForAnotherName_AsksFirstAndIsRefusedFromAnotherSite(self):
         self.browser.driver.delete_all_cookies()
+        self.addCleanup(self.browser.driver.delete_all_cookies)
         tokens = {name: self.make("viewer", name) for name in ("first", "second")}
         for token in tokens.values():
             eventually(lambda: urlopen_status(f"{self.url}api/status", token) == 200, "the token is read")
