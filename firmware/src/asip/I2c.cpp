@@ -181,10 +181,10 @@ bool I2c::isEnabled() {
     return owner != nullptr && board.ownsPin(dataPin, *owner);
 }
 
-bool I2c::start(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
+bool I2c::start(uint8_t address, uint8_t first, const uint8_t* sent, uint8_t sentCount, uint8_t* in,
                 uint8_t inCount) {
     if (result != kFree || !isEnabled()) return false;
-    const bool done = transferByWire(address, first, out, outCount, in, inCount);
+    const bool done = transferByWire(address, first, sent, sentCount, in, inCount);
     if (!done && digitalRead(dataPin) == LOW) freeBus();
     result = done ? kDone : kFailed;
     return true;
