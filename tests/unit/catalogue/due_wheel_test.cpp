@@ -88,8 +88,7 @@ TEST(DueWheel, RandomUse_AgreesWithAMap) {
             ASSERT_EQ(next.has_value(), !model.empty());
             for (const auto& [each, due] : model) {
                 ASSERT_EQ(wheel.due(each), due);
-                ASSERT_LE(*next, std::max(due, now + DueWheel::kTick))
-                    << "seed " << seed << " step " << step;
+                ASSERT_LE(*next, std::max(due, now + DueWheel::kTick)) << "seed " << seed << " step " << step;
             }
         }
     }
