@@ -232,7 +232,7 @@ class Deaths(Live):
 
     def test_ctrl_c_in_each_call_that_waits(self):
         texts = {
-            "read": "bus.board('desk').pin(5).wait_for(False)", "stream": "next(bus.board('desk').distance.stream())",
+            "read": "bus.board('desk').pin(5).wait_for(False)", "stream": "for _ in bus.board('desk').distance.stream(): pass",
             "board": "bus.board('desk'); print('now', flush=True); bus.board('nowhere', timeout=30)", "run": "bus.run()",
             "wait": "bus.board('desk').wait_for('lost')"}
         for name, text in texts.items():

