@@ -6,6 +6,7 @@ import time
 import unittest
 
 from bus import BIN, Bus, eventually, paho_client
+from export_bus import ExportBus
 from home_assistant import HomeAssistant
 
 DISTANCE = "sensor.desk_distance_0"
@@ -13,17 +14,8 @@ SERVO = "number.desk_servo_0_angle"
 LAMP = "switch.lamp_status_lamp"
 
 
-class SmartBus(Bus):
-    def start_gateway(self, *more):
-        self.start("gateway", "asip-gateway", "--http", f"127.0.0.1:{self.http_port}", "--home-assistant", *more)
-        eventually(lambda: self.get("/readyz"), "the gateway")
-
-    def start_agent(self, board):
-        """Values come because the export wants them."""
-        port = self.work / f"{board}.port"
-        eventually(port.exists, f"the port of {board}")
-        self.start(f"agent-{board}", "asip-agent", "--serial", str(port), "--name", board, "--lease", "6", "--no-step-up",
-                   "--patience", "60", "--reports", "on-demand")
+class SmartBus(ExportBus):
+    export = ("--home-assistant",)
 
     def ctl(self, *words):
         return subprocess.run([str(BIN / "asipctl"), "--broker", f"127.0.0.1:{self.broker_port}", *words], check=True,

@@ -1,68 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
 """Simulated boards as Homie devices, controlled by node-homie."""
 
-import json
 import os
 import pathlib
-import queue
 import signal
-import subprocess
-import threading
 import unittest
 import urllib.request
 
-from bus import Bus, die_with_parent, eventually
+from bus import eventually
+from export_bus import ExportBus, Peer
 
 MODULES = os.environ["ASIP_NODE_HOMIE"]
 SERVO = ["desk", "servo", "servo-0-angle"]
 DISTANCE = ["desk", "distance", "distance-0"]
 
 
-class HomieBus(Bus):
-    def start_gateway(self, *more):
-        self.start("gateway", "asip-gateway", "--http", f"127.0.0.1:{self.http_port}", "--homie", *more)
-        eventually(lambda: self.get("/readyz"), "the gateway")
-
-    def start_agent(self, board):
-        """Values come because the export wants them."""
-        port = self.work / f"{board}.port"
-        eventually(port.exists, f"the port of {board}")
-        self.start(f"agent-{board}", "asip-agent", "--serial", str(port), "--name", board, "--lease", "6", "--no-step-up",
-                   "--patience", "60", "--reports", "on-demand")
+class HomieBus(ExportBus):
+    export = ("--homie",)
 
 
-class Controller:
-    def __init__(self, broker):
-        script = pathlib.Path(__file__).with_name("control.cjs")
-        self.process = subprocess.Popen(["node", str(script), MODULES, broker], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-                                        preexec_fn=die_with_parent)
-        self.answers = queue.Queue()
-        threading.Thread(target=self.read, daemon=True).start()
-
-    def read(self):
-        for line in self.process.stdout:
-            if line.startswith("="):
-                self.answers.put(json.loads(line[1:]))
-
-    def __call__(self, task, argument=0):
-        self.process.stdin.write(json.dumps({task: argument}) + "\n")
-        self.process.stdin.flush()
-        answer = self.answers.get(timeout=30)
-        if "error" in answer:
-            raise RuntimeError(answer["error"])
-        return answer.get("value")
-
-    def close(self):
-        self.process.stdin.close()
-        self.process.wait(20)
-        self.process.stdout.close()
+def controller(broker):
+    return Peer(pathlib.Path(__file__).with_name("control.cjs"), MODULES, broker)
 
 
 class HomieDevices(unittest.TestCase):
     def setUp(self):
         self.bus = HomieBus()
         self.addCleanup(self.bus.close)
-        self.home = Controller(f"mqtt://127.0.0.1:{self.bus.broker_port}")
+        self.home = controller(f"mqtt://127.0.0.1:{self.bus.broker_port}")
         self.addCleanup(self.home.close)
         self.states({"asip": "ready", "desk": "ready", "lamp": "ready"})
 

@@ -50,7 +50,7 @@ async function main() {
     const [[task, argument]] = Object.entries(JSON.parse(line));
     // An event is waited for while other things are done.
     const done = limit(tasks[task](argument), task).then((value) => ({ task, value }), (error) => ({ task, error: String(error.message ?? error) }));
-    const answer = done.then((result) => process.stdout.write(JSON.stringify(result) + "\n"));
+    const answer = done.then((result) => process.stdout.write("=" + JSON.stringify(result) + "\n"));
     if (task !== "event") await answer;
   }
   process.exit(0);

@@ -1,63 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Simulated boards as things, consumed by node-wot over HTTP and over MQTT, by nothing but their Thing Descriptions."""
 
-import json
 import os
 import pathlib
-import queue
-import subprocess
 import threading
 import time
 import unittest
 import urllib.error
 import urllib.request
 
-from bus import DESK, IMAGES, Bus, die_with_parent, eventually, paho_client
+from bus import DESK, IMAGES, eventually, paho_client
+from export_bus import ExportBus, Peer
 
 MODULES = os.environ["ASIP_NODE_WOT"]
 ROVER = {"name": "rover", "board": "uno", "image": str(IMAGES / "asip_uno_robot.elf"), "link": "rover.port", "parts": []}
 
 
-class ThingsBus(Bus):
-    def start_gateway(self, *more):
-        self.start("gateway", "asip-gateway", "--http", f"127.0.0.1:{self.http_port}", "--wot-mqtt", *more)
-        eventually(lambda: self.get("/readyz"), "the gateway")
-
-    def start_agent(self, board):
-        """Values come because consumers want them."""
-        port = self.work / f"{board}.port"
-        eventually(port.exists, f"the port of {board}")
-        self.start(f"agent-{board}", "asip-agent", "--serial", str(port), "--name", board, "--lease", "6", "--no-step-up",
-                   "--patience", "60", "--reports", "on-demand")
-
-
-class Consumer:
-    def __init__(self, transport):
-        script = pathlib.Path(__file__).with_name("consume.cjs")
-        self.process = subprocess.Popen(["node", str(script), MODULES, transport], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-                                        preexec_fn=die_with_parent)
-        self.answers = queue.Queue()
-        threading.Thread(target=lambda: [self.answers.put(json.loads(line)) for line in self.process.stdout if line.startswith("{")],
-                         daemon=True).start()
-
-    def ask(self, task, argument):
-        self.process.stdin.write(json.dumps({task: argument}) + "\n")
-        self.process.stdin.flush()
-
-    def answer(self):
-        return self.answers.get(timeout=60)
-
-    def __call__(self, task, argument):
-        self.ask(task, argument)
-        answer = self.answer()
-        if "error" in answer:
-            raise RuntimeError(answer["error"])
-        return answer.get("value")
-
-    def close(self):
-        self.process.stdin.close()
-        self.process.wait(20)
-        self.process.stdout.close()
+class ThingsBus(ExportBus):
+    export = ("--wot-mqtt",)
 
 
 class Things(unittest.TestCase):
@@ -70,7 +30,7 @@ class Things(unittest.TestCase):
         eventually(lambda: "exports boards to Web of Things" in cls.bus.logs(), "the export")
 
     def consumer(self, transport):
-        made = Consumer(transport)
+        made = Peer(pathlib.Path(__file__).with_name("consume.cjs"), MODULES, transport)
         self.addCleanup(made.close)
         return made
 

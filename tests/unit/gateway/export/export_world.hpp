@@ -345,4 +345,24 @@ inline ExportedBoard exported(int sensors, bool servo = true, const std::string&
     return board;
 }
 
+/// A strip of pixels with brightness and color.
+inline Entity strip_of_pixels() {
+    Entity entity;
+    entity.id = "pixels";
+    entity.name = "Pixels";
+    entity.kind = EntityKind::kLight;
+    entity.write = Call{"pixels", "brightness", {std::nullopt}, "level"};
+    entity.color = Call{"pixels", "fill", {std::nullopt}, "color"};
+    return entity;
+}
+
+inline Entity stop_button() {
+    Entity entity;
+    entity.id = "motors-stop";
+    entity.name = "Motors stop";
+    entity.kind = EntityKind::kButton;
+    entity.write = Call{"motors", "stop", {}};
+    return entity;
+}
+
 }  // namespace asip::gateway::exports

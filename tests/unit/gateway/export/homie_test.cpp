@@ -17,24 +17,13 @@ ExportedBoard homie_board() {
     board.board = "uno1";
     board.entities[0].unit = "cm";
     board.entities[0].quantity = "distance";
-    Entity lamp;
-    lamp.id = "pixels";
-    lamp.name = "Pixels";
-    lamp.kind = EntityKind::kLight;
-    lamp.write = Call{"pixels", "brightness", {std::nullopt}, "level"};
-    lamp.color = Call{"pixels", "fill", {std::nullopt}, "color"};
-    Entity stop;
-    stop.id = "motors-stop";
-    stop.name = "Motors stop";
-    stop.kind = EntityKind::kButton;
-    stop.write = Call{"motors", "stop", {}};
     Entity line;
     line.id = "display-0";
     line.name = "Line 0";
     line.kind = EntityKind::kText;
     line.max_length = 20;
     line.write = Call{"display", "line", {0, std::nullopt}, "text", true};
-    for (auto& each : {lamp, stop, line})
+    for (auto& each : {strip_of_pixels(), stop_button(), line})
         board.entities.push_back(each);
     return board;
 }

@@ -15,19 +15,8 @@ using nlohmann::json;
 ExportedBoard desk() {
     auto board = exported(1);
     board.board = "uno1";
-    Entity lamp;
-    lamp.id = "pixels";
-    lamp.name = "Pixels";
-    lamp.kind = EntityKind::kLight;
-    lamp.write = Call{"pixels", "brightness", {std::nullopt}, "level"};
-    lamp.color = Call{"pixels", "fill", {std::nullopt}, "color"};
-    Entity stop;
-    stop.id = "motors-stop";
-    stop.name = "Motors stop";
-    stop.kind = EntityKind::kButton;
-    stop.write = Call{"motors", "stop", {}};
-    board.entities.push_back(lamp);
-    board.entities.push_back(stop);
+    board.entities.push_back(strip_of_pixels());
+    board.entities.push_back(stop_button());
     return board;
 }
 
