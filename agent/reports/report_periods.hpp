@@ -23,8 +23,8 @@ struct ReportOptions {
     /// Demands do not bring a service below this; at least 1 ms.
     std::chrono::milliseconds fastest{20};
     std::chrono::milliseconds resting{0};  ///< without a demand; 0: no reports
-    /// With on_demand: a service of which nobody ever demanded anything is left as it is, and one that is not
-    /// demanded any more goes back to the period that it had.
+    /// With on_demand: the agent leaves a service as it is until the first demand, and gives it back its
+    /// period after the last one.
     bool shared = false;
 };
 
@@ -104,7 +104,7 @@ class ReportPeriods {
 
     unsigned wanted(const Service& service) const;
     unsigned demanded(const Service& service) const;
-    /// Nobody demands anything of it or did so before, and no command set it.
+    /// It has no demand, and the agent never set its period.
     bool left_alone(const Service& service) const;
     Service* find(char letter);
     void foreign_ended(const Foreign& request, const session::Finished& end);

@@ -15,12 +15,12 @@ Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string&
 std::vector<std::string> left_by(const bus::Topics& topics, const std::vector<std::string>& retained,
                                  const std::string& user);
 
-/// Of what is retained and stands under nobody's name, what a user with this role may have left, in words:
-/// "3 commands". Empty: nothing. Pure.
+/// What a user with this role may have left on topics without a user's name, in words: "3 commands". Empty:
+/// nothing. Pure.
 std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& retained, Role role);
 
 /// Clears what users who are gone left in the broker. Reports what to run where that is not possible now, and
-/// for what stands under nobody's name.
+/// for messages on topics without a user's name.
 void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const std::vector<RoleOfUser>& gone,
                      const Environment& environment, SecureReport& report);
 
