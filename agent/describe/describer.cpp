@@ -3,7 +3,9 @@
 
 #include <utility>
 
+#include "agent/describe/port_name.hpp"
 #include "asip/model/names.hpp"
+#include "asip/program/options.hpp"
 #include "asip/protocol/body.hpp"
 
 namespace asip::agent {
@@ -129,9 +131,8 @@ model::Description Describer::description() {
 }
 
 std::string Describer::name_from_link() const {
-    std::string_view text = link_.path;
-    if (link_.kind == "serial") text = text.substr(text.rfind('/') + 1);
-    return model::suggest_name(text);
+    return link_.kind == "serial" ? name_of_port(link_.path, program::host_name())
+                                  : model::suggest_name(link_.path);
 }
 
 }  // namespace asip::agent

@@ -62,6 +62,14 @@ Expected<ReportOptions> report_options(const RawOptions& raw) {
     return options;
 }
 
+/// A name of udev for a port stands for its path, as the service gives it: by-id names begin with their bus,
+/// by-path ones with the controller.
+std::string port_path(const std::string& port) {
+    if (port.find('/') != std::string::npos) return port;
+    if (port.starts_with("usb-")) return "/dev/serial/by-id/" + port;
+    return port.find("-usb-") != std::string::npos ? "/dev/serial/by-path/" + port : port;
+}
+
 // What can be no port of this machine, however long one waits for it; empty: it may be one.
 std::string serial_fault(const std::string& port) {
     if (const auto scheme = port.find("://"); scheme != std::string::npos)
@@ -96,6 +104,7 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
     if (!raw.name.empty() && !model::valid_board_name(raw.name))
         return fail("--name: " + model::explain_board_name(raw.name) + "; for example --name " +
                     model::suggest_name(raw.name));
+    raw.serial = port_path(raw.serial);
     if (const auto fault = serial_fault(raw.serial); !fault.empty()) return fail("--serial: " + fault);
     if (!raw.tcp.empty())
         if (const auto address = link::parse_tcp_address(raw.tcp); !address)

@@ -35,8 +35,10 @@ class SerialPort : public ByteStream {
 Expected<std::unique_ptr<SerialPort>, StreamError> open_serial(boost::asio::io_context& io,
                                                                const std::string& device, int baud = 57600);
 
-/// The name of `device` that survives replugging: its link in `by_id` where it has one, else `device` as
-/// given. Open by this name again after the port vanished: the kernel may have numbered it differently.
-std::string stable_path(const std::string& device, const std::string& by_id = "/dev/serial/by-id");
+/// The name of `device` that survives replugging: its link in `by-id` of `folder`, or in `by-path` where its
+/// device has no serial number of its own; where it has none, `device` as given. Open by this name again
+/// after the port vanished: the kernel may have numbered it differently. `sys`: another root, for tests.
+std::string stable_path(const std::string& device, const std::string& folder = "/dev/serial",
+                        const std::string& sys = "/sys");
 
 }  // namespace asip::link

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Serial ports against pseudo-terminals: all of it but the modem lines and the speeds' effect.
 #include "asip/link/serial_port.hpp"
+#include "asip/link/usb_port.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "tests/support/loop.hpp"
 #include "tests/support/temp_dir.hpp"
@@ -157,11 +159,74 @@ TEST(StablePath, DeviceWithLinks_IsTheFirstLinkByName) {
     std::filesystem::create_symlink("../ttyACM0", by_id / "usb-b");
     std::filesystem::create_symlink("../ttyACM0", by_id / "usb-a");
     std::filesystem::create_symlink("../gone", by_id / "usb-0");
-    EXPECT_EQ(stable_path(device, by_id), by_id / "usb-a");
-    EXPECT_EQ(stable_path(by_id / "usb-b", by_id), by_id / "usb-a");
-    EXPECT_EQ(stable_path(other, by_id), other);
+    EXPECT_EQ(stable_path(device, folder.path()), by_id / "usb-a");
+    EXPECT_EQ(stable_path(by_id / "usb-b", folder.path()), by_id / "usb-a");
+    EXPECT_EQ(stable_path(other, folder.path()), other);
     EXPECT_EQ(stable_path(device, folder.file("none")), device);
-    EXPECT_EQ(stable_path("/no/such", by_id), "/no/such");
+    EXPECT_EQ(stable_path("/no/such", folder.path()), "/no/such");
+}
+
+/// A machine whose USB sockets are shown as the kernel and udev show them.
+class UsbMachine {
+  public:
+    std::string dev() const { return folder_.file("dev/serial"); }
+    std::string sys() const { return folder_.file("sys"); }
+
+    /// The device file.
+    std::string plug(const std::string& name, const std::string& socket, const std::string& serial,
+                     const std::string& by_id) {
+        namespace fs = std::filesystem;
+        const fs::path usb = folder_.path() / "sys/devices/usb1" / ("1-" + socket);
+        const auto interface = usb / ("1-" + socket + ":1.0") / name;
+        fs::create_directories(interface);
+        write(usb / "idVendor", "1a86\n");
+        write(usb / "idProduct", "7523\n");
+        if (!serial.empty()) write(usb / "serial", serial + "\n");
+        const auto tty = folder_.path() / "sys/class/tty" / name;
+        fs::create_directories(tty);
+        fs::create_symlink(interface, tty / "device");
+        const auto device = folder_.path() / "dev" / name;
+        for (const auto* folder : {"by-id", "by-path"})
+            fs::create_directories(folder_.path() / "dev/serial" / folder);
+        write(device, "");
+        fs::remove(folder_.path() / "dev/serial/by-id" / by_id);
+        fs::create_symlink(device, folder_.path() / "dev/serial/by-id" / by_id);
+        fs::create_symlink(device, path_of(socket));
+        return device;
+    }
+    std::string path_of(const std::string& socket) const {
+        return folder_.file("dev/serial/by-path/pci-0000:00:14.0-usb-0:" + socket + ":1.0-port0");
+    }
+
+  private:
+    static void write(const std::filesystem::path& file, const std::string& text) {
+        std::ofstream(file) << text;
+    }
+    test::TempDir folder_;
+};
+
+TEST(StablePath, ClonesWithoutASerialNumber_AreTheirUsbPorts) {
+    UsbMachine machine;
+    const auto first = machine.plug("ttyUSB0", "3", "", "usb-1a86_USB_Serial-if00-port0");
+    const auto second = machine.plug("ttyUSB1", "1.4", "0001", "usb-1a86_USB_Serial-if00-port0");
+    for (int twice = 0; twice < 2; ++twice) {
+        EXPECT_EQ(stable_path(first, machine.dev(), machine.sys()), machine.path_of("3"));
+        EXPECT_EQ(stable_path(second, machine.dev(), machine.sys()), machine.path_of("1.4"));
+    }
+    EXPECT_EQ(stable_path(machine.path_of("3"), machine.dev(), machine.sys()), machine.path_of("3"));
+    EXPECT_EQ(
+        stable_path(machine.dev() + "/by-id/usb-1a86_USB_Serial-if00-port0", machine.dev(), machine.sys()),
+        machine.path_of("1.4"));
+}
+
+TEST(StablePath, BoardWithASerialNumber_IsThatOnWhicheverPort) {
+    UsbMachine machine;
+    const auto device = machine.plug("ttyACM0", "3", "7583030313135161E0A1", "usb-Uno-if00");
+    EXPECT_EQ(stable_path(device, machine.dev(), machine.sys()), machine.dev() + "/by-id/usb-Uno-if00");
+    const auto usb = usb_port_of(device, machine.sys());
+    EXPECT_EQ(usb.vendor + ":" + usb.product, "1a86:7523");
+    EXPECT_EQ(usb.port, "3");
+    EXPECT_EQ(usb_port_of("/dev/null").vendor, "");
 }
 
 }  // namespace
