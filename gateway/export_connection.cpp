@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <utility>
 
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/broker_log.hpp"
@@ -15,6 +17,7 @@ constexpr std::size_t kMaxQueuedMessages = 100'000;
 constexpr std::size_t kMaxQueuedBytes = std::size_t{32} << 20;
 constexpr std::size_t kRoomMessages = 5'000;  // what waits beyond delays what is newer
 constexpr std::size_t kRoomBytes = std::size_t{1} << 20;
+constexpr std::size_t kLittle = 20;  // messages that wait
 constexpr Duration kConnectionEnd = std::chrono::seconds(5);
 
 }  // namespace
@@ -33,6 +36,14 @@ void ExportConnection::connect(exports::Exporter& exporter) {
     };
     handlers.on_message = [&exporter](const mqtt::Message& message) {
         exporter.own_message(message, Clock::now());
+    };
+    handlers.on_published = [this, &exporter](const std::string&) {
+        if (!client_ || client_->counters().queued >= kLittle || std::exchange(sent_, true)) return;
+        // Behind all acknowledgements that are there, each of which lets a message go.
+        boost::asio::post(io_, [this, &exporter] {
+            sent_ = false;
+            exporter.sent(Clock::now());
+        });
     };
     handlers.on_publish_denied = [user = options.user](const std::string& topic, const std::string& reason) {
         log::warning(mqtt::denied_text(user, topic, reason, "gateway"));

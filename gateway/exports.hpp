@@ -31,6 +31,7 @@ class ExportConnection {
     boost::asio::io_context& io_;
     mqtt::Options options_;
     std::unique_ptr<mqtt::Client> client_;
+    bool sent_ = false;  // the exporter is told soon
     struct Ending {
         std::unique_ptr<mqtt::Client> client;
         bool done = false;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <memory>
 #include <set>
 
 #include "asip/model/hints.hpp"
@@ -20,7 +21,8 @@ using model::FieldHints;
 using model::ValueType;
 
 constexpr std::size_t kUsualTextBytes = 62;  // what fits into a line
-constexpr double kLargestSmallRange = 16;    // of an element's number: then there are as many elements
+constexpr std::size_t kMaxKnownHints = 256;
+constexpr double kLargestSmallRange = 16;  // of an element's number: then there are as many elements
 
 /// "stop-all" -> "stop all"
 std::string words_of(std::string_view name) {
@@ -84,12 +86,28 @@ void describe_number(Entity& entity, const Field& field, const FieldHints& hints
     entity.step = hints.step;
 }
 
+/// Reading the hints of a model costs more than all that follows: boards that share one share them.
+std::shared_ptr<const model::ModelHints> hints_of(const model::ModelPtr& model) {
+    struct Known {
+        std::weak_ptr<const model::ServiceModel> model;
+        std::shared_ptr<const model::ModelHints> hints;
+    };
+    thread_local std::map<const model::ServiceModel*, Known> known;
+    if (const auto found = known.find(model.get());
+        found != known.end() && found->second.model.lock() == model)
+        return found->second.hints;
+    if (known.size() >= kMaxKnownHints) known.clear();
+    auto hints = std::make_shared<const model::ModelHints>(*model);
+    known[model.get()] = {model, hints};
+    return hints;
+}
+
 /// The entities of one service.
 class ServiceEntities {
   public:
     ServiceEntities(const model::Description& description, const model::ServiceInfo& service,
-                    const model::ServiceModel& model)
-        : description_(description), service_(service), model_(model), hints_(model) {}
+                    const model::ModelPtr& model)
+        : description_(description), service_(service), model_(*model), shared_hints_(hints_of(model)) {}
 
     std::vector<Entity> make() {
         for (const auto& command : model_.commands)
@@ -343,7 +361,8 @@ class ServiceEntities {
     const model::Description& description_;
     const model::ServiceInfo& service_;
     const model::ServiceModel& model_;
-    model::ModelHints hints_;
+    std::shared_ptr<const model::ModelHints> shared_hints_;
+    const model::ModelHints& hints_ = *shared_hints_;
     std::set<std::string> undoes_;
     std::set<std::pair<std::string, std::string>> shown_;  // event and field: an entity that is set shows it
     std::map<std::optional<int>, Entity> lights_;
@@ -388,7 +407,7 @@ std::vector<Entity> entities_of(const model::Description& description, const Fin
             io = &service;
             continue;
         }
-        auto more = ServiceEntities(description, service, *model).make();
+        auto more = ServiceEntities(description, service, model).make();
         std::move(more.begin(), more.end(), std::back_inserter(result));
     }
     if (io != nullptr) {

@@ -53,6 +53,7 @@ void Exporter::retain(std::string topic, std::string payload, int qos) {
     message.payload = std::move(payload);
     message.qos = qos;
     message.retain = true;
+    if (qos > 0) ++acknowledged_;
     port_.publish(std::move(message));
 }
 
@@ -130,6 +131,10 @@ void Exporter::own_message(const mqtt::Message& message, Time now) {
     }
     if (message.retain || phase_ != Phase::kActive) return;
     if (const auto which = dialect().command_of(message.topic)) command(*which, message.payload);
+}
+
+void Exporter::sent(Time now) {
+    if (phase_ == Phase::kActive && !(dirty_.empty() && clear_.empty())) pump(now);
 }
 
 void Exporter::begin_scan(Time now) {
@@ -243,6 +248,7 @@ void Exporter::become_idle(const std::string& why) {
     lease_.release();
     records_.clear();
     dirty_.clear();
+    later_.clear();
     clear_.clear();
     pending_.clear();
     scan_.take_all();
@@ -281,6 +287,7 @@ void Exporter::tick(Time now) {
         else
             ++each;
     }
+    dirty_.merge(later_);
     pump(now);
 }
 

@@ -31,6 +31,7 @@ namespace asip::gateway::exports {
 class Exporter {
   public:
     static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
+    static constexpr std::size_t kSlice = 20;  ///< messages that are acknowledged
     static constexpr Duration kScanLimit = std::chrono::seconds(10);
 
     struct Options {
@@ -90,6 +91,9 @@ class Exporter {
     void value(std::string_view board, std::string_view service, std::string_view json, bool set, Time now);
 
     // Over the export's own:
+    /// Little waits to be sent any more. What is published is made in slices, so that a broker works on one
+    /// while the next is made, and little stands in front of what is newer.
+    void sent(Time now);
     /// All that is subscribed to is granted: after each connection, and after each further subscription.
     void own_subscribed(Time now);
     void own_disconnected();
@@ -158,11 +162,13 @@ class Exporter {
     Random random_;
     Records records_;
     std::set<std::string> dirty_;                            // boards to look at
+    std::set<std::string> later_;                            // likewise, at the next tick
     std::deque<std::string> clear_;                          // topics
     std::set<std::pair<std::string, std::size_t>> pending_;  // states that wait for their turn
     RetainedScan scan_;
-    std::string gateway_document_;  // as it was published
-    bool gateway_due_ = false;      // its document or its state
+    std::string gateway_document_;    // as it was published
+    std::uint64_t acknowledged_ = 0;  // messages that are, or will be
+    bool gateway_due_ = false;        // its document or its state
     std::optional<Time> scan_until_, scan_at_;
     Time now_{};
 };

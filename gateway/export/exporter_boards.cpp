@@ -29,16 +29,15 @@ void Exporter::pump(Time now) {
         return port_.disconnect();
     }
     lease_.set_prefix(dialect().place());
-    std::set<std::string> later;
-    while (!dirty_.empty() && port_.has_room()) {
+    const auto end = acknowledged_ + kSlice;
+    while (!dirty_.empty() && acknowledged_ < end && port_.has_room()) {
         const auto name = *dirty_.begin();
         dirty_.erase(dirty_.begin());
         update(name, now);
         const auto record = records_.find(name);
-        if (record != records_.end() && record->second.document_due) later.insert(name);
+        if (record != records_.end() && record->second.document_due) later_.insert(name);
     }
     if (gateway_due_ && dirty_.empty()) show_gateway();
-    dirty_.merge(later);
 }
 
 void Exporter::update(const std::string& name, Time now) {

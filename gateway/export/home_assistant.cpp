@@ -8,6 +8,7 @@
 
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
+#include "gateway/export/object_text.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -77,33 +78,39 @@ Expected<json> light_value(const Entity& entity, std::string_view payload) {
     return value;
 }
 
-void describe_sensor(json& component, const Entity& entity) {
-    if (!entity.options.empty()) {
-        auto words = json::array();
-        for (const auto& [word, value] : entity.options)
-            words.push_back(word);
-        component["dev_cla"] = "enum";
-        component["ops"] = std::move(words);
-        return;
-    }
-    const auto shown = device_class_of(entity.quantity, entity.unit);
-    if (!shown.unit.empty()) component["unit_of_meas"] = shown.unit;
-    if (!shown.device_class.empty()) component["dev_cla"] = shown.device_class;
-    if (entity.max_length > 0 || entity.quantity == "energy") return;
-    component["stat_cla"] =
-        entity.quantity == "angle" && entity.unit == "degrees" ? "measurement_angle" : "measurement";
+json words_of_options(const Entity& entity) {
+    auto words = json::array();
+    for (const auto& [word, value] : entity.options)
+        words.push_back(word);
+    return words;
 }
 
-void describe_number(json& component, const Entity& entity) {
+void describe_unit(ObjectText& component, const Entity& entity) {
     const auto shown = device_class_of(entity.quantity, entity.unit);
-    if (!shown.unit.empty()) component["unit_of_meas"] = shown.unit;
-    if (!shown.device_class.empty()) component["dev_cla"] = shown.device_class;
+    if (!shown.unit.empty()) component.add("unit_of_meas", shown.unit);
+    if (!shown.device_class.empty()) component.add("dev_cla", shown.device_class);
+}
+
+void describe_sensor(ObjectText& component, const Entity& entity) {
+    if (!entity.options.empty()) {
+        component.add("dev_cla", "enum").add_value("ops", words_of_options(entity));
+        return;
+    }
+    describe_unit(component, entity);
+    if (entity.max_length > 0 || entity.quantity == "energy") return;
+    const bool angle = entity.quantity == "angle" && entity.unit == "degrees";
+    component.add("stat_cla", angle ? "measurement_angle" : "measurement");
+}
+
+void describe_number(ObjectText& component, const Entity& entity) {
+    describe_unit(component, entity);
     const double min = entity.min.value_or(-kLargest - 1);
     const double max = entity.max.value_or(kLargest);
-    component["min"] = json_number(min);
-    component["max"] = json_number(max > min ? max : min + 1);  // some versions refuse a range of one value
-    component["step"] =
-        json_number(std::max(entity.step.value_or(entity.whole ? 1 : kUsualStep), kSmallestStep));
+    component.add_value("min", json_number(min));
+    component.add_value("max", json_number(max > min ? max : min + 1));  // some versions refuse a range of
+                                                                         // one value
+    component.add_value(
+        "step", json_number(std::max(entity.step.value_or(entity.whole ? 1 : kUsualStep), kSmallestStep)));
 }
 
 }  // namespace
@@ -168,61 +175,67 @@ std::string HomeAssistant::platform(const Entity& entity) const {
     return "sensor";
 }
 
-json HomeAssistant::component(const ExportedBoard& board, const Entity& entity) const {
+std::string HomeAssistant::component(const ExportedBoard& board, const std::string& device,
+                                     const Entity& entity) const {
     const auto kind = platform(entity);
-    json component{{"p", kind}, {"uniq_id", device_id(board.board) + "_" + entity.id}, {"name", entity.name}};
+    ObjectText component;
+    component.add("p", kind).add("uniq_id", device + "_" + entity.id).add("name", entity.name);
     if (options_.entity_ids) {
         auto id = board.board + "_" + entity.id;
         for (char& c : id)
             c = std::isalnum(static_cast<unsigned char>(c)) != 0
                     ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
                     : '_';
-        component["def_ent_id"] = kind + "." + id;
+        component.add("def_ent_id", kind + "." + id);
     }
-    if (!entity.default_on) component["en"] = false;
+    if (!entity.default_on) component.add_json("en", "false");
     const auto topic = state(board.board, entity.id);
-    if (entity.kind != EntityKind::kButton) component["stat_t"] = topic;
-    if (entity.settable() && !options_.read_only) component["cmd_t"] = topic + "/set";
+    if (entity.kind != EntityKind::kButton) component.add("stat_t", topic);
+    if (entity.settable() && !options_.read_only) component.add("cmd_t", topic + "/set");
     if (kind == "sensor") {
         describe_sensor(component, entity);
     } else if (kind == "number") {
         describe_number(component, entity);
     } else if (kind == "text") {
-        component["max"] = std::min(entity.max_length, kMaxStateBytes);
-        component["pattern"] = "^[ -~]*$";
+        component.add_value("max", json(std::min(entity.max_length, kMaxStateBytes)))
+            .add("pattern", "^[ -~]*$");
     } else if (kind == "select") {
-        component["ops"] = json::array();
-        for (const auto& [word, value] : entity.options)
-            component["ops"].push_back(word);
+        component.add_value("ops", words_of_options(entity));
     } else if (kind == "light") {
-        component["schema"] = "json";
-        component["sup_clrm"] = {color_mode(entity)};
-        if (entity.write) component["brightness"] = true;
+        component.add("schema", "json").add_value("sup_clrm", json::array({color_mode(entity)}));
+        if (entity.write) component.add_json("brightness", "true");
     }
-    return component;
+    return component.end();
 }
 
-json HomeAssistant::error_component(const ExportedBoard& board) const {
-    return {{"p", "sensor"},
-            {"uniq_id", device_id(board.board) + "_" + std::string(kLastError)},
-            {"name", "Last error"},
-            {"ent_cat", "diagnostic"},
-            {"stat_t", state(board.board, kLastError)}};
+std::string HomeAssistant::error_component(const ExportedBoard& board, const std::string& device) const {
+    ObjectText component;
+    component.add("p", "sensor")
+        .add("uniq_id", device + "_" + std::string(kLastError))
+        .add("name", "Last error")
+        .add("ent_cat", "diagnostic")
+        .add("stat_t", state(board.board, kLastError));
+    return component.end();
 }
 
-json HomeAssistant::root_document(const ExportedBoard& board) const {
-    json device{{"ids", {device_id(board.board)}},
-                {"name", board.name.empty() ? board.board : board.name},
-                {"mf", "ASIP"}};
-    if (!board.chip.empty()) device["mdl"] = board.chip;
-    if (!board.sketch.empty()) device["sw"] = board.sketch;
-    if (!board.room.empty()) device["sa"] = board.room;
-    json origin{{"name", "asip-gateway"}};
-    if (!options_.version.empty()) origin["sw"] = options_.version;
-    return {{"dev", std::move(device)},
-            {"o", std::move(origin)},
-            {"avty", {{{"t", gateway_state()}}, {{"t", board_state(board.board)}}}},
-            {"avty_mode", "all"}};
+void HomeAssistant::describe_device(ObjectText& document, const ExportedBoard& board,
+                                    const std::string& id) const {
+    ObjectText device;
+    device.add_json("ids", "[\"" + id + "\"]")
+        .add("name", board.name.empty() ? board.board : board.name)
+        .add("mf", "ASIP");
+    if (!board.chip.empty()) device.add("mdl", board.chip);
+    if (!board.sketch.empty()) device.add("sw", board.sketch);
+    if (!board.room.empty()) device.add("sa", board.room);
+    ObjectText origin, gateway, itself;
+    origin.add("name", "asip-gateway");
+    if (!options_.version.empty()) origin.add("sw", options_.version);
+    gateway.add("t", gateway_state());
+    itself.add("t", board_state(board.board));
+    document.add_json("dev", device.end())
+        .add_json("o", origin.end())
+        .add_json("avty", "[" + gateway.end() + "," + itself.end() + "]")
+        .add("avty_mode", "all");
 }
 
 HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) const {
@@ -236,18 +249,23 @@ HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) 
     return result;
 }
 
-json HomeAssistant::whole_document(const ExportedBoard& board, const Components& wanted) const {
-    auto document = root_document(board);
-    auto& all = document["cmps"] = json::object();
-    for (const auto& entity : board.entities)
-        if (wanted.contains(entity.id)) all[entity.id] = component(board, entity);
-    if (wanted.contains(std::string(kLastError)) && board.entity(kLastError) == nullptr)
-        all[std::string(kLastError)] = error_component(board);
-    return document;
-}
-
-std::string HomeAssistant::document(const ExportedBoard& board) const {
-    return model::dump_json(whole_document(board, components(board)));
+std::string HomeAssistant::document(const ExportedBoard& board, const Components& removed) const {
+    const auto device = device_id(board.board);
+    ObjectText document, all;
+    describe_device(document, board, device);
+    bool settable = false;
+    for (const auto& entity : board.entities) {
+        settable = settable || entity.settable();
+        if (shown(entity) && !removed.contains(entity.id))
+            all.add_json(entity.id, component(board, device, entity));
+    }
+    const std::string error(kLastError);
+    if (settable && !options_.read_only && !removed.contains(error) && board.entity(error) == nullptr)
+        all.add_json(error, error_component(board, device));
+    for (const auto& [id, platform] : removed)
+        all.add_value(id, json{{"p", platform}});
+    document.add_json("cmps", all.end());
+    return document.end();
 }
 
 HomeAssistant::Components HomeAssistant::components_of(std::string_view document) {
@@ -266,20 +284,17 @@ HomeAssistant::Components HomeAssistant::components_of(std::string_view document
 
 std::string HomeAssistant::removing_document(const ExportedBoard& board, const Components& old) const {
     const auto wanted = components(board);
-    std::vector<Components::const_iterator> removed;
-    for (auto each = old.begin(); each != old.end(); ++each) {
-        const auto now = wanted.find(each->first);
-        if (now == wanted.end() || now->second != each->second) removed.push_back(each);
-    }
-    if (removed.empty()) return {};
-    auto document = whole_document(board, wanted);
-    for (const auto& each : removed)
-        document["cmps"][each->first] = {{"p", each->second}};
-    return model::dump_json(document);
+    auto removed = old;
+    std::erase_if(removed, [&](const auto& each) {
+        const auto now = wanted.find(each.first);
+        return now != wanted.end() && now->second == each.second;
+    });
+    return removed.empty() ? std::string() : document(board, removed);
 }
 
 // One that leaves components out does not remove them: they are named by their platform alone first.
 Dialect::Document HomeAssistant::next_document(const ExportedBoard& board, const std::string& on_bus) const {
+    if (on_bus.empty()) return {document(board), true};
     auto removing = removing_document(board, components_of(on_bus));
     if (removing.empty()) return {document(board), true};
     return {std::move(removing), false};

@@ -10,6 +10,8 @@
 
 namespace asip::gateway::exports {
 
+class ObjectText;
+
 /// Boards in the dialect of Home Assistant: one discovery document for each board, a state topic for each of
 /// its entities. Pure: what is published is decided here, when is not.
 ///
@@ -67,7 +69,8 @@ class HomeAssistant final : public Dialect {
 
     /// Which entities are in a document: component -> platform.
     using Components = std::map<std::string, std::string>;
-    std::string document(const ExportedBoard& board) const;
+    /// Those of `removed` are named by their platform alone.
+    std::string document(const ExportedBoard& board, const Components& removed = {}) const;
     Components components(const ExportedBoard& board) const;
     /// Those of a document as it is on the bus, without those that it removes; any text may be given.
     static Components components_of(std::string_view document);
@@ -87,10 +90,9 @@ class HomeAssistant final : public Dialect {
     Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const override;
 
   private:
-    nlohmann::json root_document(const ExportedBoard& board) const;
-    nlohmann::json whole_document(const ExportedBoard& board, const Components& wanted) const;
-    nlohmann::json component(const ExportedBoard& board, const Entity& entity) const;
-    nlohmann::json error_component(const ExportedBoard& board) const;
+    void describe_device(ObjectText& document, const ExportedBoard& board, const std::string& id) const;
+    std::string component(const ExportedBoard& board, const std::string& device, const Entity& entity) const;
+    std::string error_component(const ExportedBoard& board, const std::string& device) const;
     std::string platform(const Entity& entity) const;
     bool shown(const Entity& entity) const;
     std::string device_id(std::string_view board) const;

@@ -57,7 +57,7 @@ std::string root_of(const std::string& description) {
 
 /// `document` with a version that is larger than that of `on_bus`; `on_bus` where both say the same.
 std::string next_version(json document, const std::string& on_bus) {
-    auto old = document_from(on_bus);
+    auto old = on_bus.empty() ? json() : document_from(on_bus);
     std::int64_t version = 0;
     if (old.is_object()) {
         if (const auto found = old.find("version"); found != old.end() && found->is_number_integer())

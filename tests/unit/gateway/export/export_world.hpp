@@ -150,6 +150,7 @@ class ExportWorld {
                 gateway->exporter->own_subscribed(now);
             }
             gateway->exporter->tick(now);
+            gateway->exporter->sent(now);
         }
         deliver();
     }

@@ -371,5 +371,28 @@ TEST_F(ExporterTest, ManyBoards_WaitForRoom) {
     EXPECT_EQ(world.devices.size(), 100u);
 }
 
+TEST_F(ExporterTest, ManyBoards_AreSentInSlices_AndAStopIsNotBehindThem) {
+    constexpr int kBoards = 500;
+    for (int i = 0; i < kBoards; ++i)
+        world.put("uno" + std::to_string(i), exported(1));
+    auto& gateway = world.start();
+    while (world.devices.empty())
+        world.step();
+    EXPECT_LE(world.devices.size(), 3 * Exporter::kSlice);
+    gateway.exporter->sent(world.now);
+    EXPECT_LE(world.devices.size(), 4 * Exporter::kSlice);
+    world.end(gateway);
+    EXPECT_EQ(world.sent.back().topic, kState);
+    EXPECT_LE(world.devices.size(), 4 * Exporter::kSlice);
+
+    auto& next = world.start();
+    world.pass(5s);
+    for (int i = 0; i < 2 * kBoards; ++i)
+        next.exporter->sent(world.now);
+    EXPECT_EQ(world.devices.size(), kBoards);
+    for (const auto& [topic, device] : world.devices)
+        EXPECT_EQ(world.times_sent(topic), 1u) << topic;
+}
+
 }  // namespace
 }  // namespace asip::gateway::exports
