@@ -49,7 +49,8 @@ std::optional<exports::Exporter::Present> Exports::board(const std::string& name
     const auto& item = found->boards[0];
     auto board = gateway_.things().find(item);
     if (!board) return std::nullopt;
-    return exports::Exporter::Present{exports::is_there(item.state), std::move(board), item.state};
+    return exports::Exporter::Present{exports::is_there(item.state), std::move(board), item.state,
+                                      item.session};
 }
 
 void Exports::command(const std::string& board, const exports::Request& request,

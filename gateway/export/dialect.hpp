@@ -36,6 +36,8 @@ class Dialect {
     /// The topic below which the export keeps its lease.
     virtual std::string base() const = 0;
     std::string lease() const { return base() + "/$lease"; }
+    /// Which session of each board the states are of that are retained.
+    std::string sessions() const { return base() + "/$sessions"; }
     /// Where its documents are: the beginning of their topics. It may be another one at the next start.
     virtual std::string place() const = 0;
     /// Filters for all that it may have retained while its documents were at `place`, but for what is below

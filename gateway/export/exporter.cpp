@@ -2,11 +2,17 @@
 #include "gateway/export/exporter.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "asip/model/json.hpp"
 
 namespace asip::gateway::exports {
 namespace {
 
+using nlohmann::json;
+
+constexpr std::size_t kMaxSessionsBytes = std::size_t{8} << 20;
 constexpr int kMarkDigits = 16;
 constexpr Duration kAfterBirth = std::chrono::seconds(1);  // until the other system has subscribed
 
@@ -18,6 +24,18 @@ std::set<std::string> filters(const Dialect& dialect, const std::optional<Lease:
     if (holder)
         for (auto& filter : dialect.retained(holder->prefix))
             result.insert(std::move(filter));
+    return result;
+}
+
+/// Board -> session, as an exporter published it.
+std::map<std::string, std::string> sessions_in(const Dialect::Retained& found, const std::string& topic) {
+    std::map<std::string, std::string> result;
+    const auto text = found.find(topic);
+    if (text == found.end()) return result;
+    const auto parsed = model::parse_json(text->second, {.max_bytes = kMaxSessionsBytes, .max_depth = 2});
+    if (!parsed || !parsed->is_object()) return result;
+    for (const auto& [name, session] : parsed->items())
+        if (session.is_string()) result[name] = session.get<std::string>();
     return result;
 }
 
@@ -148,7 +166,8 @@ void Exporter::begin_scan(Time now) {
 }
 
 /// What the broker keeps of a board that is there.
-void Exporter::take_retained(Record& record, Present present, const Dialect::Retained& found, Time now) {
+void Exporter::take_retained(Record& record, Present present, const Dialect::Retained& found, bool same,
+                             Time now) {
     const auto& name = present.board->board;
     const auto on_bus = [&](const std::string& topic) {
         const auto each = found.find(topic);
@@ -157,13 +176,19 @@ void Exporter::take_retained(Record& record, Present present, const Dialect::Ret
     record.document = on_bus(dialect().document_topic(name));
     record.document_due = record.values_due = true;
     record.state = on_bus(dialect().board_state(name));
+    record.session = std::move(present.session);
     if (!record.board) take(record, present.board);
     record.targets.clear();
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         auto text = record.states[i].sent();
         record.states[i].adopt(on_bus(state_topic(record, i)));
+        const bool older = !same && !(text.empty() && record.states[i].sent().empty());
+        if (older)
+            text = i < record.board->entities.size()
+                       ? dialect().state_text(record.board->entities[i], nullptr)
+                       : std::string();
         // Behind the document.
-        if (!text.empty()) record.states[i].offer(std::move(text), now, between_, false);
+        if (older || !text.empty()) record.states[i].offer(std::move(text), now, between_, false);
         if (record.states[i].waits()) pending_.emplace(name, i);
         if (i >= record.board->entities.size()) continue;
         const auto target = dialect().target(name, record.board->entities[i]);
@@ -184,13 +209,18 @@ void Exporter::finish_scan(Time now) {
     std::set<std::string> wanted;
     for (const auto& [name, record] : records_)
         dirty_.insert(name);  // it may have been forgotten meanwhile
+    const auto sessions = sessions_in(found, dialect().sessions());
+    sessions_due_ = options_.enabled;
     const auto boards = options_.enabled ? port_.boards() : std::vector<std::string>();
     for (const auto& name : boards) {
         auto present = port_.board(name);
         if (!present) continue;
         dirty_.insert(name);
         auto& record = records_[name];
-        take_retained(record, std::move(*present), found, now);
+        bool same = record.session == present->session;
+        if (const auto known = sessions.find(name); !record.board)
+            same = known != sessions.end() && known->second == present->session;
+        take_retained(record, std::move(*present), found, same, now);
         wanted.insert({dialect().document_topic(name), dialect().board_state(name)});
         for (std::size_t i = 0; i < record.states.size(); ++i)
             wanted.insert(state_topic(record, i));
@@ -198,7 +228,8 @@ void Exporter::finish_scan(Time now) {
             wanted.insert(topic);
     }
     if (options_.enabled)
-        wanted.insert({dialect().lease(), dialect().gateway_state(), dialect().gateway_document_topic()});
+        wanted.insert({dialect().lease(), dialect().sessions(), dialect().gateway_state(),
+                       dialect().gateway_document_topic()});
     std::set<std::string> ours;
     for (const auto& place : {dialect().place(), holder ? holder->prefix : dialect().place()})
         for (auto& topic : dialect().ours(found, place))
@@ -243,6 +274,16 @@ void Exporter::show_gateway() {
     retain(dialect().gateway_state(), dialect().online());
 }
 
+/// Seldom: a gateway that starts meanwhile says of a board's older states that they are not known.
+void Exporter::show_sessions(Time now) {
+    sessions_due_ = false;
+    sessions_at_ = now;
+    auto sessions = json::object();
+    for (const auto& [name, record] : records_)
+        if (!record.session.empty()) sessions[name] = record.session;
+    retain(dialect().sessions(), model::dump_json(sessions));
+}
+
 void Exporter::become_idle(const std::string& why) {
     phase_ = Phase::kIdle;
     lease_.release();
@@ -254,6 +295,7 @@ void Exporter::become_idle(const std::string& why) {
     scan_.take_all();
     scan_until_.reset();
     scan_at_.reset();
+    sessions_at_ = {};
     if (!why.empty()) port_.log(why);
     port_.disconnect();
 }
@@ -289,9 +331,13 @@ void Exporter::tick(Time now) {
     }
     dirty_.merge(later_);
     pump(now);
+    if (sessions_due_ && phase_ == Phase::kActive && options_.enabled && dirty_.empty() &&
+        (sessions_at_ == Time{} || now - sessions_at_ >= kBetweenSessions))
+        show_sessions(now);
 }
 
 void Exporter::leave() {
+    if (phase_ == Phase::kActive && sessions_due_ && options_.enabled) show_sessions(now_);
     if (phase_ == Phase::kActive || phase_ == Phase::kScanning)
         if (options_.enabled) retain(dialect().gateway_state(), dialect().leaving());
     phase_ = Phase::kFinished;

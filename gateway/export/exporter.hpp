@@ -27,11 +27,13 @@ namespace asip::gateway::exports {
 /// has a connection of its own, with its own will, which is there only while this gateway holds the lease.
 /// What other programs are shown is what is retained on the bus; so at each connection, and when the other
 /// system starts, it reads that back and puts right what differs: nothing is left behind by a crash, a rename
-/// or an option that was taken away. Pure: messages and time in, messages out.
+/// or an option that was taken away. States of an earlier session of a board, which may have been forgotten
+/// since, are not known any more. Pure: messages and time in, messages out.
 class Exporter {
   public:
     static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
     static constexpr std::size_t kSlice = 20;  ///< messages that are acknowledged
+    static constexpr Duration kBetweenSessions = std::chrono::seconds(20);  ///< their messages
     static constexpr Duration kScanLimit = std::chrono::seconds(10);
 
     struct Options {
@@ -49,6 +51,7 @@ class Exporter {
         bool there = false;                          ///< it can be commanded
         std::shared_ptr<const ExportedBoard> board;  ///< exporters share it
         std::string state{};                         ///< of the catalogue
+        std::string session{};                       ///< of its agent
     };
     struct Port {
         std::function<void()> connect;     ///< the export's own connection, with its will
@@ -116,6 +119,7 @@ class Exporter {
     struct Record {
         std::shared_ptr<const ExportedBoard> board;
         bool there = false;
+        std::string session;
         std::string state;     // as it was published
         std::string document;  // likewise
         std::optional<Time> document_at;
@@ -130,8 +134,9 @@ class Exporter {
 
     void begin_scan(Time now);
     void finish_scan(Time now);
-    void take_retained(Record& record, Present present, const Dialect::Retained& found, Time now);
+    void take_retained(Record& record, Present present, const Dialect::Retained& found, bool same, Time now);
     void show_gateway();
+    void show_sessions(Time now);
     void become_idle(const std::string& why);
     void clear_some();
     void pump(Time now);
@@ -169,6 +174,8 @@ class Exporter {
     std::string gateway_document_;    // as it was published
     std::uint64_t acknowledged_ = 0;  // messages that are, or will be
     bool gateway_due_ = false;        // its document or its state
+    bool sessions_due_ = false;
+    Time sessions_at_{};
     std::optional<Time> scan_until_, scan_at_;
     Time now_{};
 };

@@ -47,6 +47,10 @@ void Exporter::update(const std::string& name, Time now) {
     auto& record = found->second;
     gateway_due_ = gateway_due_ || (added && !dialect().gateway_document_topic().empty());
     record.there = present->there;
+    if (record.session != present->session) {
+        record.session = std::move(present->session);
+        sessions_due_ = true;
+    }
     const bool changed =
         record.board != present->board && (!record.board || !(*record.board == *present->board));
     if (changed) take(record, std::move(present->board));
@@ -140,6 +144,7 @@ void Exporter::remove(const std::string& name) {
         clear_.push_back(topic);
     if (!document.empty() && !dialect().last_cleared().empty()) clear_.push_back(document);
     records_.erase(found);
+    sessions_due_ = true;
     gateway_due_ = gateway_due_ || !dialect().gateway_document_topic().empty();
     clear_some();
 }

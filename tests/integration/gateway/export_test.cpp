@@ -99,7 +99,8 @@ TEST_F(GatewayExportOfABoard, BoardThatIsForgotten_IsGone) {
     ASSERT_TRUE(is_shown());
     agent_->process().signal(SIGTERM);
     EXPECT_TRUE(becomes(kDocument, ""));
-    EXPECT_TRUE(wait_until([&] { return retained().size() == 2; })) << retained().size();  // lease and state
+    EXPECT_TRUE(wait_until([&] { return retained().size() == 3; })) << retained().size();  // lease, sessions
+                                                                                           // and state
 }
 
 class GatewayExportOfMany : public GatewayExport {

@@ -35,6 +35,7 @@ class ExportWorld {
     struct Board {
         bool there = true;
         ExportedBoard board;
+        std::string session;
         std::map<std::string, std::string> values, set;  // by service: JSON
     };
     struct Sent {
@@ -161,6 +162,7 @@ class ExportWorld {
 
     void put(const std::string& name, ExportedBoard board) {
         board.board = name;
+        if (!boards.contains(name)) boards[name].session = std::to_string(++sessions_);
         boards[name].board = std::move(board);
         changed(name);
     }
@@ -298,7 +300,7 @@ class ExportWorld {
             if (found == boards.end()) return std::nullopt;
             return Exporter::Present{found->second.there,
                                      std::make_shared<const ExportedBoard>(found->second.board),
-                                     found->second.there ? "online" : "lost"};
+                                     found->second.there ? "online" : "lost", found->second.session};
         };
         port.values = [this](const std::string& board, const std::string& service,
                              const std::function<void(std::string_view, bool)>& each) {
@@ -318,6 +320,7 @@ class ExportWorld {
     }
 
     std::uint64_t seed_;
+    int sessions_ = 0;
     std::shared_ptr<const Dialect> dialect_;
 };
 

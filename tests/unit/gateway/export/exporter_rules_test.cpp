@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rules of every dialect that retains what it shows: one gateway exports, no flood, nothing of an earlier
+// session.
+#include <gtest/gtest.h>
+
+#include "export_world.hpp"
+#include "gateway/export/homie.hpp"
+#include "gateway/export/web_of_things.hpp"
+
+namespace asip::gateway::exports {
+namespace {
+
+struct DialectRow {
+    const char* name;
+    std::shared_ptr<const Dialect> (*make)();
+};
+
+const DialectRow kDialects[] = {
+    {"HomeAssistant", [] { return ExportWorld::home_assistant(); }},
+    {"Homie", []() -> std::shared_ptr<const Dialect> { return std::make_shared<Homie>(Homie::Options{}); }},
+    {"WebOfThings",
+     []() -> std::shared_ptr<const Dialect> {
+         return std::make_shared<WebOfThings>(WebOfThings::Options{});
+     }},
+};
+
+class ExporterRules : public testing::TestWithParam<DialectRow> {
+  protected:
+    const Dialect& dialect() const { return *dialect_; }
+    std::string topic_of(std::size_t entity) const {
+        return dialect().state("uno1", world.boards.at("uno1").board.entities[entity]);
+    }
+    std::string distance() const { return topic_of(0); }
+    std::string servo() const { return topic_of(1); }
+    /// How often each topic was published, but for the lease and what is published by the broker or says who
+    /// is there.
+    std::map<std::string, std::size_t> sent() const {
+        std::map<std::string, std::size_t> result;
+        for (const auto& each : world.sent)
+            if (each.topic != dialect().lease() && each.topic != dialect().sessions() &&
+                each.topic != dialect().gateway_state() && each.topic.find("/$mark/") == std::string::npos)
+                ++result[each.topic];
+        return result;
+    }
+    void show_one_board() {
+        world.put("uno1", exported(1));
+        world.value("uno1", "distance", R"({"distance":[42]})");
+        world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    }
+
+    std::shared_ptr<const Dialect> dialect_ = GetParam().make();
+    ExportWorld world{1, dialect_};
+};
+
+TEST_P(ExporterRules, OfTwoGateways_OneExports_AndTheOtherTakesOverWithinTenSeconds_NothingIsSentTwice) {
+    show_one_board();
+    auto& a = world.start();
+    auto& b = world.start();
+    world.pass(60s);
+    ASSERT_NE(a.exporter->active(), b.exporter->active());
+    auto& active = a.exporter->active() ? a : b;
+    auto& other = a.exporter->active() ? b : a;
+    EXPECT_EQ(world.retained[distance()], "42");
+    EXPECT_EQ(world.times_sent(distance()), 1u);
+    EXPECT_EQ(world.times_sent(servo()), 1u);
+    const auto before = sent();
+
+    world.publish(servo() + "/set", "91");
+    world.step();
+    EXPECT_EQ(active.commands.size(), 1u);
+    EXPECT_TRUE(other.commands.empty());
+    const auto after_command = sent();
+
+    world.kill(active);
+    EXPECT_EQ(world.retained[dialect().gateway_state()], dialect().lost());
+    world.pass(10s);
+    EXPECT_TRUE(other.exporter->active());
+    EXPECT_EQ(world.retained[dialect().gateway_state()], dialect().online());
+    EXPECT_EQ(sent(), after_command) << "what is retained is still right";
+    EXPECT_FALSE(before.empty());
+
+    world.publish(servo() + "/set", "92");
+    world.step();
+    EXPECT_EQ(other.commands.size(), 1u);
+    world.value("uno1", "servo", R"({"write":{"0":92}})", true);
+    EXPECT_EQ(world.retained[servo()], "92");
+}
+
+TEST_P(ExporterRules, GatewayThatHangs_IsReplaced_AndGivesWayWhenItIsBack) {
+    show_one_board();
+    auto& first = world.start();
+    world.pass(5s);
+    ASSERT_TRUE(first.exporter->active());
+    auto& second = world.start();
+    world.pass(5s);
+    first.alive = false;  // it is stopped: the broker keeps its connection
+    world.pass(20s);
+    ASSERT_TRUE(second.exporter->active());
+    first.alive = true;
+    world.pass(10s);
+    EXPECT_NE(first.exporter->active(), second.exporter->active());
+    EXPECT_EQ(world.retained[dialect().gateway_state()], dialect().online());
+    EXPECT_EQ(world.times_sent(distance()), 1u);
+}
+
+TEST_P(ExporterRules, SquareWave_IsSentFiveTimesASecond_NewestLast) {
+    constexpr int kChanges = 10'000;  // ten seconds
+    show_one_board();
+    world.start();
+    world.pass(5s);
+    const auto before = world.times_sent(distance());
+    for (int i = 0; i < kChanges; ++i) {
+        world.value("uno1", "distance", "{\"distance\":[" + std::to_string(i) + "]}");
+        world.now += 1ms;
+        if (i % 100 == 0) world.step();
+    }
+    world.pass(1s);
+    const auto times = world.times_sent(distance()) - before;
+    const auto seconds = std::chrono::duration<double>(kChanges * 1ms + kChanges / 100 * 100ms + 1s).count();
+    EXPECT_LE(static_cast<double>(times), 5 * seconds + 1);
+    EXPECT_GE(static_cast<double>(times), 4 * seconds);
+    EXPECT_EQ(world.retained[distance()], std::to_string(kChanges - 1));
+}
+
+TEST_P(ExporterRules, BoardThatWasForgottenAndIsBack_IsNotShownWithOldValues) {
+    show_one_board();
+    world.kill(world.start());
+    auto& gateway = world.start();
+    world.pass(5s);
+    ASSERT_EQ(world.retained[distance()], "42");
+    world.kill(gateway);
+    world.forget("uno1");
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(5s);
+    for (const std::size_t entity : {0, 1}) {
+        const auto unknown = dialect().state_text(world.boards["uno1"].board.entities[entity], nullptr);
+        EXPECT_EQ(world.retained[topic_of(entity)], unknown);
+    }
+    world.value("uno1", "distance", R"({"distance":[43]})");
+    EXPECT_EQ(world.retained[distance()], "43");
+}
+
+TEST_P(ExporterRules, BoardOfTheSameSession_KeepsItsValues_OverAnyNumberOfStarts) {
+    show_one_board();
+    auto* gateway = &world.start();
+    world.pass(5s);
+    // What was reported is not on the bus any more.
+    world.boards["uno1"].values.clear();
+    for (int i = 0; i < 5; ++i) {
+        if (i % 2 == 0)
+            world.kill(*gateway);
+        else
+            world.end(*gateway);
+        gateway = &world.start();
+        world.pass(15s);
+        ASSERT_EQ(world.retained[distance()], "42") << "start " << i;
+    }
+    EXPECT_EQ(world.times_sent(distance()), 1u);
+}
+
+TEST_P(ExporterRules, SessionThatChanges_IsWrittenDown) {
+    show_one_board();
+    auto& gateway = world.start();
+    world.pass(5s);
+    world.boards["uno1"].session = "another";
+    world.changed("uno1");
+    world.pass(Exporter::kBetweenSessions);
+    EXPECT_NE(world.retained[dialect().sessions()].find("another"), std::string::npos);
+    world.forget("uno1");
+    world.end(gateway);
+    EXPECT_EQ(world.retained[dialect().sessions()], "{}");
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, ExporterRules, testing::ValuesIn(kDialects),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+}  // namespace
+}  // namespace asip::gateway::exports
