@@ -31,7 +31,6 @@ constexpr Time kBegin = Time{} + 1h;
 // Between an agent and another, by the broker. A claim waits 1.3 s: 1 s for an answer to a probe, and its
 // ways.
 constexpr Duration kSlow = 100ms;
-constexpr unsigned kMessages = 8;  // so many, from the first on, are quick or slow
 // The longest that matters, a challenge behind an announcement, and a good while.
 constexpr Duration kSettled = 10s;
 
@@ -42,7 +41,7 @@ struct Case {
     bool takeover = false;
     std::optional<std::pair<unsigned, Duration>> death;  // which agent is killed, and when, from the second's
                                                          // start
-    unsigned slow = 0;                                   // bits: which messages are slow
+    unsigned slow = 0;                                   // bits: which of the first messages are slow
 };
 
 std::string describe(const Case& one) {
@@ -172,7 +171,7 @@ class World {
         for (unsigned to = 0; to < 2; ++to) {
             auto& agent = agents_[to];
             if (!agent.announcer || agent.ended || (to == from && !is_state)) continue;
-            const bool slow = number_ < kMessages && (case_.slow >> number_ & 1) != 0;
+            const bool slow = number_ < 32 && (case_.slow >> number_ & 1) != 0;
             ++number_;
             Time due = now_ + (slow ? kSlow : Duration(1ms));
             if (!agent.arrivals.empty()) due = std::max(due, agent.arrivals.back().due);
@@ -216,6 +215,10 @@ class World {
 int main(int argc, char** argv) {
     CLI::App app("Checks that of two agents that claim one name one has it at the end.");
     unsigned failures_allowed = 10;
+    unsigned varied = 6;
+    app.add_option("--messages", varied, "So many messages, from the first on, are quick or slow")
+        ->check(CLI::Range(0, 16))
+        ->capture_default_str();
     app.add_option("--failures", failures_allowed, "Stop after so many failures")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
 
@@ -235,7 +238,7 @@ int main(int argc, char** argv) {
             for (const bool takeover : {false, true})
                 for (const auto& death : deaths)
                     for (unsigned late = 0; late < 4; ++late)
-                        for (unsigned slow = 0; slow < 1U << kMessages && failures < failures_allowed;
+                        for (unsigned slow = 0; slow < 1U << varied && failures < failures_allowed;
                              ++slow) {
                             one = {apart, clock, late, takeover, death, slow};
                             World world(one);

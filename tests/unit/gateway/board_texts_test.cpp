@@ -22,6 +22,11 @@ bus::BoardItem board_item(const std::string& name = "uno1") {
     return board;
 }
 
+constexpr std::size_t kLongText = 60'000;
+
+/// How many boards with a long text have half as many bytes again as the bound.
+constexpr std::size_t boards_beyond(std::size_t max_bytes) { return max_bytes / kLongText * 3 / 2; }
+
 void expect_true(BoardTexts& texts, const bus::BoardItem& board) {
     EXPECT_EQ(nlohmann::json::parse(texts.text(board)), bus::to_json(board));
 }
@@ -48,17 +53,17 @@ TEST(BoardTexts, AskedAgainAndAgain_EveryChangeIsInTheText) {
 TEST(BoardTexts, BoardsWithLongDescriptions_AreKeptUpToANumberOfBytes) {
     BoardTexts texts;
     std::size_t largest = 0;
-    for (int i = 0; i < 1000; ++i) {
+    for (std::size_t i = 0; i < boards_beyond(BoardTexts::kMaxBytes); ++i) {
         auto board = board_item("b" + std::to_string(i));
-        board.description = R"({"x":")" + std::string(60'000, 'x') + R"("})";
+        board.description = R"({"x":")" + std::string(kLongText, 'x') + R"("})";
         texts.text(board);
         largest = std::max(largest, texts.bytes());
     }
     EXPECT_GT(largest, BoardTexts::kMaxBytes / 2);
     EXPECT_LT(largest, BoardTexts::kMaxBytes + 300'000);
     auto board = board_item("b0");
-    for (std::size_t i = 0; i < 1000; ++i) {  // of one board, each other than the last
-        board.description = R"({"x":")" + std::string(60'000 - i, 'x') + R"("})";
+    for (std::size_t i = 0; i < boards_beyond(BoardTexts::kMaxBytes); ++i) {  // of one board, each other than the last
+        board.description = R"({"x":")" + std::string(kLongText - i, 'x') + R"("})";
         texts.text(board);
     }
     EXPECT_LT(texts.bytes(), BoardTexts::kMaxBytes + 300'000);
@@ -69,11 +74,11 @@ TEST(BoardModels, BoardsWithLongDescriptions_AreKeptUpToANumberOfBytes) {
     const model::ModelSet none;
     BoardModels models(none);
     std::size_t largest = 0;
-    for (int i = 0; i < 1000; ++i) {
+    for (std::size_t i = 0; i < boards_beyond(BoardModels::kMaxBytes); ++i) {
         auto board = board_item("b" + std::to_string(i));
         board.services.resize(1);
         board.services[0].name = "servo";
-        models.find(board, "servo", [] { return R"({"x":")" + std::string(60'000, 'x') + R"("})"; });
+        models.find(board, "servo", [] { return R"({"x":")" + std::string(kLongText, 'x') + R"("})"; });
         largest = std::max(largest, models.bytes());
     }
     EXPECT_GT(largest, BoardModels::kMaxBytes / 2);

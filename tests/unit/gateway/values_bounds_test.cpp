@@ -95,11 +95,11 @@ TEST(ValueBounds, LastValuesOfManyBoards_HaveABound) {
     EXPECT_GT(values.services(), 100u);
 }
 
-TEST(ValueBounds, MillionsOfValues_TheirOrderOfArrivalIsCountedAndDoesNotGrow) {
+TEST(ValueBounds, AHundredThousandValues_TheirOrderOfArrivalIsCountedAndDoesNotGrow) {
     Values values("e1", {.points = 100});
     values.value("uno1", "quiet", R"({"a":1})", false, at(0ms));
     std::size_t most = 0;
-    for (int i = 0; i < 1'000'000; ++i) {
+    for (int i = 0; i < 100'000; ++i) {
         values.value("uno1", i % 3 == 0 ? "loud" : "louder", "[1]", false, at(0ms));
         most = std::max(most, values.bytes());
     }
