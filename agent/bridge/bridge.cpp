@@ -33,7 +33,8 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
 
 void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
     describer_.link_opened(std::move(link));
-    unreached_.clear();
+    // That a port opens says nothing about who is at it.
+    if (found_ || !options_.name.empty()) unreached_.clear();
     statistics_.link_opened(now);
     session::Actions actions;
     board_.session.link_up(traits, now, actions);
@@ -223,13 +224,15 @@ void Bridge::on_action(const session::NoAnswer& none, Time now, Effects& out) {
                              "is it the right port?";
     // A board that was here may come back; a port where none ever was is more likely the wrong one.
     const auto text = describer_.link().path + why;
-    if (!found_ && (!options_.announce_unreached || options_.name.empty())) {
+    if (!found_ && !options_.announce_unreached) {
         out.fatal = Fatal{program::kExitBoard, text};
         return;
     }
-    out.log(Level::kWarning, text + " Asking on");
+    if (unreached_ != text) out.log(Level::kWarning, text + " Asking on");
     unreached_ = text;
+    if (name().empty()) name_unanswered(out);
     announce_unreached(model::StateReason::kSilent, now, out);
+    if (!found_ && options_.name.empty()) rest(now, out);
 }
 
 void Bridge::on_action(const session::LineRateChanged& change, Time, Effects& out) {
@@ -293,7 +296,7 @@ std::optional<Time> Bridge::next_deadline() const {
     const auto set = name_claimed_ && may_publish() ? set_.next_deadline() : std::nullopt;
     for (const auto& other :
          {set, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
-          restarts_.next_deadline(), announcer_ ? announcer_->next_deadline() : std::nullopt})
+          restarts_.next_deadline(), rests_until_, announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
 }
@@ -318,7 +321,10 @@ void Bridge::goodbye(Time now, Effects& out) {
     set_.forget(now);
     set_.hurry(now);
     publish_set(now, out);
-    if (announcer_) announcer_->goodbye(now, out);
+    if (!announcer_) return;
+    const bool only_a_port = !found_ && options_.name.empty() && announcer_->may_publish();
+    announcer_->goodbye(now, out);
+    if (only_a_port) withdraw(out);
 }
 
 }  // namespace asip::agent

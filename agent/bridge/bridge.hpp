@@ -46,7 +46,8 @@ struct BridgeOptions {
     bool on_shared_topic = true;  ///< see AnnouncerOptions
     bool keep_outputs = false;    ///< do not stop the board's services when it is found first
     /// A board that has a name given, and that cannot be reached at the start, is announced as lost, with the
-    /// reason: for agents that wait for it.
+    /// reason: for agents that wait for it. So is a port, by its name, where something is that speaks no
+    /// ASIP.
     bool announce_unreached = false;
     model::Labels labels;  ///< of the configuration: they cannot be changed over the bus
     /// Labels of a board as they were kept; where none are, empty ones.
@@ -90,6 +91,10 @@ class Bridge {
     /// A stop holds: what may move the board is refused.
     bool is_stopped() const { return latch_.stopped().has_value(); }
 
+    // --- firmware that is loaded: see Effects::load
+    void loading(std::string_view step, int percent);
+    void loaded(const Expected<void>& result, Time now, Effects& out);
+
     // --- the bus's side
     /// `expires`: what this broker retains.
     void bus_connected(Time now, const std::string& client_id, bool expires, Effects& out);
@@ -121,6 +126,8 @@ class Bridge {
     /// The most lines of one client that wait for the board: enough to keep it busy, and few enough that a
     /// slow board comes to the last one in time.
     static constexpr std::size_t kMaxClientLines = 16;
+    /// A port where nothing has ever answered is free for so long, and then asked again.
+    static constexpr Duration kRest = std::chrono::seconds(30);
 
     /// Whether the name has become ours.
     bool name_claimed() const { return name_claimed_; }
@@ -169,8 +176,11 @@ class Bridge {
     void on_message(const Announcement& announcement, Time now, Effects& out);
     void name_board(Effects& out);
     void announce_unreached(model::StateReason reason, Time now, Effects& out);
+    void name_unanswered(Effects& out);
     void tick_port(Time now, Effects& out);
     void let_go_of_port(Time now, Effects& out);
+    void rest(Time now, Effects& out);
+    void withdraw(Effects& out) const;
     BoardTraits traits() const;
     void perform(session::Actions& actions, Time now, Effects& out);
     void send_safe_lines(Time now, Effects& out);
@@ -232,6 +242,7 @@ class Bridge {
     Restarts restarts_;
     OfflineValues offline_values_;
     std::optional<Time> garbage_quiet_until_;
+    std::optional<Time> rests_until_;  // at whose port nothing answers: it is free meanwhile
 };
 
 }  // namespace asip::agent

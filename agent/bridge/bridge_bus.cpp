@@ -163,12 +163,38 @@ void Bridge::on_message(const PortRequest& request, Time now, Effects& out) {
                   now, text::wall_now(), out);
     announcer_->set_updating(port_.updating());
     if (ours && port_.phase() == PortLoan::Phase::kMakingSafe) {
+        rests_until_.reset();
         release_holds(now, out);
         tick_port(now, out);
     }
 }
 
+void Bridge::loading(std::string_view step, int percent) {
+    port_.loading(step, percent);
+    announcer_->set_updating(port_.updating());
+}
+
+void Bridge::loaded(const Expected<void>& result, Time now, Effects& out) {
+    port_.loaded(result, now, out);
+    announcer_->set_updating(port_.updating());
+    if (!result) announcer_->set_state(model::BoardState::kLost, model::StateReason::kSilent, now, out);
+}
+
+// A port where nothing answers may be another program's in between: the IDE's, for one.
+void Bridge::rest(Time now, Effects& out) {
+    if (port_.phase() != PortLoan::Phase::kOurs) return;
+    session::Actions actions;
+    board_.session.link_down(now, actions);
+    perform(actions, now, out);
+    rests_until_ = now + kRest;
+    out.port = Effects::Port::kLetGo;
+}
+
 void Bridge::tick_port(Time now, Effects& out) {
+    if (rests_until_ && now >= *rests_until_) {
+        rests_until_.reset();
+        out.port = Effects::Port::kTakeBack;
+    }
     if (port_.phase() == PortLoan::Phase::kMakingSafe && is_safe()) {
         leave_line(now, out);
         if (has_left_line()) return let_go_of_port(now, out);
@@ -189,7 +215,7 @@ void Bridge::let_go_of_port(Time now, Effects& out) {
     perform(actions, now, out);
     set_.forget(now);
     publish_set(now, out);
-    port_.let_go(out);
+    port_.let_go(now, out);
     announcer_->set_updating(port_.updating());
 }
 

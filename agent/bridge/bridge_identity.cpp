@@ -44,6 +44,7 @@ void Bridge::leave_for_another(Time now, Effects& out) {
     const auto& stored = session().identity().stored_name;
     out.log(Level::kWarning, "the board at this port has another name; beginning anew with that",
             {{"board", name()}, {"its name", stored.empty() ? "none" : stored}});
+    port_.identified(traits(), out);
     set_.forget(now);
     set_.hurry(now);
     publish_set(now, out);
@@ -52,7 +53,11 @@ void Bridge::leave_for_another(Time now, Effects& out) {
     board_.session.link_down(now, actions);
     perform(actions, now, out);
     // The board of that name may be at another port by now, where it is online.
-    if (!was_away_) announcer_->goodbye(now, out);
+    const bool of_port = !named_by_board_;
+    if (announcer_->may_publish() && (!was_away_ || of_port)) {
+        announcer_->goodbye(now, out);
+        if (of_port) withdraw(out);
+    }
     out.begin_anew = true;
 }
 
@@ -94,13 +99,28 @@ void Bridge::unreached(model::StateReason reason, const std::string& why, model:
 void Bridge::announce_unreached(model::StateReason reason, Time now, Effects& out) {
     if (!announcer_) {
         if (!options_.announce_unreached || options_.name.empty()) return;
-        board_.name = options_.name;
-        name_board(out);
-        out.board_known = true;
-        describe_again();
+        name_unanswered(out);
     }
     announcer_->set_state(model::BoardState::kLost, reason, now, out);
     show_warnings();
+}
+
+void Bridge::name_unanswered(Effects& out) {
+    board_.name = options_.name.empty() ? describer_.name_from_link() : options_.name;
+    name_board(out);
+    out.board_known = true;
+    describe_again();
+}
+
+// A port's name that no board has any more: catalogues forget it.
+void Bridge::withdraw(Effects& out) const {
+    for (const auto& topic : {board_.topics.description(name()), board_.topics.state(name())}) {
+        mqtt::Message nothing;
+        nothing.topic = topic;
+        nothing.qos = 1;
+        nothing.retain = true;
+        out.publish.push_back({std::move(nothing), mqtt::Priority::kAnnouncement});
+    }
 }
 
 void Bridge::show_warnings() {

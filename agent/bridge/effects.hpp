@@ -39,7 +39,14 @@ struct Effects : member::Announcements {
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
     /// kLetGo: close the port and do not open it, until kTakeBack.
     enum class Port { kKeep, kLetGo, kTakeBack };
-    Port port = Port::kKeep;                  ///< whether the board's port changes hands
+    Port port = Port::kKeep;  ///< whether the board's port changes hands
+    /// With kLetGo: firmware for the board at it; then Bridge::loading() and Bridge::loaded().
+    struct Load {
+        std::string path;
+        std::string firmware;
+        std::string board;  ///< as in bus::PortRequest
+    };
+    std::optional<Load> load;
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
     /// To be written to the disk: a stop that holds, or that none does any more.
     std::optional<std::optional<model::StopInfo>> keep_stop;

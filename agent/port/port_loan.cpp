@@ -46,6 +46,11 @@ void PortLoan::request(const PortRequest& request, const Lent& board, Time now, 
         if (now >= request.deadline()) return answer(reply, bus::Reply::timeout(), out);
         return release(*wanted, reply, board, now, wall, out);
     }
+    if (wanted->what == bus::PortRequest::What::kLoad) {
+        if (now >= request.deadline()) return answer(reply, bus::Reply::timeout(), out);
+        return load(*wanted, reply, board, now, out);
+    }
+    if (load_) return answer(reply, refusal(), out);
     if (phase_ != Phase::kReleased)
         return answer(reply,
                       bus::Reply::refused(std::string(bus::kRefusedNotReleased),
@@ -58,24 +63,69 @@ void PortLoan::request(const PortRequest& request, const Lent& board, Time now, 
 
 void PortLoan::release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Lent& board,
                        Time now, text::WallTime wall, Effects& out) {
-    const bool prolongs = is_away() && !reply.by.empty() && reply.by == by_;
-    if (phase_ != Phase::kOurs && !prolongs)
-        return answer(reply,
-                      bus::Reply::refused(std::string(bus::kRefusedReleased),
-                                          "the port is released to " + (by_.empty() ? "somebody" : by_) +
-                                              " until " + until_text()),
-                      out);
+    const bool prolongs = is_away() && !load_ && !reply.by.empty() && reply.by == by_;
+    if (phase_ != Phase::kOurs && !prolongs) return answer(reply, refusal(), out);
     until_ = now + request.time;
     until_wall_ = wall + request.time;
     if (prolongs) {
         deadline_ = until_;
         return answer(reply, bus::Reply::ok("released", granted()), out);
     }
+    begin(reply, board, now);
+}
+
+void PortLoan::begin(const bus::ReplyTo& reply, const Lent& board, Time now) {
     by_ = reply.by;
     before_ = board;
     release_reply_ = reply;
     phase_ = Phase::kMakingSafe;
     deadline_ = now + (board.ready ? kMakeSafe : Duration::zero());
+}
+
+bus::Reply PortLoan::refusal() const {
+    const auto by = by_.empty() ? "somebody" : by_;
+    return bus::Reply::refused(std::string(bus::kRefusedReleased),
+                               load_ ? "firmware is being loaded for " + by
+                                     : "the port is released to " + by + " until " + until_text());
+}
+
+void PortLoan::load(const bus::PortRequest& request, const bus::ReplyTo& reply, const Lent& board, Time now,
+                    Effects& out) {
+    if (phase_ != Phase::kOurs) return answer(reply, refusal(), out);
+    if (board.link.kind != "serial")
+        return answer(
+            reply,
+            bus::Reply::refused(std::string(bus::kRefusedNotLoaded), "the board is not at a serial port"),
+            out);
+    if (board.ready && !request.force)
+        return answer(
+            reply,
+            bus::Reply::refused(std::string(bus::kRefusedSpeaksAsip),
+                                "the board runs ASIP already (" + board.traits.sketch +
+                                    "); to load other firmware all the same: \"force\":true, --force"),
+            out);
+    load_ = request;
+    step_ = "connecting";
+    percent_ = 0;
+    begin(reply, board, now);
+}
+
+void PortLoan::loading(std::string_view step, int percent) {
+    step_ = step;
+    percent_ = percent;
+}
+
+void PortLoan::loaded(const Expected<void>& result, Time now, Effects& out) {
+    if (phase_ != Phase::kReleased || !load_) return;
+    step_ = "starting";
+    take_back(now, out);
+    if (result) return;
+    phase_ = Phase::kOurs;
+    by_.clear();
+    load_.reset();
+    out.log(Level::kError, "firmware not loaded", {{"why", result.error()}});
+    answer(std::exchange(take_reply_, {}),
+           bus::Reply::refused(std::string(bus::kRefusedNotLoaded), result.error()), out);
 }
 
 std::string PortLoan::granted() const {
@@ -87,11 +137,17 @@ std::string PortLoan::granted() const {
     return model::dump_json(object);
 }
 
-void PortLoan::let_go(Effects& out) {
+void PortLoan::let_go(Time now, Effects& out) {
     if (phase_ != Phase::kMakingSafe) return;
     phase_ = Phase::kReleased;
     deadline_ = until_;
     out.port = Effects::Port::kLetGo;
+    if (load_) {
+        take_reply_ = std::exchange(release_reply_, {});
+        deadline_ = now + kLoadTime;
+        out.load = Effects::Load{before_.link.path, load_->firmware, load_->board};
+        return out.log(Level::kInfo, "loading firmware", {{"for", by_}, {"firmware", load_->firmware}});
+    }
     out.log(Level::kInfo, "port released", {{"to", by_}, {"until", until_text()}});
     answer(release_reply_, bus::Reply::ok("released", granted()), out);
 }
@@ -113,12 +169,13 @@ void PortLoan::identified(const BoardTraits& traits, Effects& out) {
         {"same", same}, {"before", traits_json(before_.traits)}, {"after", traits_json(traits)}};
     answer(std::exchange(take_reply_, {}), bus::Reply::ok("answer", model::dump_json(object)), out);
     by_.clear();
+    load_.reset();
 }
 
 bool PortLoan::tick(Time now, Effects& out) {
     if (phase_ == Phase::kOurs || now < deadline_) return false;
     if (phase_ == Phase::kMakingSafe) {
-        let_go(out);
+        let_go(now, out);
         return false;
     }
     if (phase_ == Phase::kReleased) {
@@ -129,7 +186,12 @@ bool PortLoan::tick(Time now, Effects& out) {
     phase_ = Phase::kOurs;
     by_.clear();
     out.log(Level::kError, "port taken back, but no board answers there; was the sketch loaded completely?");
-    answer(std::exchange(take_reply_, {}), bus::Reply::timeout(), out);
+    answer(std::exchange(take_reply_, {}),
+           load_ ? bus::Reply::refused(std::string(bus::kRefusedNotLoaded),
+                                       "it was loaded, but the board does not answer; press its reset button")
+                 : bus::Reply::timeout(),
+           out);
+    load_.reset();
     return true;
 }
 
@@ -138,6 +200,9 @@ std::optional<Time> PortLoan::next_deadline() const {
 }
 
 std::string PortLoan::updating() const {
+    if (load_ && (is_away() || phase_ == Phase::kTakingBack))
+        return model::dump_json(
+            {{"by", by_}, {"firmware", load_->firmware}, {"step", step_}, {"percent", percent_}});
     if (!is_away()) return {};
     return model::dump_json({{"by", by_}, {"until", until_text()}});
 }

@@ -23,9 +23,9 @@ struct BoardTraits {
 /// Whether both may be one board: chip and stored name are equal where both are known. The sketch may differ.
 bool may_be_same_board(const BoardTraits& a, const BoardTraits& b);
 
-/// Who has the board's port: this agent, or a program that the port was lent to until a time (asipctl flash).
-/// The agent takes the port back when that time is over, also where the bus is away. Pure: it says in the
-/// effects what to do with the port.
+/// Who has the board's port: this agent, or a program that the port was lent to until a time (asipctl flash,
+/// or avrdude on behalf of a request to load firmware). The agent takes the port back when that time is over,
+/// also where the bus is away. Pure: it says in the effects what to do with the port.
 class PortLoan {
   public:
     /// While the board is made safe, at most so long.
@@ -33,6 +33,9 @@ class PortLoan {
     /// A board that does not answer within this time after its port was taken back is lost: a boot loader, a
     /// restart by DTR, and the asking.
     static constexpr Duration kAnswerTime = std::chrono::seconds(20);
+
+    /// What loads firmware ends before that time, in whichever way.
+    static constexpr Duration kLoadTime = std::chrono::minutes(5);
 
     enum class Phase {
         kOurs,
@@ -55,7 +58,12 @@ class PortLoan {
     /// one to release that waited longer than its deadline is answered `timeout`.
     void request(const PortRequest& request, const Lent& board, Time now, text::WallTime wall, Effects& out);
     /// The board is safe, or cannot be made so in time: the port is let go of, and the request is answered.
-    void let_go(Effects& out);
+    void let_go(Time now, Effects& out);
+    /// How far the loading of firmware is: a word for people, and percents.
+    void loading(std::string_view step, int percent);
+    /// It has ended: the port is taken back. A failure is answered at once; otherwise the board is waited
+    /// for.
+    void loaded(const Expected<void>& result, Time now, Effects& out);
     /// A board was identified at the port. Where the port was just taken back, that request is answered now.
     void identified(const BoardTraits& traits, Effects& out);
 
@@ -63,14 +71,19 @@ class PortLoan {
     bool tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
 
-    /// For the description while it is released: `{"by":"...","until":"..."}`; empty: it is ours.
+    /// For the description while it is released: `{"by":"...","until":"..."}`, while firmware is loaded
+    /// `{"by":"...","firmware":"...","step":"writing","percent":40}`; empty: it is ours.
     std::string updating() const;
 
   private:
     void answer(const bus::ReplyTo& to, bus::Reply reply, Effects& out) const;
     void release(const bus::PortRequest& request, const bus::ReplyTo& reply, const Lent& board, Time now,
                  text::WallTime wall, Effects& out);
+    void load(const bus::PortRequest& request, const bus::ReplyTo& reply, const Lent& board, Time now,
+              Effects& out);
+    void begin(const bus::ReplyTo& reply, const Lent& board, Time now);
     void take_back(Time now, Effects& out);
+    bus::Reply refusal() const;
     std::string granted() const;
     std::string until_text() const { return text::iso_time(until_wall_); }
 
@@ -80,6 +93,9 @@ class PortLoan {
     text::WallTime until_wall_{};
     std::string by_;
     Lent before_;
+    std::optional<bus::PortRequest> load_;
+    std::string step_;
+    int percent_ = 0;
     bus::ReplyTo release_reply_;
     bus::ReplyTo take_reply_;
 };

@@ -4,6 +4,7 @@
 #include <boost/asio/post.hpp>
 #include <utility>
 
+#include "asip/link/usb_port.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 
@@ -140,6 +141,7 @@ void BoardAgent::perform(Effects& effects) {
         reset_timer_.cancel();
         link_.stop();
     }
+    if (effects.load) load(std::move(*effects.load));
     if (effects.board_known) {
         log_.board_is(bridge_.name());
         reset_timer_.cancel();
@@ -159,12 +161,36 @@ void BoardAgent::perform(Effects& effects) {
     if (effects.keep_labels) keep_labels(std::move(*effects.keep_labels));
     if (effects.keep_stop) keep_stop(std::move(*effects.keep_stop));
     if (effects.reopen_link) link_.reopen("the board does not answer");
-    if (effects.port == Effects::Port::kTakeBack) link_.start();
+    if (effects.port == Effects::Port::kTakeBack) {
+        loader_.reset();
+        link_.start();
+    }
     if (effects.begin_anew) return finish(kBeginAnew);
     if (effects.fatal) {
         if (life_ == Life::kRunning) log_.error(effects.fatal->text, {});
         end_once_safe([this, status = effects.fatal->status] { finish(status); });
     }
+}
+
+void BoardAgent::load(Effects::Load wanted) {
+    const auto usb = link::usb_port_of(wanted.path);
+    auto loaders = boot_loaders(wanted.board, usb.vendor, usb.product);
+    auto done = [this](const Expected<void>& result) {
+        with_bridge([&](Time now, Effects& out) { bridge_.loaded(result, now, out); });
+    };
+    if (!loaders) {
+        boost::asio::post(io_, [alive = std::weak_ptr(alive_), done, why = loaders.error()] {
+            if (!alive.expired()) done(fail(why));
+        });
+        return;
+    }
+    loader_.emplace(io_,
+                    Loader::Order{std::move(wanted.path), options_.avrdude, options_.firmware_folder,
+                                  std::move(wanted.firmware), std::move(*loaders)},
+                    Loader::Handlers{[this](std::string_view step, int percent) {
+                                         with_bridge([&](Time, Effects&) { bridge_.loading(step, percent); });
+                                     },
+                                     done});
 }
 
 void BoardAgent::keep_labels(LabelsToKeep keep) {
@@ -310,6 +336,7 @@ void BoardAgent::finish(int status) {
     safe_timer_.cancel();
     check_timer_.cancel();
     clients_.close();
+    loader_.reset();
     link_.stop();
     // What was in the loop's queue already runs before that.
     auto tell = [this, status] {

@@ -18,6 +18,7 @@
 #include "agent/port/port_outage.hpp"
 #include "agent/program/broker_reports.hpp"
 #include "agent/program/checked_options.hpp"
+#include "agent/program/loader.hpp"
 #include "agent/safety/stop_files.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/backoff.hpp"
@@ -112,6 +113,7 @@ class BoardAgent {
     void drop_stray_answers(Effects& effects);
     void publish_log();
     void note_online();
+    void load(Effects::Load wanted);
     void keep_labels(LabelsToKeep keep);
     void keep_stop(std::optional<model::StopInfo> stopped);
 
@@ -142,6 +144,7 @@ class BoardAgent {
     boost::asio::steady_timer statistics_timer_;
     boost::asio::steady_timer safe_timer_;
     boost::asio::steady_timer check_timer_;
+    std::optional<Loader> loader_;  // while firmware is loaded
     Inbox inbox_;
     std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
     PortOutage outage_;

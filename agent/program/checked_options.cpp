@@ -134,6 +134,8 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
     options.state_folder =
         raw.state_dir.empty() ? default_state_folder() : std::filesystem::path(raw.state_dir);
 
+    options.avrdude = raw.avrdude;
+    options.firmware_folder = raw.firmware_dir;
     options.serial = raw.serial;
     options.tcp = raw.tcp;
     options.baud = raw.baud;

@@ -41,6 +41,8 @@ struct AgentOptions {
     Duration statistics = std::chrono::seconds(15);  ///< between two documents; 0: none
     unsigned baud = 57600;                           ///< at which a serial board starts
     ResetPolicy reset = ResetPolicy::kIfSilent;
+    std::string avrdude = "avrdude";
+    std::string firmware_folder;  ///< of the images that may be loaded into boards
 };
 
 }  // namespace asip::agent

@@ -23,6 +23,15 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
                                     "Folder to keep labels in that are set over the bus; default: "
                                     "$STATE_DIRECTORY, $XDG_STATE_HOME/asip or ~/.local/state/asip")
                          ->group("Board"));
+    settings.setting(
+        app.add_option("--firmware-dir", raw.firmware_dir,
+                       "Folder of the firmware that may be loaded into the board when somebody asks "
+                       "for it: AsipServices-uno.hex, AsipServices-mega.hex")
+            ->capture_default_str()
+            ->group("Board"));
+    settings.setting(app.add_option("--avrdude", raw.avrdude, "The program that loads it")
+                         ->capture_default_str()
+                         ->group("Board"));
     settings.setting(app.add_flag("--takeover", raw.takeover,
                                   "Take the name even if another agent holds it; that one ends")
                          ->group("Board"));

@@ -18,6 +18,7 @@ struct RawOptions {
     std::vector<std::string> listen;
     std::vector<std::string> labels;
     std::string state_dir;
+    std::string avrdude = "avrdude", firmware_dir = "/usr/share/asip/firmware";
     std::string listen_silence = "5s", statistics = "15s";
     std::string reports = "shared", fastest_period = "20ms", resting_period = "0s";
     std::string name, serial, tcp, services, reset = "if-silent", terminator;

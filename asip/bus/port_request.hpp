@@ -12,12 +12,18 @@
 ///     {"port":"release","seconds":60}   let go of it, and take it back when the time is over; the same again
 ///                                       by the same `by` prolongs it
 ///     {"port":"take"}                   take it back now
+///     {"port":"load","firmware":"AsipServices"}   load this firmware into the board, and take the port back;
+///                                       "board":"mega" says which board it is, "force":true that it may run
+///                                       ASIP already
 namespace asip::bus {
 
 struct PortRequest {
-    enum class What { kRelease, kTake };
+    enum class What { kRelease, kTake, kLoad };
     What what = What::kRelease;
     std::chrono::seconds time{60};  ///< kRelease: kMinTime to kMaxTime
+    std::string firmware{};         ///< kLoad: a name, not a path
+    std::string board{};            ///< kLoad: as the agent calls kinds of boards; empty: it finds out
+    bool force = false;             ///< kLoad: also where the board runs ASIP
 
     static constexpr std::chrono::seconds kMinTime{1};
     static constexpr std::chrono::seconds kMaxTime{3600};
@@ -34,5 +40,8 @@ Expected<PortRequest> read_port_request(const nlohmann::json& object);
 /// Reasons of a refusal: another has it; it was not released.
 inline constexpr std::string_view kRefusedReleased = "released";
 inline constexpr std::string_view kRefusedNotReleased = "not-released";
+/// Of kLoad: the board runs ASIP already; it was tried in vain.
+inline constexpr std::string_view kRefusedSpeaksAsip = "speaks-asip";
+inline constexpr std::string_view kRefusedNotLoaded = "not-loaded";
 
 }  // namespace asip::bus

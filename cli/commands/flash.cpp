@@ -10,6 +10,7 @@
 #include "cli/find/chosen_boards.hpp"
 #include "cli/find/target.hpp"
 #include "cli/flash/lent_port.hpp"
+#include "cli/flash/load.hpp"
 #include "cli/flash/programmer.hpp"
 #include "cli/record/replay_board.hpp"
 #include "cli/text/width.hpp"
@@ -27,6 +28,11 @@ constexpr Duration kStopTime = 2s;  // to end by itself
 
 struct FlashOptions {
     std::string board;
+    LoadOptions load{};
+    bool whole_class = false;
+    std::optional<std::string> names;
+    std::string host;
+    std::size_t count = 0;
     Programming programming{};
     std::string avrdude;  ///< empty: the usual one, where it is not a simulated board
     std::string simulated;
@@ -241,7 +247,27 @@ class FlashRun {
     RecordPrinter records_;
 };
 
+/// What was given and means nothing here; empty: nothing.
+std::string without_meaning(const FlashOptions& options) {
+    const bool file = !options.programming.image.empty();
+    if (!options.whole_class && options.board.empty()) return "name a board, or give --class";
+    if (options.whole_class && !options.board.empty())
+        return "--class takes no BOARD: it is for all that are plugged in";
+    if (!options.whole_class && (options.names || !options.host.empty() || options.count != 0))
+        return "--names, --at and --count go with --class";
+    if (file && (!options.load.board.empty() || options.load.force))
+        return "--board and --force are for firmware of the agent's machine, without a FILE";
+    return {};
+}
+
 int run_flash(const FlashOptions& options, Environment& environment) {
+    if (const auto fault = without_meaning(options); !fault.empty())
+        return environment.fail_with({program::kExitUsage, fault});
+    if (options.whole_class)
+        return run_class(
+            {options.load, options.names, options.host.empty() ? program::host_name() : options.host,
+             options.count, options.output},
+            environment);
     if (const auto limit = text::parse_duration(options.limit); !limit)
         return environment.fail_with({program::kExitUsage, "--limit: " + limit.error()});
     const auto target = parse_target(options.board, true);
@@ -250,6 +276,11 @@ int run_flash(const FlashOptions& options, Environment& environment) {
         return environment.fail_with({program::kExitUsage, "flash takes a board, not a service"});
     const auto labels = parse_selector(options.selector);
     if (!labels) return environment.fail_with(labels.error());
+    if (options.programming.image.empty())
+        return !options.selector && !target->is_pattern()
+                   ? run_load(options.load, options.board, options.output, environment)
+                   : environment.fail_with({program::kExitUsage,
+                                            "for several boards give a FILE, or --class instead of BOARD"});
     if (!options.selector && !target->is_pattern())
         return FlashRun(options, environment, RecordPrinter::Count::kOne).one();
     if (!options.simulated.empty())
@@ -261,8 +292,23 @@ Run declare_flash(Declaration& verb) {
     auto options = std::make_shared<FlashOptions>();
     auto& programming = options->programming;
     verb.argument("BOARD", options->board,
-                  "Which; with * and ? as in a shell, or with -l: several, one after the other");
-    verb.argument("FILE", programming.image, "The firmware: .hex or .elf");
+                  "Which; with * and ? as in a shell, or with -l: several, one after the other",
+                  Declaration::Needed::kNo);
+    verb.argument("FILE", programming.image,
+                  "The firmware: .hex or .elf; without it AsipServices of the machine that the board is at",
+                  Declaration::Needed::kNo);
+    verb.flag("--class", options->whole_class,
+              "Until Ctrl-C: each board at this machine, and each that is plugged in, that speaks no ASIP");
+    verb.option("--names", "PATTERN", options->names,
+                "With --class: store a name on each board, student-{} with the number for {}");
+    verb.option("--at", "HOST", options->host, "With --class: boards at another machine; '*': at any");
+    verb.option("--count", "COUNT", options->count,
+                "With --class: end after so many boards that run the firmware");
+    verb.option("--firmware", "NAME", options->load.firmware,
+                "Without FILE: another firmware of that machine");
+    verb.option("--board", "uno|nano|nano-old|mega", options->load.board,
+                "Without FILE: which it is, where USB does not tell; nano-old: as sold until 2018");
+    verb.flag("--force", options->load.force, "Without FILE: also where the board runs ASIP already");
     declare_selector(verb, options->selector);
     verb.option("--part", "NAME", programming.part,
                 "The chip, as avrdude calls it; default: by the board's chip");
@@ -274,29 +320,34 @@ Run declare_flash(Declaration& verb) {
                 "A board of asip-sim of this name; default for pseudo-terminals: the board's name");
     verb.option("--limit", "DURATION", options->limit, "A programmer that takes longer is stopped");
     verb.option("--socket", "FILE", options->socket, "Control socket of asip-sim; default: its usual one");
-    verb.output(
-        options->output, {Output::kText},
-        {"board", "programmed", "same", "sketch", "was", "chip", "status", "error", "reason", "code"});
+    verb.output(options->output, {Output::kText},
+                {"board", "programmed", "same", "sketch", "was", "chip", "port", "result", "seconds",
+                 "status", "error", "reason", "code"});
     return [options](Environment& environment) { return run_flash(*options, environment); };
 }
 
 }  // namespace
 
 Verb flash_verb() {
-    return {
-        "flash", "Loads firmware into a board, by avrdude, and gives it back to the bus",
-        "Runs on the machine that the board is at. The board's agent lets go of the port, and takes it back\n"
-        "within 20 s should this program die. Prints the new and the old sketch. Boot loaders of Uno, Nano,\n"
-        "Mega and their kin are known; for others give --part, --programmer and --baud.\n"
-        "Several boards: those at this machine, one after the other; nothing is loaded where one of them "
-        "cannot "
-        "be.\n"
-        "Examples:\n"
-        "  asipctl flash uno1 AsipServices.hex\n"
-        "  asipctl flash nano AsipHello.hex --baud 57600\n"
-        "  asipctl flash 'uno*' AsipServices.hex -l room=lab\n"
-        "  asipctl flash desk build/dev/firmware/images/asip_uno.elf --socket sim.sock",
-        declare_flash};
+    return {"flash", "Loads firmware into a board, by avrdude, and gives it back to the bus",
+            "With a FILE it runs on the machine that the board is at. The board's agent lets go of the port, "
+            "and\n"
+            "takes it back within 20 s should this program die. Prints the new and the old sketch. Boot "
+            "loaders of\n"
+            "Uno, Nano, Mega and their kin are known; for others give --part, --programmer and --baud.\n"
+            "Without a FILE the board's agent loads firmware that its machine has, into a board that speaks "
+            "no ASIP.\n"
+            "Several boards: those at this machine, one after the other; nothing is loaded where one of them "
+            "cannot "
+            "be.\n"
+            "Examples:\n"
+            "  asipctl flash lab-usb-140-3\n"
+            "  asipctl flash --class --names student-{}\n"
+            "  asipctl flash uno1 AsipServices.hex\n"
+            "  asipctl flash nano AsipHello.hex --baud 57600\n"
+            "  asipctl flash 'uno*' AsipServices.hex -l room=lab\n"
+            "  asipctl flash desk build/dev/firmware/images/asip_uno.elf --socket sim.sock",
+            declare_flash};
 }
 
 }  // namespace asip::cli

@@ -10,6 +10,7 @@
 #include "asip/mqtt/options.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
+#include "cli/flash/no_asip.hpp"
 #include "cli/text/state_text.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
@@ -187,6 +188,11 @@ Findings check_states(const Observations& seen) {
         } else if (kept == "lost" && answers(seen, board.board) && board.state == "online") {
             result.push_back(problem(board.board + " is retained as lost by a late will, but it answers",
                                      "its agent should put that right at once: restart it"));
+        } else if (speaks_no_asip(board)) {
+            result.push_back(problem("a board at " + port_text(board.link.substr(board.link.find(' ') + 1)) +
+                                         " that speaks no ASIP (" + board.board + ")",
+                                     "load AsipServices: asipctl flash " + board.board +
+                                         "; several boards: asipctl flash --class"));
         } else if (board.state == "lost") {
             const bool agent_gone = board.reason == model::to_text(model::StateReason::kAgentGone);
             result.push_back(note(
@@ -313,7 +319,7 @@ Findings check_warnings(const Observations& seen) {
         const auto topic = seen.topics.parse(message.topic);
         if (!topic || topic->kind != bus::TopicKind::kDescription) continue;
         const auto description = model::parse_description(message.payload);
-        if (!description) continue;
+        if (!description || speaks_no_asip(*description)) continue;  // check_states says it
         for (const auto& warning : description->warnings)
             result.push_back(problem(std::string(topic->board) + ": " + warning,
                                      "asipctl show " + std::string(topic->board) +

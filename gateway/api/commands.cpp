@@ -202,6 +202,15 @@ void post_raw(Call& call) {
 
 namespace {
 
+bool is_without_agent(const bus::BoardItem& board) {
+    return board.state == "offline" || board.reason == "agent-gone" || board.reason == "expired";
+}
+
+void send_without_agent(Call& call, const bus::BoardItem& board) {
+    call.reply.send(
+        problem(503, "the agent of board " + board.board + " is not there", {{"reason", "board-not-there"}}));
+}
+
 bool is_label_change(const json& body) {
     if (!body.is_object() || body.empty()) return false;
     for (const auto& [name, member] : body.items())
@@ -223,10 +232,37 @@ void post_labels(Call& call) {
                             "the body must be {\"labels\":{\"room\":\"lab\"}}, "
                             "{\"names\":{\"pins\":{\"13\":\"status lamp\"}}} or both");
     }
-    if (board->state == "offline" || board->reason == "agent-gone" || board->reason == "expired") {
-        return call.reply.send(problem(503, "the agent of board " + board->board + " is not there",
-                                       {{"reason", "board-not-there"}}));
+    if (is_without_agent(*board)) return send_without_agent(call, *board);
+    send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
+}
+
+namespace {
+
+bool is_load(const json& body) {
+    if (!body.is_object()) return false;
+    for (const auto& [name, member] : body.items()) {
+        const bool text = name == "firmware" || name == "board";
+        if (!(text && member.is_string()) && !(name == "force" && member.is_boolean())) return false;
     }
+    return true;
+}
+
+}  // namespace
+
+// Which firmware there is, and whether it may be loaded, is the agent's to say.
+void post_load(Call& call) {
+    if (!bus_is_there(call)) return;
+    const auto board = board_of(call);
+    if (!board) return;
+    auto body = body_of(call.request);
+    if (!body) return send_problem(call, 400, body.error());
+    if (!is_load(*body))
+        return send_problem(call, 400,
+                            "the body must be {}, or have \"firmware\":\"AsipServices\", \"board\":\"mega\", "
+                            "\"force\":true");
+    if (is_without_agent(*board)) return send_without_agent(call, *board);
+    (*body)["port"] = "load";
+    if (!body->contains("firmware")) (*body)["firmware"] = "AsipServices";
     send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
 }
 

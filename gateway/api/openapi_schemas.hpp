@@ -75,6 +75,9 @@ inline constexpr std::string_view kComponents = R"json({
     "names": {"type": "object", "additionalProperties": false, "properties": {
       "services": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}},
       "pins": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}}}}}},
+  "Load": {"type": "object", "additionalProperties": false, "description": "Firmware of the agent's machine, AsipServices where it is not given; which board it is, where USB does not tell", "properties": {
+    "firmware": {"type": "string", "maxLength": 64}, "board": {"type": "string", "enum": ["uno", "nano", "nano-old", "mega"]},
+    "force": {"type": "boolean", "description": "Also where the board runs ASIP"}}},
   "CommandAnswer": {"type": "object", "required": ["status"], "properties": {
     "status": {"type": "string", "enum": ["ok", "error", "timeout", "refused"]}, "id": {"type": "string"},
     "proof": {"type": "string"}, "answer": {}, "code": {"type": "integer"}, "error": {"type": "string"},

@@ -84,6 +84,16 @@ std::vector<Answer> setting_answers() {
     return answers;
 }
 
+std::vector<Answer> load_answers() {
+    return {{200, "Loaded, and the board answers: `answer` has what it runs", "CommandAnswer"},
+            fault(400, "Refused: `invalid`"),
+            fault(404, "No such board"),
+            fault(409, "Refused: `speaks-asip`, `released`, `not-loaded` or `id-reused`"),
+            fault(429, "Too many commands of one client"),
+            fault(503, "The board's agent or the broker is not there"),
+            fault(504, "No answer in time; it may go on")};
+}
+
 const Answer kNotFound = fault(404, "No such board, service or other thing; the nearest name is in `detail`");
 const Answer kNotReady = fault(503, "The broker is not connected");
 const Answer kTooMany = fault(429, "Too many; Retry-After: when to try again");
@@ -111,6 +121,7 @@ std::vector<Route> make_routes() {
         {"POST", "/api/boards/{board}/services/{service}/commands/{command}", "sendCommand", "Send a command and wait for its answer", Need::kCommand, {kDeadline, kHold}, "Arguments", command_answers(), post_command},
         {"POST", "/api/boards/{board}/raw", "sendRaw", "Send ASIP request lines", Need::kRaw, {kDeadline}, "RawLines", command_answers(), post_raw},
         {"POST", "/api/boards/{board}/labels", "labelBoard", "Set labels of a board, and friendly names of its services and pins; its agent keeps them", Need::kLabel, {kDeadline}, "LabelChange", label_answers(), post_labels},
+        {"POST", "/api/boards/{board}/load", "loadBoard", "Let the agent of a board load firmware of its machine into it; how far it is stands in the board's description", Need::kLabel, {kDeadline}, "Load", load_answers(), post_load},
         {"GET", "/api/commands/{id}", "getCommand", "What became of a command of yours; kept for a minute", Need::kCommand, {}, "", {{200, "The command, with its answer if there is one", "Command"}, kNotFound}, get_command},
         {"POST", "/api/commands/{id}/renew", "renewCommand", "Go on holding a command that was sent with `hold_ms`", Need::kCommand, {kHold}, "", {{200, "Held for another while", "CommandAnswer"}, fault(404, "No command of yours has this id"), fault(409, "It is not held: `not-held`"), kNotReady, fault(504, "Nobody answered")}, post_renew},
         {"POST", "/api/boards/{board}/stop", "stopBoard", "Bring everything on a board into its safe state, ahead of all that waits, and keep it stopped until it is resumed", Need::kStop, {kOnce, kWhy}, "", {{200, "Stopped", "Stopped"}, {207, "The board did not confirm it in time", "Stopped"}, kNotFound, kNotReady}, post_stop_board},

@@ -63,6 +63,7 @@ void get_model(Call& call);
 void post_command(Call& call);
 void post_raw(Call& call);
 void post_labels(Call& call);
+void post_load(Call& call);
 void get_command(Call& call);
 void post_renew(Call& call);
 void post_stop_board(Call& call);

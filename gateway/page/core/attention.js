@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // What somebody has to look after: boards that are lost, and boards that were stopped. And a view of the table in an address.
+import { speaks_no_asip } from "./firmware.js";
 import { plural, reason_text } from "./text.js";
 
 const kNamed = 5;
 const kBurstMs = 5000; // boards that are lost within this time are one loss
 
-/// Of the rows of the catalogue: {lost: [row], stopped: [row], reasons: [[reason, count]]}; lost ones the newest first.
+/// Of the rows of the catalogue: {lost: [row], stopped: [row], bare: [row], reasons: [[reason, count]]}; lost ones the newest first.
+/// `bare`: boards that speak no ASIP, which were never there to be lost.
 export function attention_of(rows) {
   const lost = [];
   const stopped = [];
+  const bare = [];
   const reasons = new Map();
   for (const row of rows) {
-    if (row.state === "lost") {
+    if (speaks_no_asip(row)) {
+      bare.push(row);
+    } else if (row.state === "lost") {
       lost.push(row);
       reasons.set(row.reason, (reasons.get(row.reason) ?? 0) + 1);
     } else if (row.reason === "latched") {
@@ -19,7 +24,7 @@ export function attention_of(rows) {
     }
   }
   lost.sort((a, b) => (b.since ?? 0) - (a.since ?? 0));
-  return { lost, stopped, reasons: [...reasons].sort((a, b) => b[1] - a[1]) };
+  return { lost, stopped, bare, reasons: [...reasons].sort((a, b) => b[1] - a[1]) };
 }
 
 /// The boards that are named; of many only the first ones.
@@ -35,7 +40,7 @@ export function title_badge({ lost, stopped }) {
 export class Losses {
   /// The rows of the catalogue now. {title, body} where boards were lost since the call before; a loss of many is one notice that grows.
   of(rows, now) {
-    const lost = new Map([...rows].filter((row) => row.state === "lost").map((row) => [row.name, row]));
+    const lost = new Map([...rows].filter((row) => row.state === "lost" && !speaks_no_asip(row)).map((row) => [row.name, row]));
     const fresh = this.known && [...lost.values()].filter((row) => !this.known.has(row.name));
     this.known = new Set(lost.keys());
     if (!fresh?.length) return undefined;

@@ -5,6 +5,7 @@ import { duration_text, moment_text, time_of, reason_text } from "../core/text.j
 import { bus, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
+import "./firmware.js";
 import "./history.js";
 import "./names.js";
 import { has_pins } from "./pins.js";
@@ -43,12 +44,13 @@ class Board extends Part {
     this.advanced = h("details", { class: "advanced" }, h("summary", {}, "Advanced"), this.deep_facts,
       h("dl", { class: "facts" }, h("div", {}, h("dt", {}, "Last command, its proof"), this.proof)));
     this.listen(this, "proof", (event) => set_text(this.proof, event.proof));
+    this.firmware = document.createElement("asip-firmware").begin(this.name);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
     this.unusable = h("p", { class: "unusable muted", role: "status" });
     this.stopped = h("p", { class: "stopped-note", role: "status" });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
-      this.problem, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
+      this.problem, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
       h("section", { "aria-label": "About" }, h("h2", {}, "About"), this.facts, this.names, this.advanced),
       h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
@@ -154,6 +156,7 @@ class Board extends Part {
       ["Known by", !board.description && "its names only: it publishes no description"]]));
     this.deep_facts.replaceChildren(...facts_of([["Protocol", board.protocol && `ASIP ${board.protocol}`], ["Link", board.link], ["Agent", board.agent]]));
     this.names.show(board);
+    this.firmware.show(board);
     this.rate.hidden = !description.on_demand;
     this.show_pins(description);
     this.show_services((description.services ?? board.services ?? []).map((service) => (

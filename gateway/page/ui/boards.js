@@ -5,6 +5,7 @@ import { alive, states } from "../core/catalogue.js";
 import { duration_text, moment_text, plural, reason_text } from "../core/text.js";
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
 import { boards, status } from "./model.js";
+import { load_firmware } from "./firmware.js";
 import { RowValues } from "./row_values.js";
 import "./notify.js";
 import "./selection.js";
@@ -92,8 +93,8 @@ class Boards extends Part {
 
   /// Lost boards first, with the reason and since when.
   show_attention(catalogue) {
-    const { lost, stopped, reasons } = attention_of(catalogue.rows.values());
-    const key = JSON.stringify([lost.map((row) => [row.name, row.reason, row.since]).slice(0, 5), lost.length, stopped.length, named(stopped).map((row) => row.name)]);
+    const { lost, stopped, bare, reasons } = attention_of(catalogue.rows.values());
+    const key = JSON.stringify([lost.map((row) => [row.name, row.reason, row.since]).slice(0, 5), lost.length, stopped.length, bare.map((row) => row.name), this.loads, status.may_label, named(stopped).map((row) => row.name)]);
     if (key === this.shown_attention) return;
     this.shown_attention = key;
     const link = (row, more = "") => h("a", { href: `#/board/${encodeURIComponent(row.name)}` }, row.name, more);
@@ -101,10 +102,25 @@ class Boards extends Part {
     const rest = (rows, state) => rows.length > named(rows).length && [" … ", h("button", { onclick: () => this.filtered({ state, text: "" }) }, "Show all")];
     const all_alike = reasons.length === 1 && lost.length > 1 ? ` (all: ${reason_text(reasons[0][0])})` : "";
     const why = (row) => [reason_text(row.reason), row.since && `since ${moment_text(row.since)}`].filter(Boolean).join(", ");
-    this.attention.hidden = lost.length + stopped.length === 0;
+    this.attention.hidden = lost.length + stopped.length + bare.length === 0 && !this.loaded;
     this.attention.replaceChildren(
       lost.length > 0 ? h("p", {}, h("strong", { class: "state lost" }, `${plural(lost.length, "board")} lost${all_alike}: `), list(lost, (row) => ` (${why(row)})`), rest(lost, "lost")) : "",
-      stopped.length > 0 ? h("p", {}, h("strong", { class: "state latched" }, `${plural(stopped.length, "board")} stopped: `), list(stopped, () => ""), rest(stopped, "")) : "");
+      stopped.length > 0 ? h("p", {}, h("strong", { class: "state latched" }, `${plural(stopped.length, "board")} stopped: `), list(stopped, () => ""), rest(stopped, "")) : "",
+      bare.length > 0 ? h("p", {}, h("strong", {}, `${plural(bare.length, "board")} without ASIP: `), list(bare, () => ""), " ",
+        status.may_label && h("button", { disabled: this.loads, onclick: () => this.load_all(bare) }, this.loads ? "Loading …" : "Load AsipServices?")) : "",
+      this.loaded ? h("p", { class: "loaded" }, this.loaded) : "");
+  }
+
+  /// A class: all of them at once. How far each is stands in its row, and its page has the details.
+  async load_all(rows) {
+    this.loads = true;
+    this.loaded = "";
+    this.refresh();
+    const ends = await Promise.all(rows.map(async (row) => [row.name, await load_firmware(row.name, "")]));
+    this.loads = false;
+    this.loaded = ends.map(([name, { text }]) => `${name}: ${text}`).join(" ");
+    this.shown_attention = undefined;
+    if (this.isConnected) this.refresh();
   }
 
   measure() {

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { attention_of, filter_of, Losses, named, query_of, title_badge } from "../../../gateway/page/core/attention.js";
 
-const row = (name, state, reason = "", since = 0) => ({ name, state, reason, since });
+const row = (name, state, reason = "", since = 0) => ({ name, state, reason, since, chip: "ATmega328P" });
 
 test("LostAndStopped_AreCountedTheNewestFirst", () => {
   const found = attention_of([row("a", "online"), row("b", "lost", "unplugged", 10), row("c", "lost", "unplugged", 20), row("d", "lost", "silent", 5),

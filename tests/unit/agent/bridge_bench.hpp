@@ -40,6 +40,7 @@ class BridgeBench {
     bool begin_anew = false;
     std::vector<model::Labels> to_keep;         ///< what was to be written to the disk
     Effects::Port port = Effects::Port::kKeep;  ///< what the agent did last with the port
+    std::optional<Effects::Load> to_load;
 
     void plug() {
         run([&](Effects& out) {
@@ -144,6 +145,7 @@ class BridgeBench {
         if (effects.fatal) fatal = effects.fatal;
         begin_anew = begin_anew || effects.begin_anew;
         if (effects.port != Effects::Port::kKeep) port = effects.port;
+        if (effects.load) to_load = effects.load;
         if (effects.stopped) run([&](Effects& out) { bridge.refuse_waiting(now, out); });
         if (!answer.empty()) say(answer);
         if (effects.name_claimed && grants_subscriptions)

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "cli/doctor/findings.hpp"
+#include "cli/flash/no_asip.hpp"
 #include "tests/unit/cli/boards.hpp"
 
 namespace asip::cli {
@@ -221,6 +222,24 @@ TEST(Doctor, LostBoard_IsNamedWithItsReasonItsTimeAndWhatToDo) {
     ASSERT_EQ(findings.size(), 1u);
     EXPECT_EQ(findings[0].what, "uno1 is lost 3 min ago: cable unplugged");
     EXPECT_THAT(findings[0].advice, HasSubstr("plug it in"));
+}
+
+TEST(Doctor, BoardThatSpeaksNoAsip_IsNamedByItsUsbPortAndWhatLoadsIt) {
+    auto seen = healthy();
+    seen.retained[0].payload = "lost";
+    seen.pings.clear();
+    auto& board = seen.boards[0];
+    board.state = "lost";
+    board.reason = "silent";
+    board.chip.clear();
+    board.services.clear();
+    board.link = "serial /dev/serial/by-path/pci-0000:00:14.0-usb-0:1.3:1.0-port0";
+    const auto findings = check_states(seen);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].what, "a board at USB port 1.3 that speaks no ASIP (uno1)");
+    EXPECT_THAT(findings[0].advice, HasSubstr("asipctl flash uno1"));
+    for (const auto* path : {"/dev/ttyUSB0", "/dev/serial/by-id/usb-x-if00", "-usb-", "/x-usb-0:1", ""})
+        EXPECT_EQ(port_text(path), path);
 }
 
 TEST(Doctor, RetainedCommandsAndInvalidNames_AreReported) {

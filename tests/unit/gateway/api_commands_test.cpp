@@ -55,6 +55,27 @@ TEST_F(ApiTest, ArgumentsThatDoNotFit_AreRefusedBeforeTheyAreSent) {
     EXPECT_EQ(published_.size(), 1u);
 }
 
+TEST_F(ApiTest, Load_GoesToTheBoardsAgent) {
+    announce();
+    const auto sent = ask("POST", "/api/boards/uno1/load?deadline_ms=60000", R"({"board":"mega"})");
+    ASSERT_FALSE(published_.empty());
+    EXPECT_EQ(published_.back().topic, "asip/uno1/in");
+    const auto payload = json::parse(published_.back().payload);
+    EXPECT_EQ(payload["port"], "load");
+    EXPECT_EQ(payload["firmware"], "AsipServices");
+    EXPECT_EQ(payload["board"], "mega");
+    answer(R"({"status":"ok","proof":"answer","answer":{"after":{"sketch":"AsipServices"}}})");
+    EXPECT_EQ(sent->status(), 200);
+    EXPECT_EQ(sent->body()["answer"]["after"]["sketch"], "AsipServices");
+    const auto refused = ask("POST", "/api/boards/uno1/load", "{}");
+    answer(R"({"status":"refused","reason":"not-loaded","error":"no boot loader answers"})");
+    EXPECT_EQ(refused->status(), 409);
+    EXPECT_EQ(refused->detail(), "no boot loader answers");
+    for (const char* body : {"[]", R"({"port":"release"})", R"({"firmware":1})", R"({"force":"yes"})"})
+        EXPECT_EQ(ask("POST", "/api/boards/uno1/load", body)->status(), 400) << body;
+    EXPECT_EQ(ask("POST", "/api/boards/none/load", "{}")->status(), 404);
+}
+
 TEST_F(ApiTest, Labels_GoToTheBoardsAgent_WhichHasTheLastWord) {
     announce();
     const auto change =

@@ -114,6 +114,10 @@ const cases = {
       409: () => twice("/api/boards/uno1/labels", { labels: { room: "lab" } }, { labels: { room: "hall" } }, "label"),
       503: post("/api/boards/lost/labels", { labels: { room: "lab" } }), 504: post("/api/boards/mute/labels?deadline_ms=50", { labels: { room: "lab" } }),
     },
+    loadBoard: {
+      400: post("/api/boards/uno1/load", { file: "x" }), 404: post("/api/boards/none/load"), 409: post("/api/boards/uno1/load"),
+      503: post("/api/boards/lost/load"), 504: post("/api/boards/mute/load?deadline_ms=50"),
+    },
     getCommand: { 200: async () => { await post(write, [0, 20], key("known"))(); return get("/api/commands/known")(); }, 404: get("/api/commands/none") },
     renewCommand: {
       200: async () => { await post("/api/boards/uno1/services/io/commands/write?hold_ms=5000", [13, 1], key("held"))(); return post("/api/commands/held/renew")(); },
@@ -156,6 +160,7 @@ const cases = {
     sendCommand: { 429: () => flood(write, [0, 900 / 10]) },
     sendRaw: { 429: () => flood("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }) },
     labelBoard: { 429: () => flood("/api/boards/uno1/labels", { labels: { room: "lab" } }) },
+    loadBoard: { 429: () => flood("/api/boards/uno1/load", { firmware: "AsipServices" }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
     writeProperty: { 429: () => flood(angle, 90, "PUT") },
   },
@@ -194,8 +199,8 @@ const cases = {
   nohistory: { getBoardHistory: { 404: get("/api/boards/uno1/history") }, getHistory: { 404: get("/api/history") } },
 };
 
-// What no board here does: api_things_test.cpp brings it about.
-const elsewhere = { writeProperty: [422], invokeAction: [204, 409, 422, 429, 503, 504] };
+// What no board here does: api_things_test.cpp and tests/box bring it about.
+const elsewhere = { loadBoard: [200], writeProperty: [422], invokeAction: [204, 409, 422, 429, 503, 504] };
 
 const document = JSON.parse((await send("GET", "/api/openapi.json")).text);
 let failures = 0;

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/expected.hpp"
+
+namespace asip::agent {
+
+/// A boot loader that avrdude speaks to.
+struct BootLoader {
+    std::string_view board;   ///< "uno", "nano", "nano-old" (a Nano as it was sold until 2018), "mega"
+    std::string_view image;   ///< whose firmware it takes: "uno", "mega"
+    std::string_view part;    ///< as avrdude calls the chip
+    std::string_view method;  ///< as avrdude calls the programmer
+    std::string_view baud;
+};
+
+/// Those that may be there, the likeliest first. `board`: one of them; empty: by the USB numbers of its port,
+/// four hexadecimal digits each, which may be empty, too. Fails where avrdude can do nothing.
+Expected<std::vector<BootLoader>> boot_loaders(std::string_view board, std::string_view vendor,
+                                               std::string_view product);
+
+std::vector<std::string> avrdude_call(const BootLoader& loader, const std::string& avrdude,
+                                      const std::string& port, const std::string& image);
+
+/// Reads what avrdude prints.
+class AvrdudeOutput {
+  public:
+    void take(std::string_view bytes);
+
+    /// What it does now: "connecting", "writing" or "verifying"; how much of that is done.
+    std::string_view step() const;
+    int percent() const { return percent_; }
+
+    /// Whether another boot loader may be at the port: none answered, or that of another chip.
+    bool may_be_another() const { return !started_ && (no_answer_ || wrong_chip_); }
+    /// Why it failed with `status`, and what to do, for a person.
+    std::string failure(int status, std::string_view port, const std::string& avrdude) const;
+
+  private:
+    void end_line();
+
+    std::string line_;
+    std::string last_;  // that said something
+    bool started_ = false;
+    bool verifies_ = false;
+    int percent_ = 0;
+    bool no_answer_ = false, wrong_chip_ = false, busy_ = false, denied_ = false, differs_ = false;
+};
+
+}  // namespace asip::agent

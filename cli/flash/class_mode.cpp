@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+// Boards from the box, one after the other or all at once: each that speaks no ASIP is loaded and named.
+#include <fmt/format.h>
+
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <set>
+
+#include "asip/bus/port_request.hpp"
+#include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
+#include "asip/program/options.hpp"
+#include "cli/ask/board_request.hpp"
+#include "cli/flash/load.hpp"
+#include "cli/flash/no_asip.hpp"
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kNameTime = 10s;    // until the board has stored it
+constexpr Duration kComingTime = 40s;  // until it is online by it
+constexpr auto kLoadTime = 6min;
+constexpr std::chrono::seconds kReopen{1};
+
+class ClassRoom {
+  public:
+    ClassRoom(const ClassOptions& options, Environment& environment)
+        : options_(options),
+          environment_(environment),
+          session_(environment),
+          records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
+
+    int run() {
+        const auto descriptions =
+            session_.subscribe(environment_.topics.description("+"),
+                               [this](const mqtt::Message& message) { described(message); });
+        if (const auto connected = session_.connect(); !connected)
+            return environment_.fail_with(connected.error());
+        session_.wait_retained();
+        if (seats_.empty() && options_.output.for_people())
+            environment_.note("plug in the boards; Ctrl-C ends it");
+        while (!session_.stopped() && (options_.count == 0 || good_ < options_.count)) {
+            session_.run_until([this] { return changed_; }, Clock::now() + 500ms);
+            changed_ = false;
+            for (auto& [port, seat] : seats_)
+                go_on(port, *seat);
+            show_progress();
+        }
+        clear_line();
+        return sum_up();
+    }
+
+  private:
+    enum class Step { kWaiting, kLoading, kNaming, kComing, kDone, kFailed };
+    /// One board, by the name that its port has.
+    struct Seat {
+        std::string session;
+        std::string link;
+        std::string name;  // that it is to have
+        std::string sketch, chip;
+        std::string progress;
+        bool force = false;
+        Step step = Step::kWaiting;
+        Time began{}, until{};
+        std::unique_ptr<Load> load;
+        BusSession::Request naming;
+        std::optional<bus::Reply> named;
+    };
+
+    void described(const mqtt::Message& message) {
+        const auto topic = environment_.topics.parse(message.topic);
+        if (!topic || !model::valid_board_name(topic->board)) return;
+        const std::string board(topic->board);
+        changed_ = true;
+        const auto found = seats_.find(board);
+        if (message.payload.empty()) {
+            online_.erase(board);
+            if (found != seats_.end() && is_over(*found->second)) seats_.erase(found);
+            return;
+        }
+        const auto description = model::parse_description(message.payload);
+        if (!description) return;
+        used_.insert(board);
+        const auto state = description->state ? description->state->state : model::BoardState::kLost;
+        if (state == model::BoardState::kOnline) {
+            online_[board] = *description;
+        } else {
+            online_.erase(board);
+        }
+        if (found != seats_.end()) {
+            auto& seat = *found->second;
+            if (!is_over(seat)) {
+                seat.progress = Load::progress(message.payload);
+                return;
+            }
+            // The same agent: it is the board that was seen already, unless somebody unplugged it.
+            const bool away =
+                description->state && description->state->reason == model::StateReason::kUnplugged;
+            if (away) seats_.erase(found);
+            if (away || seat.session == description->session) return;
+            seats_.erase(found);
+        }
+        consider(board, *description);
+    }
+
+    static bool is_over(const Seat& seat) { return seat.step == Step::kDone || seat.step == Step::kFailed; }
+
+    void consider(const std::string& board, const model::Description& description) {
+        if (options_.host != "*" && description.agent.host != options_.host) return;
+        if (description.link.kind != "serial") return;
+        const bool nothing = speaks_no_asip(description);
+        const bool online = online_.contains(board);
+        if ((!nothing && !online) || expected_.contains(board)) return;
+        auto seat = std::make_unique<Seat>();
+        seat->session = description.session;
+        seat->link = description.link.path;
+        seat->sketch = description.firmware.sketch;
+        seat->chip = description.firmware.chip;
+        // Of ASIP 0.4 without extensions: it could not keep a name, for one.
+        const bool old = online && description.firmware.extensions.empty();
+        seat->force = old || (online && options_.load.force);
+        if (online && !seat->force) {
+            seat->step = Step::kDone;
+            row(board, board, "passed over", *seat, "it runs " + seat->sketch + " already");
+            ++good_;
+        }
+        seats_[board] = std::move(seat);
+    }
+
+    void go_on(const std::string& port, Seat& seat) {
+        const auto now = Clock::now();
+        switch (seat.step) {
+            case Step::kWaiting: {
+                auto load = options_.load;
+                load.force = seat.force;
+                seat.began = now;
+                seat.until = now + kLoadTime;
+                seat.step = Step::kLoading;
+                seat.load = std::make_unique<Load>(environment_, session_, port, load);
+                return;
+            }
+            case Step::kLoading:
+                if (seat.load->reply()) return loaded(port, seat, bus::Reply(*seat.load->reply()));
+                break;
+            case Step::kNaming:
+                if (seat.named) return named(port, seat);
+                break;
+            case Step::kComing:
+                if (online_.contains(seat.name)) return done(port, seat);
+                break;
+            default:
+                return;
+        }
+        if (now < seat.until) return;
+        failed(port, seat,
+               seat.step == Step::kLoading  ? "its agent does not answer"
+               : seat.step == Step::kNaming ? "it is loaded, but does not take its name"
+                                            : "it is loaded and named, but does not come as " + seat.name);
+    }
+
+    void loaded(const std::string& port, Seat& seat, const bus::Reply& reply) {
+        seat.load.reset();
+        if (!reply.succeeded())
+            return failed(port, seat, reply.error.empty() ? explain(reply) : for_terminal(reply.error));
+        const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
+        seat.sketch = value_at(answer, "after.sketch");
+        seat.chip = value_at(answer, "after.chip");
+        const auto stored = value_at(answer, "after.name");
+        seat.name = !stored.empty() ? stored : options_.names ? next_name() : port;
+        used_.insert(seat.name);
+        expected_.insert(seat.name);
+        if (!stored.empty() || !options_.names) return wait_for(seat);
+        seat.step = Step::kNaming;
+        seat.until = Clock::now() + kNameTime;
+        seat.naming = session_.command(environment_.topics.board_in(port), "#,I," + seat.name,
+                                       [&seat](const mqtt::Message& message) {
+                                           auto got = bus::parse_reply(message.payload);
+                                           seat.named = got ? *got : bus::Reply::timeout();
+                                       });
+    }
+
+    // Its agent asks a board who it is when it opens the port.
+    void named(const std::string& port, Seat& seat) {
+        if (!seat.named->succeeded())
+            return failed(port, seat, "it is loaded, but keeps no name: " + explain(*seat.named));
+        session_.publish(environment_.topics.board_in(port),
+                         bus::encode({bus::PortRequest::What::kRelease, kReopen}, "class"), 1);
+        wait_for(seat);
+    }
+
+    void wait_for(Seat& seat) {
+        seat.step = Step::kComing;
+        seat.until = Clock::now() + kComingTime;
+    }
+
+    void done(const std::string& port, Seat& seat) {
+        seat.step = Step::kDone;
+        ++good_;
+        row(port, seat.name, "loaded", seat, seat.sketch + " on " + seat.chip);
+    }
+
+    void failed(const std::string& port, Seat& seat, const std::string& why) {
+        seat.step = Step::kFailed;
+        seat.load.reset();
+        row(port, port, "failed", seat, why);
+    }
+
+    std::string next_name() {
+        std::string name;
+        do {
+            name = *options_.names;
+            name.replace(name.find("{}"), 2, std::to_string(++number_));
+        } while (used_.contains(name));
+        return name;
+    }
+
+    void row(const std::string& port, const std::string& board, const std::string& result, const Seat& seat,
+             const std::string& text) {
+        const auto seconds =
+            seat.began == Time{} ? 0.0 : std::chrono::duration<double>(Clock::now() - seat.began).count();
+        results_[result == "failed" ? "failed" : result].insert(result == "failed" ? port : board);
+        if (result != "failed") results_["failed"].erase(port);
+        if (!options_.output.for_people()) {
+            nlohmann::json record{{"board", board},    {"port", seat.link},
+                                  {"result", result},  {"sketch", seat.sketch},
+                                  {"chip", seat.chip}, {"seconds", std::round(seconds * 10) / 10}};
+            if (result == "failed") record["error"] = text;
+            return records_.print(record);
+        }
+        clear_line();
+        environment_.out << fmt::format("{:<20} {:<12} {}", for_terminal(board), result, for_terminal(text));
+        if (result == "loaded")
+            environment_.out << fmt::format(", {}, {:.0f} s", port_text(seat.link), seconds);
+        if (result == "failed")
+            environment_.out << fmt::format(" ({}). Plug it in again to try again", port_text(seat.link));
+        environment_.out << std::endl;
+    }
+
+    // One line that is drawn again, where it is a terminal.
+    void show_progress() {
+        if (!environment_.terminal() || !options_.output.for_people()) return;
+        std::string line;
+        for (const auto& [port, seat] : seats_)
+            if (!is_over(*seat))
+                line += (line.empty() ? "" : "  ") + port + ": " +
+                        (seat->step == Step::kLoading  ? seat->progress
+                         : seat->step == Step::kNaming ? "naming"
+                                                       : "starting");
+        if (line == drawn_) return;
+        clear_line();
+        drawn_ = line;
+        environment_.out << line.substr(0, environment_.width - 1) << std::flush;
+    }
+
+    void clear_line() {
+        if (drawn_.empty()) return;
+        environment_.out << "\r" << std::string(std::min(drawn_.size(), environment_.width - 1), ' ') << "\r"
+                         << std::flush;
+        drawn_.clear();
+    }
+
+    int sum_up() {
+        const auto& failed = results_["failed"];
+        if (options_.output.for_people()) {
+            environment_.out << fmt::format("{} loaded, {} passed over, {} failed\n",
+                                            results_["loaded"].size(), results_["passed over"].size(),
+                                            failed.size())
+                             << std::flush;
+        }
+        return failed.empty() ? program::kExitOk : program::kExitFailure;
+    }
+
+    const ClassOptions& options_;
+    Environment& environment_;
+    BusSession session_;
+    RecordPrinter records_;
+    std::map<std::string, std::unique_ptr<Seat>> seats_;
+    std::map<std::string, model::Description> online_;
+    std::set<std::string> used_;      // names of the bus
+    std::set<std::string> expected_;  // names that boards of this class have now
+    std::map<std::string, std::set<std::string>> results_;
+    std::string drawn_;
+    std::size_t number_ = 0;
+    std::size_t good_ = 0;
+    bool changed_ = false;
+};
+
+}  // namespace
+
+int run_class(const ClassOptions& options, Environment& environment) {
+    if (options.names) {
+        auto example = *options.names;
+        const auto place = example.find("{}");
+        if (place == std::string::npos)
+            return environment.fail_with(
+                {program::kExitUsage, "--names: \"" + example + "\" needs {} for the number: student-{}"});
+        example.replace(place, 2, "999");
+        if (!model::valid_board_name(example) || example.size() > model::kMaxStoredNameBytes)
+            return environment.fail_with(
+                {program::kExitUsage,
+                 "--names: " + (model::valid_board_name(example) ? "a board keeps 32 bytes at most"
+                                                                 : model::explain_board_name(example))});
+    }
+    return ClassRoom(options, environment).run();
+}
+
+}  // namespace asip::cli

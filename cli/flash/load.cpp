@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/flash/load.hpp"
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/bus/port_request.hpp"
+#include "asip/model/json.hpp"
+#include "cli/ask/board_request.hpp"
+#include "cli/text/width.hpp"
+
+namespace asip::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Longer than an agent tries each boot loader and waits for the board.
+constexpr Duration kLoadPatience = 6min;
+
+std::string by_of(const Environment& environment) {
+    return (who_asks(environment) + " by " + environment.mqtt.client_id).substr(0, 64);
+}
+
+}  // namespace
+
+Load::Load(const Environment& environment, BusSession& session, const std::string& board,
+           const LoadOptions& options)
+    : request_(session.ask(
+          environment.topics.board_in(board),
+          bus::encode({.what = bus::PortRequest::What::kLoad,
+                       .firmware = options.firmware,
+                       .board = options.board,
+                       .force = options.force},
+                      by_of(environment)),
+          [this](const mqtt::Message& message) {
+              auto reply = bus::parse_reply(message.payload);
+              reply_ = reply ? std::move(*reply) : bus::Reply::refused("unreadable", reply.error());
+          },
+          1)) {}
+
+std::string Load::progress(std::string_view description) {
+    const auto document = model::parse_json(description);
+    if (!document || value_at(*document, "updating.step").empty()) return {};
+    const auto step = for_terminal(value_at(*document, "updating.step"));
+    const auto percent = value_at(*document, "updating.percent");
+    return step == "writing" || step == "verifying" ? step + " " + for_terminal(percent) + " %" : step;
+}
+
+int run_load(const LoadOptions& options, const std::string& board, const OutputOptions& output,
+             Environment& environment) {
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    std::string shown;
+    const auto descriptions =
+        session.subscribe(environment.topics.description(board), [&](const mqtt::Message& message) {
+            const auto now = Load::progress(message.payload);
+            if (now.empty() || now == shown || message.retain) return;
+            shown = now;
+            environment.note(board + ": " + now);
+        });
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    const auto fail = [&](const Failure& failure) {
+        print_failure(output, RecordPrinter::Count::kOne, board, failure, environment.out);
+        return environment.fail_with(failure);
+    };
+    if (const auto known = source.board(board); !known) return fail(known.error());
+    const Load load(environment, session, board, options);
+    session.run_until([&load] { return load.reply().has_value(); }, Clock::now() + kLoadPatience);
+    if (session.stopped())
+        return fail({program::kExitFailure, "interrupted; the agent goes on, and takes the port back"});
+    if (!load.reply())
+        return fail(session.unanswered("the agent of " + board +
+                                       " does not answer; is it running? Try: asipctl doctor"));
+    const auto& reply = *load.reply();
+    if (!reply.succeeded()) return fail(failure_of(reply, board + ": "));
+    const auto document = model::parse_json(reply.answer).value_or(nlohmann::json::object());
+    const auto sketch = value_at(document, "after.sketch");
+    if (output.for_people()) {
+        environment.out << board << ": " << for_terminal(sketch) << " on "
+                        << for_terminal(value_at(document, "after.chip")) << std::endl;
+    } else {
+        RecordPrinter(output, RecordPrinter::Count::kOne, environment.out)
+            .print({{"board", board},
+                    {"programmed", true},
+                    {"same", value_at(document, "same") == "true"},
+                    {"sketch", sketch},
+                    {"was", value_at(document, "before.sketch")},
+                    {"chip", value_at(document, "after.chip")}});
+    }
+    return program::kExitOk;
+}
+
+}  // namespace asip::cli

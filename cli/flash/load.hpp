@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/bus/reply.hpp"
+#include "cli/ask/bus_session.hpp"
+#include "cli/environment.hpp"
+
+namespace asip::cli {
+
+struct LoadOptions {
+    std::string firmware = "AsipServices";
+    std::string board;   ///< which kind it is; empty: its agent finds out
+    bool force = false;  ///< also where it runs ASIP
+};
+
+/// An agent that was asked to load firmware of its machine into its board. It lives until the answer came.
+class Load {
+  public:
+    Load(const Environment& environment, BusSession& session, const std::string& board,
+         const LoadOptions& options);
+    Load(const Load&) = delete;
+    Load& operator=(const Load&) = delete;
+
+    /// The answer, once it is there; one that cannot be read is a refusal.
+    const std::optional<bus::Reply>& reply() const { return reply_; }
+    /// What the description of the board says of it meanwhile: "writing 40 %". Empty: nothing.
+    static std::string progress(std::string_view description);
+
+  private:
+    std::optional<bus::Reply> reply_;
+    BusSession::Request request_;
+};
+
+/// `asipctl flash BOARD`: prints progress and result.
+int run_load(const LoadOptions& options, const std::string& board, const OutputOptions& output,
+             Environment& environment);
+
+/// What `asipctl flash --class` does, until Ctrl-C.
+struct ClassOptions {
+    LoadOptions load{};
+    std::optional<std::string> names;  ///< with {} for the number
+    std::string host;                  ///< of the boards; `*`: all
+    std::size_t count = 0;             ///< ends after so many boards that run the firmware; 0: not
+    OutputOptions output{};
+};
+int run_class(const ClassOptions& options, Environment& environment);
+
+}  // namespace asip::cli

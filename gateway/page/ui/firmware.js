@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loading AsipServices into a board that speaks no ASIP: its agent does it, and says how far it is.
+import { loading_of, port_text, speaks_no_asip } from "../core/firmware.js";
+import { path_of, request } from "../net/bus.js";
+import { fresh_id, h, Part, set_text } from "./dom.js";
+import { status } from "./model.js";
+
+const kinds = [["", "find out"], ["uno", "Uno"], ["nano", "Nano"], ["nano-old", "Nano, until 2018"], ["mega", "Mega 2560"]];
+
+/// Asks the agent of a board to load AsipServices. The sentence that says how it ended: {kind, text}.
+export async function load_firmware(board, kind) {
+  try {
+    const { answer } = await request(`${path_of("boards", board, "load")}?deadline_ms=60000`, { method: "POST", body: kind ? { board: kind } : {} });
+    return { kind: "ok", text: `${answer?.after?.sketch ?? "AsipServices"} is loaded.` };
+  } catch (problem) {
+    if (problem.status === 504) return { kind: "", text: "It takes longer than a minute; the board appears when it is done." };
+    return { kind: "refused", text: problem.message };
+  }
+}
+
+class Firmware extends Part {
+  /// Call before it is put into the page.
+  begin(board) {
+    this.board_name = board;
+    return this;
+  }
+
+  shown() {
+    const id = fresh_id("kind");
+    this.title = h("strong", {});
+    this.kind = h("select", { id }, kinds.map(([value, text]) => h("option", { value }, text)));
+    this.button = h("button", { class: "main", onclick: () => this.load() }, "Load AsipServices");
+    this.form = h("span", { class: "actions" }, h("label", { for: id }, "Which board: "), this.kind, " ", this.button);
+    this.bar = h("progress", { max: 100, value: 0, hidden: true, "aria-label": "Loading" });
+    this.step = h("span", { role: "status" });
+    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    this.box = h("section", { class: "attention", "aria-label": "Firmware", hidden: true }, h("p", {}, this.title, " ", this.form), h("p", {}, this.bar, " ", this.step), h("p", {}, this.answer));
+    this.append(this.box);
+    this.listen(status, "change", () => this.draw());
+    this.draw();
+  }
+
+  /// A board as the gateway says it is.
+  show(board) {
+    this.board = board;
+    if (this.isConnected) this.draw();
+  }
+
+  draw() {
+    const { board } = this;
+    const bare = board !== undefined && speaks_no_asip(board);
+    const loading = loading_of(board?.description);
+    if (bare || loading || this.busy) this.seen = true;
+    this.box.hidden = !this.seen || (!bare && !loading && !this.busy && this.answer.textContent === "");
+    const at = port_text(board?.description?.link?.path ?? board?.link);
+    set_text(this.title, bare ? `A board${at && ` at ${at}`} that speaks no ASIP. Load AsipServices?` : "");
+    this.form.hidden = !bare || !status.may_label || Boolean(this.busy);
+    this.bar.hidden = !loading;
+    if (loading) this.bar.value = loading.percent;
+    set_text(this.step, loading?.text ?? "");
+  }
+
+  async load() {
+    this.busy = true;
+    set_text(this.answer, "");
+    this.draw();
+    const { kind, text } = await load_firmware(this.board_name, this.kind.value);
+    this.busy = false;
+    this.answer.className = `answer ${kind}`;
+    set_text(this.answer, text);
+    if (this.isConnected) this.draw();
+  }
+}
+
+customElements.define("asip-firmware", Firmware);

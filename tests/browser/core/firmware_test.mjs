@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { attention_of, Losses, title_badge } from "../../../gateway/page/core/attention.js";
+import { loading_of, port_text, speaks_no_asip } from "../../../gateway/page/core/firmware.js";
+
+const bare = { name: "lab-usb-140-3", state: "lost", reason: "silent", chip: "", services: [] };
+
+test("a port where nothing ever answered is a board without ASIP; a lost board is none", () => {
+  assert.equal(speaks_no_asip(bare), true);
+  for (const other of [{ chip: "ATmega328P" }, { services: ["io"] }, { reason: "unplugged" }, { state: "online" }]) assert.equal(speaks_no_asip({ ...bare, ...other }), false, JSON.stringify(other));
+});
+
+test("a board without ASIP is neither lost nor news, and is named apart", () => {
+  const lost = { ...bare, name: "uno1", chip: "ATmega328P" };
+  const found = attention_of([bare, lost]);
+  assert.deepEqual(found.bare, [bare]);
+  assert.deepEqual(found.lost, [lost]);
+  assert.equal(title_badge(attention_of([bare])), "");
+  const losses = new Losses();
+  losses.of([], 0);
+  assert.equal(losses.of([bare], 1), undefined);
+});
+
+test("ports are called by their USB socket where their path says it", () => {
+  assert.equal(port_text("/dev/serial/by-path/pci-0000:00:14.0-usb-0:1.3:1.0-port0"), "USB port 1.3");
+  assert.equal(port_text("/dev/ttyUSB0"), "/dev/ttyUSB0");
+  assert.equal(port_text(undefined), "");
+});
+
+test("how far the loading is", () => {
+  const at = (updating) => loading_of({ updating });
+  assert.deepEqual(at({ firmware: "AsipServices", step: "writing", percent: 40 }), { percent: 20, text: "AsipServices: writing 40 %" });
+  assert.deepEqual(at({ firmware: "AsipServices", step: "verifying", percent: 40 }), { percent: 70, text: "AsipServices: verifying 40 %" });
+  assert.equal(at({ firmware: "AsipServices", step: "starting", percent: 0 }).percent, 100);
+  assert.equal(at({ by: "ann", until: "2026-11-21T10:00:00.000Z" }), undefined);
+  assert.equal(loading_of(undefined), undefined);
+  assert.equal(at({ firmware: "x", step: "writing", percent: "<b>" }).percent, 0);
+});
