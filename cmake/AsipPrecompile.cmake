@@ -7,12 +7,14 @@ set(asip_precompiled
   <unordered_map> <utility> <variant> <vector>
   <nlohmann/json.hpp> <tl/expected.hpp>)
 
-# asip_add_precompiled(NAME LIBS ... HEADERS ...): a target whose precompiled headers others use.
+# asip_add_precompiled(NAME LIBS ... HEADERS ... OPTIONS ...): a target whose precompiled headers others use, which are compiled
+# with the same options.
 function(asip_add_precompiled name)
-  cmake_parse_arguments(arg "" "" "LIBS;HEADERS" ${ARGN})
+  cmake_parse_arguments(arg "" "" "LIBS;HEADERS;OPTIONS" ${ARGN})
   file(GENERATE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp" CONTENT "// Nothing but precompiled headers.\n")
   add_library(${name} OBJECT EXCLUDE_FROM_ALL "${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp")
   target_link_libraries(${name} PRIVATE asip_options ${arg_LIBS} nlohmann_json::nlohmann_json tl::expected)
+  target_compile_options(${name} PRIVATE ${arg_OPTIONS})
   target_precompile_headers(${name} PRIVATE ${asip_precompiled} ${arg_HEADERS})
   set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
 endfunction()
@@ -40,7 +42,9 @@ endfunction()
 
 # Everything below this folder that links asip_options uses them, except the firmware for the host, which is C++11 at heart
 # and gives namespaces other names by macros.
+# What fuzz targets explore notes which branches it takes.
 function(asip_precompile folder)
+  get_property(explored GLOBAL PROPERTY asip_explored)
   get_property(targets DIRECTORY "${folder}" PROPERTY BUILDSYSTEM_TARGETS)
   foreach(target IN LISTS targets)
     get_target_property(type ${target} TYPE)
@@ -50,11 +54,17 @@ function(asip_precompile folder)
     get_target_property(libraries ${target} LINK_LIBRARIES)
     asip_links(${target} asip_options is_ours)
     if(NOT is_ours OR "asip_firmware_warnings" IN_LIST libraries)
+      if(target IN_LIST explored)
+        target_compile_options(${target} PRIVATE ${asip_explores})
+      endif()
       continue()
     endif()
     if("asip_test_options" IN_LIST libraries)
       target_compile_definitions(${target} PRIVATE GTEST_HAS_PTHREAD=1) # fuzz targets do not link GoogleTest
       target_precompile_headers(${target} REUSE_FROM asip_precompiled_for_tests)
+    elseif(target IN_LIST explored)
+      target_compile_options(${target} PRIVATE ${asip_explores})
+      target_precompile_headers(${target} REUSE_FROM asip_precompiled_to_explore)
     else()
       target_precompile_headers(${target} REUSE_FROM asip_precompiled)
     endif()
@@ -65,5 +75,9 @@ function(asip_precompile folder)
   endforeach()
 endfunction()
 
+set(asip_explores -fsanitize=fuzzer-no-link)
 asip_add_precompiled(asip_precompiled)
+if(ASIP_SANITIZE)
+  asip_add_precompiled(asip_precompiled_to_explore OPTIONS ${asip_explores})
+endif()
 asip_add_precompiled(asip_precompiled_for_tests LIBS asip_test_options GTest::gmock HEADERS <gmock/gmock.h> <gtest/gtest.h>)
