@@ -130,11 +130,21 @@ std::string use_of(Role role) {
             return "asip-registry --credentials {}";
         case Role::kGateway:
             return "asip-gateway --credentials {}";
-        case Role::kHomeAssistant:
-            return "in Home Assistant: Settings, Devices, MQTT, with user and password of {}";
         default:
             return "asipctl --credentials {} list";
     }
+}
+
+/// What stands in a form of Home Assistant, which reads no credentials file.
+void tell_home_assistant(const SecureFolder& folder, const SecuredBus& bus, const fs::path& file,
+                         SecureReport& report) {
+    report.next("in Home Assistant: Settings, Devices & services, Add integration (later: Reconfigure), MQTT",
+                fmt::format("broker {}, port {}, user and password of {}", bus.hosts.front(), bus.port,
+                            file.string()));
+    report.next(
+        "there, in Other settings (before 2026.8: in the next form, with Advanced options): Broker "
+        "certificate validation: Custom, and as custom CA certificate file",
+        folder.authority().string());
 }
 
 }  // namespace
@@ -262,7 +272,10 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
     }
     for (const auto& name : names) {
         const auto file = folder->credentials(name);
-        if (fs::exists(file))
+        if (!fs::exists(file)) continue;
+        if (*role == Role::kHomeAssistant)
+            tell_home_assistant(*folder, *bus, file, report);
+        else
             report.next("copy " + file.string() + " to its machine, and there",
                         fmt::format(fmt::runtime(use_of(*role)), file.filename().string()));
     }
@@ -317,7 +330,10 @@ Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report) {
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
     report_reload(options, *folder, *bus, report);
-    if (options.what != "broker")
+    const auto* user = options.what == "broker" ? nullptr : bus->find(options.what);
+    if (user != nullptr && user->role == Role::kHomeAssistant)
+        tell_home_assistant(*folder, *bus, folder->credentials(options.what), report);
+    else if (options.what != "broker")
         report.next("copy " + folder->credentials(options.what).string() +
                     " to its machine; the file from before counts no more");
     return tell_services(options, *folder, *bus, report);

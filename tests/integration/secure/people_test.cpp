@@ -156,5 +156,17 @@ TEST_F(PeopleOnSecuredBus, Recording_IsReplayedWithTheCredentialsOfItsBoards) {
     EXPECT_EQ(replay(Words{"walk2"} + as("walk1")).status, 1) << "one board may not speak for another";
 }
 
+TEST_F(PeopleOnSecuredBus, HomeAssistant_IsToldWhatItsFormsAskFor) {
+    const auto added = secure({"add", "home-assistant"});
+    ASSERT_EQ(added.status, 0) << added.errors;
+    const auto next = added.output.substr(added.output.find("Next:"));
+    for (const auto& needed :
+         Words{"broker ", "port ", credentials("home-assistant"), file("ca.crt"), "Add integration"})
+        EXPECT_NE(next.find(needed), std::string::npos) << needed << "\n" << next;
+    const auto renewed = secure({"renew", "home-assistant"});
+    ASSERT_EQ(renewed.status, 0) << renewed.errors;
+    EXPECT_NE(renewed.output.find(file("ca.crt")), std::string::npos) << renewed.output;
+}
+
 }  // namespace
 }  // namespace asip::test
