@@ -3,6 +3,8 @@
 // session.
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include "export_world.hpp"
 #include "gateway/export/homie.hpp"
 #include "gateway/export/web_of_things.hpp"
@@ -13,6 +15,7 @@ namespace {
 struct DialectRow {
     const char* name;
     std::shared_ptr<const Dialect> (*make)();
+    friend void PrintTo(const DialectRow& row, std::ostream* out) { *out << row.name; }
 };
 
 const DialectRow kDialects[] = {
