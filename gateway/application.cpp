@@ -46,7 +46,7 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(*models), std::move(units_of),
                                          system_random(), random_secret, port());
-    for (const auto& each : options_.dialects)
+    for (const auto& each : options_.exports)
         exports_.push_back(std::make_unique<Exports>(io_, each, options_.mqtt, *gateway_));
     read_tokens(true);
     http::Server::Options server;

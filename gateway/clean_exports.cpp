@@ -16,14 +16,14 @@ constexpr Duration kCleanEnd = std::chrono::seconds(5);
 /// A program that does nothing but clear.
 class Cleaner {
   public:
-    Cleaner(exports::Exporter::Options options, const mqtt::Options& mqtt)
+    Cleaner(const exports::MakeExport& make, const mqtt::Options& mqtt)
         : connection_(io_, mqtt),
-          exporter_(std::move(options), system_random(), port()),
+          export_(make(system_random(), port())),
           client_(io_, mqtt, handlers()),
           timer_(io_) {}
 
     int run() {
-        for (const auto& filter : exporter_.subscriptions())
+        for (const auto& filter : export_->subscriptions())
             client_.subscribe(filter);
         client_.start();
         until_ = Clock::now() + kCleanLimit;
@@ -33,8 +33,8 @@ class Cleaner {
     }
 
   private:
-    exports::Exporter::Port port() {
-        auto port = connection_.port([this]() -> exports::Exporter& { return exporter_; });
+    exports::Export::Port port() {
+        auto port = connection_.port([this]() -> exports::Export& { return *export_; });
         port.ready = [this] { return subscribed_at_.has_value(); };
         port.boards = [] { return std::vector<std::string>(); };
         port.board = [](const std::string&) { return std::nullopt; };
@@ -42,17 +42,16 @@ class Cleaner {
         port.want = [](const std::string&, const std::string&, double) { return nullptr; };
         port.command = [](const std::string&, const exports::Request&, const auto&) {};
         port.log = [](const std::string&) {};
+        port.wall_ms = [] { return std::int64_t{0}; };  // nothing is said that has a date
         return port;
     }
     mqtt::Client::Handlers handlers() {
         mqtt::Client::Handlers result;
         result.on_subscribed = [this] {
             subscribed_at_ = Clock::now();
-            exporter_.subscribed(*subscribed_at_);
+            export_->subscribed(*subscribed_at_);
         };
-        result.on_message = [this](const mqtt::Message& message) {
-            exporter_.message(message, Clock::now());
-        };
+        result.on_message = [this](const mqtt::Message& message) { export_->message(message, Clock::now()); };
         result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
             end(program::kExitBroker, failure.text);
         };
@@ -66,15 +65,15 @@ class Cleaner {
     }
     void tick() {
         const auto now = Clock::now();
-        if (exporter_.finished()) return end(program::kExitOk, "nothing of the export is left on the broker");
-        const auto& holder = exporter_.lease().holder();
+        if (export_->finished()) return end(program::kExitOk, "nothing of the export is left on the broker");
+        const auto& holder = export_->lease().holder();
         if (subscribed_at_ && now - *subscribed_at_ > exports::Lease::kStale + kCleanTick && holder &&
-            exporter_.lease().held(now))
+            export_->lease().held(now))
             return end(program::kExitFailure,
                        "a gateway on " + holder->host +
                            " exports now; stop it, or start it without the option, first");
         if (now >= until_) return end(program::kExitFailure, "the broker did not answer in time");
-        exporter_.tick(now);
+        export_->tick(now);
         schedule();
     }
     void end(int status, const std::string& sentence) {
@@ -82,14 +81,14 @@ class Cleaner {
         ended_ = true;
         status_ = status;
         (status == program::kExitOk ? std::cout : std::cerr)
-            << "asip-gateway: " << exporter_.dialect().title() << ": " << sentence << std::endl;
+            << "asip-gateway: " << export_->title() << ": " << sentence << std::endl;
         timer_.cancel();
         connection_.stop(kCleanEnd, [this] { client_.stop(kCleanEnd, [this] { io_.stop(); }); });
     }
 
     boost::asio::io_context io_{1};
     ExportConnection connection_;
-    exports::Exporter exporter_;
+    std::unique_ptr<exports::Export> export_;
     mqtt::Client client_;
     boost::asio::steady_timer timer_;
     std::optional<Time> subscribed_at_;
@@ -100,14 +99,10 @@ class Cleaner {
 
 }  // namespace
 
-int clean_exports(const std::vector<exports::Exporter::Options>& exports, const mqtt::Options& mqtt) {
+int clean_exports(const std::vector<exports::MakeExport>& exports, const mqtt::Options& mqtt) {
     int worst = program::kExitOk;
-    for (auto options : exports) {
-        options.enabled = false;
-        options.clear_all = true;
-        if (const int status = Cleaner(std::move(options), mqtt).run(); status != program::kExitOk)
-            worst = status;
-    }
+    for (const auto& each : exports)
+        if (const int status = Cleaner(each, mqtt).run(); status != program::kExitOk) worst = status;
     return worst;
 }
 

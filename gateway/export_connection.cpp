@@ -22,27 +22,29 @@ constexpr Duration kConnectionEnd = std::chrono::seconds(5);
 
 }  // namespace
 
-void ExportConnection::connect(exports::Exporter& exporter) {
+void ExportConnection::connect(exports::Export& of) {
     auto options = options_;
-    options.client_id += "-" + std::string(exporter.dialect().by());
-    options.will = exporter.will();
+    options.client_id += "-" + std::string(of.by());
+    options.will = of.will();
     options.max_queued_messages = kMaxQueuedMessages;
     options.max_queued_bytes = kMaxQueuedBytes;
     mqtt::Client::Handlers handlers;
-    handlers.on_subscribed = [&exporter] { exporter.own_subscribed(Clock::now()); };
-    handlers.on_disconnected = [&exporter](const mqtt::ConnectionFailure& failure) {
-        exporter.own_disconnected();
+    handlers.on_connected = [this, &of](const mqtt::Connected&) {
+        of.own_connected();
+        if (client_) client_->set_will(of.will());
+    };
+    handlers.on_subscribed = [&of] { of.own_subscribed(Clock::now()); };
+    handlers.on_disconnected = [&of](const mqtt::ConnectionFailure& failure) {
+        of.own_disconnected();
         log::warning("the connection for exports is lost", {{"why", failure.text}});
     };
-    handlers.on_message = [&exporter](const mqtt::Message& message) {
-        exporter.own_message(message, Clock::now());
-    };
-    handlers.on_published = [this, &exporter](const std::string&) {
+    handlers.on_message = [&of](const mqtt::Message& message) { of.own_message(message, Clock::now()); };
+    handlers.on_published = [this, &of](const std::string&) {
         if (!client_ || client_->counters().queued >= kLittle || std::exchange(sent_, true)) return;
         // Behind all acknowledgements that are there, each of which lets a message go.
-        boost::asio::post(io_, [this, &exporter] {
+        boost::asio::post(io_, [this, &of] {
             sent_ = false;
-            exporter.sent(Clock::now());
+            of.sent(Clock::now());
         });
     };
     handlers.on_publish_denied = [user = options.user](const std::string& topic, const std::string& reason) {
@@ -50,14 +52,16 @@ void ExportConnection::connect(exports::Exporter& exporter) {
     };
     handlers.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     client_ = std::make_unique<mqtt::Client>(io_, std::move(options), std::move(handlers));
-    const auto status = exporter.dialect().status();
-    client_->subscribe(status.empty() ? exporter.dialect().lease() : status);
+    mqtt::SubscribeOptions subscription;
+    subscription.qos = 1;
+    for (auto& filter : of.own_subscriptions())
+        client_->subscribe(std::move(filter), subscription);
     client_->start();
 }
 
-exports::Exporter::Port ExportConnection::port(std::function<exports::Exporter&()> exporter) {
-    exports::Exporter::Port port;
-    port.connect = [this, exporter = std::move(exporter)] { connect(exporter()); };
+exports::Export::Port ExportConnection::port(std::function<exports::Export&()> of) {
+    exports::Export::Port port;
+    port.connect = [this, of = std::move(of)] { connect(of()); };
     // It may be in the middle of a handler of that client, which must not end it.
     port.disconnect = [this] { stop(kConnectionEnd, [] {}); };
     port.publish = [this](mqtt::Message message) {
@@ -67,6 +71,9 @@ exports::Exporter::Port ExportConnection::port(std::function<exports::Exporter&(
         if (!client_) return false;
         const auto counters = client_->counters();
         return counters.queued < kRoomMessages && counters.queued_bytes < kRoomBytes;
+    };
+    port.discard = [this] {
+        if (client_) client_->discard_queued(mqtt::Priority::kAnnouncement);
     };
     port.subscribe = [this](const std::string& filter) {
         mqtt::SubscribeOptions options;

@@ -11,14 +11,12 @@ using bus::TopicKind;
 
 }  // namespace
 
-Exports::Exports(boost::asio::io_context& io, exports::Exporter::Options options, mqtt::Options mqtt,
+Exports::Exports(boost::asio::io_context& io, const exports::MakeExport& make, mqtt::Options mqtt,
                  Gateway& gateway)
-    : gateway_(gateway),
-      connection_(io, std::move(mqtt)),
-      exporter_(std::move(options), system_random(), port()) {}
+    : gateway_(gateway), connection_(io, std::move(mqtt)), export_(make(system_random(), port())) {}
 
-exports::Exporter::Port Exports::port() {
-    auto port = connection_.port([this]() -> exports::Exporter& { return exporter_; });
+exports::Export::Port Exports::port() {
+    auto port = connection_.port([this]() -> exports::Export& { return *export_; });
     port.ready = [this] { return gateway_.mirror().ready(); };
     port.boards = [this] { return gateway_.mirror().board_names(); };
     port.board = [this](const std::string& name) { return board(name); };
@@ -37,10 +35,14 @@ exports::Exporter::Port Exports::port() {
         command(board, request, std::move(done));
     };
     port.log = [](const std::string& sentence) { program::log::info(sentence); };
+    port.wall_ms = [this] {
+        return std::chrono::duration_cast<std::chrono::milliseconds>(gateway_.now().wall.time_since_epoch())
+            .count();
+    };
     return port;
 }
 
-std::optional<exports::Exporter::Present> Exports::board(const std::string& name) {
+std::optional<exports::Export::Present> Exports::board(const std::string& name) {
     bus::Query query;
     query.board = name;
     query.full = true;
@@ -49,13 +51,13 @@ std::optional<exports::Exporter::Present> Exports::board(const std::string& name
     const auto& item = found->boards[0];
     auto board = gateway_.things().find(item);
     if (!board) return std::nullopt;
-    return exports::Exporter::Present{exports::is_there(item.state), std::move(board), item.state,
-                                      item.session};
+    return exports::Export::Present{exports::is_there(item.state), std::move(board), item.state,
+                                    item.session};
 }
 
 void Exports::command(const std::string& board, const exports::Request& request,
                       std::function<void(std::string)> done) {
-    const std::string by(exporter_.dialect().by());
+    const std::string by(export_->by());
     if (!gateway_.command_rates().take(by, gateway_.now().time))
         return done("too many commands; try again in a moment");
     Commands::Start start;
@@ -71,7 +73,7 @@ void Exports::command(const std::string& board, const exports::Request& request,
 }
 
 void Exports::subscribed() {
-    exporter_.subscribed(gateway_.now().time);
+    export_->subscribed(gateway_.now().time);
 }
 
 void Exports::changes() {
@@ -80,33 +82,33 @@ void Exports::changes() {
     bool lost = false;
     while (seen_ < log.last()) {
         if (const auto* change = log.change(++seen_))
-            exporter_.changed(change->board, now);
+            export_->changed(change->board, now);
         else
             lost = true;
     }
     if (lost)
         for (const auto& name : gateway_.mirror().board_names())
-            exporter_.changed(name, now);
+            export_->changed(name, now);
 }
 
 void Exports::message(const mqtt::Message& message) {
     const auto now = gateway_.now().time;
     changes();
     const auto topic = gateway_.mirror().topics().parse(message.topic);
-    if (!topic) return exporter_.message(message, now);
+    if (!topic) return export_->message(message, now);
     const bool set = topic->kind == TopicKind::kServiceSet;
     if (set || topic->kind == TopicKind::kServiceOut)
-        exporter_.value(topic->board, topic->service, message.payload, set, now);
+        export_->value(topic->board, topic->service, message.payload, set, now);
 }
 
 void Exports::tick() {
     changes();
     connection_.tidy();
-    exporter_.tick(gateway_.now().time);
+    export_->tick(gateway_.now().time);
 }
 
 void Exports::stop(Duration limit, std::function<void()> done) {
-    exporter_.leave();
+    export_->leave();
     connection_.stop(limit, std::move(done));
 }
 

@@ -6,27 +6,27 @@
 #include <vector>
 
 #include "asip/mqtt/client.hpp"
-#include "gateway/export/exporter.hpp"
+#include "gateway/export/export.hpp"
 
 namespace asip::gateway {
 
 class Gateway;
 
-/// The connection of an export to the broker, which is there while its exporter wants it. Runs on `io`.
+/// The connection of an export to the broker, which is there while the export wants it. Runs on `io`.
 class ExportConnection {
   public:
     ExportConnection(boost::asio::io_context& io, mqtt::Options options)
         : io_(io), options_(std::move(options)) {}
 
-    /// The part of an exporter's port that is this connection. `exporter` is asked for whenever it is needed.
-    exports::Exporter::Port port(std::function<exports::Exporter&()> exporter);
+    /// The part of an export's port that is this connection. `of` is asked for whenever it is needed.
+    exports::Export::Port port(std::function<exports::Export&()> of);
     /// Call now and then: lets go of what has ended.
     void tidy();
     /// Sends what waits and ends; `done` is called within `limit`.
     void stop(Duration limit, std::function<void()> done);
 
   private:
-    void connect(exports::Exporter& exporter);
+    void connect(exports::Export& of);
 
     boost::asio::io_context& io_;
     mqtt::Options options_;
@@ -39,36 +39,36 @@ class ExportConnection {
     std::vector<std::shared_ptr<Ending>> ending_;
 };
 
-/// An exporter with its connection, for the boards of a gateway.
+/// An export with its connection, for the boards of a gateway.
 class Exports {
   public:
-    Exports(boost::asio::io_context& io, exports::Exporter::Options options, mqtt::Options mqtt,
+    Exports(boost::asio::io_context& io, const exports::MakeExport& make, mqtt::Options mqtt,
             Gateway& gateway);
 
     /// To be subscribed to over the gateway's connection; their messages go to message().
-    std::vector<std::string> subscriptions() const { return exporter_.subscriptions(); }
+    std::vector<std::string> subscriptions() const { return export_->subscriptions(); }
     void subscribed();
-    void disconnected() { exporter_.disconnected(); }
+    void disconnected() { export_->disconnected(); }
     /// Behind Gateway::message().
     void message(const mqtt::Message& message);
     void tick();
     void stop(Duration limit, std::function<void()> done);
 
   private:
-    exports::Exporter::Port port();
+    exports::Export::Port port();
     void changes();
     void command(const std::string& board, const exports::Request& request,
                  std::function<void(std::string)> done);
-    std::optional<exports::Exporter::Present> board(const std::string& name);
+    std::optional<exports::Export::Present> board(const std::string& name);
 
     Gateway& gateway_;
     ExportConnection connection_;
-    exports::Exporter exporter_;
+    std::unique_ptr<exports::Export> export_;
     std::uint64_t seen_ = 0;  // of the gateway's changes
 };
 
 /// `asip-gateway clean`: removes from the broker all that these exports left there. The exit status; what
 /// happened is printed.
-int clean_exports(const std::vector<exports::Exporter::Options>& exports, const mqtt::Options& mqtt);
+int clean_exports(const std::vector<exports::MakeExport>& exports, const mqtt::Options& mqtt);
 
 }  // namespace asip::gateway

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
         auto line = asip::gateway::read_options(argc, argv);
         if (!line) return line.error();
         if (line->token) return asip::gateway::make_token(*line->token);
-        if (line->clean) return asip::gateway::clean_exports(line->run.dialects, line->run.mqtt);
+        if (line->clean) return asip::gateway::clean_exports(line->run.exports, line->run.mqtt);
         asip::gateway::Application application(std::move(line->run));
         return application.run();
     } catch (const std::exception& error) {

@@ -2,6 +2,7 @@
 #include "gateway/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <limits>
 
@@ -10,9 +11,7 @@
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/printable.hpp"
-#include "gateway/export/home_assistant.hpp"
-#include "gateway/export/homie.hpp"
-#include "gateway/export/web_of_things.hpp"
+#include "gateway/export_options.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -50,44 +49,8 @@ struct Raw {
     std::size_t value_bytes = 32u << 20;
     http::ServerLimits limits;
     GatewayOptions gateway;
-    std::string home_assistant, wot_broker, homie_domain;
-    exports::HomeAssistant::Options home;
-    exports::WebOfThings::Options wot;
-    exports::Homie::Options homie;
-    double per_second = 5;  // states of one entity
-    bool no_wot = false;
+    ExportOptions exports;
 };
-
-void declare_exports(CLI::App& app, program::Settings& settings, Raw& raw) {
-    const auto add = [&](CLI::Option* option) { settings.setting(option)->group("Exports"); };
-    add(app.add_option("--home-assistant", raw.home_assistant,
-                       "Show every board to Home Assistant on the same broker; PREFIX: where it looks for "
-                       "devices, otherwise homeassistant")
-            ->type_name("[PREFIX]")
-            ->expected(0, 1));
-    add(app.add_flag("--home-assistant-read-only", raw.home.read_only, "Home Assistant may set nothing"));
-    add(app.add_flag(
-        "--home-assistant-entity-ids", raw.home.entity_ids,
-        "Propose the ids of its entities, sensor.BOARD_SERVICE_0; otherwise they follow from names"));
-    add(app.add_option(
-               "--homie", raw.homie_domain,
-               "Show every board as a Homie 5 device; DOMAIN: the first level of its topics, otherwise "
-               "homie")
-            ->type_name("[DOMAIN]")
-            ->expected(0, 1));
-    add(app.add_flag("--homie-read-only", raw.homie.read_only, "Homie controllers may set nothing"));
-    add(app.add_flag("--no-wot", raw.no_wot, "No things of the Web of Things over HTTP"));
-    add(app.add_option(
-               "--wot-mqtt", raw.wot_broker,
-               "Show every board to the Web of Things over MQTT, too; BROKER: how its consumers reach "
-               "the broker, otherwise as this gateway does")
-            ->type_name("[BROKER]")
-            ->expected(0, 1));
-    add(app.add_flag("--wot-mqtt-read-only", raw.wot.read_only, "Consumers over MQTT may set nothing"));
-    add(app.add_option("--export-hz", raw.per_second, "Most states of one entity a second")
-            ->check(CLI::Range(0.1, 100.0))
-            ->capture_default_str());
-}
 
 void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     const auto add = [&](CLI::Option* option) { return settings.setting(option)->group("Access"); };
@@ -173,7 +136,7 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                          ->group("Gateway"));
     settings.setting(app.add_flag("--no-page", raw.no_page, "No web page")->group("Gateway"));
     settings.setting(app.add_flag("--no-metrics", raw.no_metrics, "No /metrics")->group("Gateway"));
-    declare_exports(app, settings, raw);
+    declare_exports(app, settings, raw.exports);
     declare_access(app, settings, raw);
     declare_limits(app, settings, raw);
     settings.add_broker_options(raw.broker);
@@ -204,74 +167,6 @@ std::string local_name(std::string name) {
 bool is_local(const std::string& address) {
     return address.starts_with("127.") || address.starts_with("[::1]") || address.starts_with("unix:") ||
            address.starts_with("localhost:");
-}
-
-exports::Exporter::Options export_of(const Raw& raw, const ProgramOptions& options, bool enabled,
-                                     std::shared_ptr<const exports::Dialect> dialect) {
-    exports::Exporter::Options result;
-    result.dialect = std::move(dialect);
-    result.gateway = options.mqtt.client_id;
-    result.host = program::host_name();
-    result.per_second = raw.per_second;
-    result.enabled = enabled;
-    return result;
-}
-
-Expected<void> home_assistant_of(Raw& raw, bool enabled, ProgramOptions& options) {
-    auto& home = raw.home;
-    home.root = raw.broker.topic_root;
-    home.version = ASIP_VERSION;
-    if (!raw.home_assistant.empty()) home.prefix = raw.home_assistant;
-    if (!bus::Topics::valid_root(home.prefix))
-        return fail("--home-assistant: \"" + text::printable(home.prefix) + "\" is no beginning of a topic");
-    if (home.prefix == raw.broker.topic_root) return fail("--home-assistant: must differ from --topic-root");
-    if (!enabled && (home.read_only || home.entity_ids))
-        return fail("--home-assistant-read-only and --home-assistant-entity-ids need --home-assistant");
-    options.home_assistant = enabled;
-    options.dialects.push_back(
-        export_of(raw, options, enabled, std::make_shared<exports::HomeAssistant>(home)));
-    return {};
-}
-
-Expected<void> homie_of(Raw& raw, bool enabled, ProgramOptions& options) {
-    auto& homie = raw.homie;
-    homie.root = raw.broker.topic_root;
-    if (!raw.homie_domain.empty()) homie.domain = raw.homie_domain;
-    if (!exports::Homie::valid_domain(homie.domain))
-        return fail("--homie: \"" + text::printable(homie.domain) + "\": allowed are a-z, 0-9 and -");
-    if (homie.domain == raw.broker.topic_root) return fail("--homie: must differ from --topic-root");
-    if (!enabled && homie.read_only) return fail("--homie-read-only needs --homie");
-    options.dialects.push_back(export_of(raw, options, enabled, std::make_shared<exports::Homie>(homie)));
-    return {};
-}
-
-/// Where consumers find a broker that this gateway finds there: behind the gateway's name, if it is on the
-/// same machine.
-std::string broker_for_others(const mqtt::BrokerAddress& broker) {
-    const bool same = broker.host == "localhost" || broker.host == "::1" || broker.host.starts_with("127.");
-    return same && !broker.tls ? ":" + std::to_string(broker.port) : broker.describe();
-}
-
-Expected<void> web_of_things_of(Raw& raw, bool mqtt, ProgramOptions& options) {
-    raw.wot.root = raw.broker.topic_root;
-    auto& things = options.gateway.things;
-    things.enabled = !raw.no_wot;
-    if (raw.no_wot && mqtt) return fail("--wot-mqtt: its forms are in descriptions that --no-wot leaves out");
-    if (!mqtt && raw.wot.read_only) return fail("--wot-mqtt-read-only needs --wot-mqtt");
-    things.dialect = raw.wot;
-    things.broker_password = !options.mqtt.user.empty();
-    if (mqtt) {
-        auto broker = options.mqtt.brokers.front();
-        if (!raw.wot_broker.empty()) {
-            auto named = mqtt::parse_broker(raw.wot_broker);
-            if (!named) return fail("--wot-mqtt: " + named.error());
-            broker = std::move(*named);
-        }
-        things.broker = raw.wot_broker.empty() ? broker_for_others(broker) : broker.describe();
-    }
-    options.dialects.push_back(
-        export_of(raw, options, mqtt, std::make_shared<exports::WebOfThings>(raw.wot)));
-    return {};
 }
 
 }  // namespace
@@ -330,11 +225,12 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     auto* clean = app.add_subcommand("clean", "Remove from the broker what an export left there");
     clean->fallthrough();
     clean->add_option("dialect", dialect, "Which; otherwise all")
-        ->check(CLI::IsMember({"home-assistant", "homie", "web-of-things"}));
+        ->check(CLI::IsMember({"home-assistant", "homie", "sparkplug", "web-of-things"}));
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
     CommandLine result;
     result.clean = clean->parsed();
+    if (result.clean) raw.exports.clean = dialect;
     if (make_token->parsed()) {
         result.token = std::make_unique<TokenRequest>(std::move(token));
         return result;
@@ -387,13 +283,7 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     options.gateway.broker = options.mqtt.brokers.front().describe();
     options.gateway.user = options.mqtt.user;
     options.gateway.client = options.mqtt.client_id;
-    const auto given = [&](const char* option) { return app.get_option(option)->count() > 0; };
-    if (auto home = home_assistant_of(raw, given("--home-assistant"), options); !home)
-        return usage(home.error());
-    if (auto wot = web_of_things_of(raw, given("--wot-mqtt"), options); !wot) return usage(wot.error());
-    if (auto homie = homie_of(raw, given("--homie"), options); !homie) return usage(homie.error());
-    if (!dialect.empty())
-        std::erase_if(options.dialects, [&](const auto& each) { return each.dialect->by() != dialect; });
+    if (auto made = make_exports(raw.exports, app, options); !made) return usage(made.error());
     return result;
 }
 

@@ -6,7 +6,7 @@
 
 #include "asip/expected.hpp"
 #include "asip/mqtt/options.hpp"
-#include "gateway/export/exporter.hpp"
+#include "gateway/export/export.hpp"
 #include "gateway/gateway.hpp"
 
 namespace asip::gateway {
@@ -21,7 +21,7 @@ struct ProgramOptions {
     std::string services;             ///< folder of further models; empty: none
     http::ServerLimits limits;
     /// Of each dialect one; where it is not enabled what it left on the broker is cleared.
-    std::vector<exports::Exporter::Options> dialects;
+    std::vector<exports::MakeExport> exports;
     bool home_assistant = false;  ///< it is exported to
 };
 
@@ -37,7 +37,7 @@ struct TokenRequest {
 struct CommandLine {
     ProgramOptions run;
     std::unique_ptr<TokenRequest> token;  ///< set: make a token and end
-    bool clean = false;                   ///< clear what `run.dialects` left on the broker, and end
+    bool clean = false;                   ///< clear what `run.exports` left on the broker, and end
 };
 
 /// From command line, environment and configuration file. Error: the exit status; the reason was printed.

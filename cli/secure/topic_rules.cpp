@@ -163,6 +163,23 @@ std::vector<TopicRule> exported() {
         made.commander = kWriteOnly;
         return made;
     };
+    // So are Sparkplug hosts, which say themselves whether they are there. Only that is retained.
+    const auto said = [&](const char* kind) {
+        auto made = shown("spBv1.0/ID/" + std::string(kind), true);
+        made.memory = kQueue;
+        return made;
+    };
+    const auto wanted = [&](const char* kind, const char* processor) {
+        auto made = said(kind);
+        made.viewer = {};
+        made.exporter = kReadOnly;
+        made.commander = kWriteOnly;
+        made.processor = processor;
+        return made;
+    };
+    auto host = shown("spBv1.0/STATE/NAME", true);
+    host.commander = kBoth;
+    host.exporter = kReadOnly;
     auto status = home("homeassistant/status", kBoth, "gateway: looks at what is retained", true);
     status.exporter = kReadOnly;
     return {home("export/ha/NAME", kReadOnly, "each reader"),
@@ -178,7 +195,16 @@ std::vector<TopicRule> exported() {
             shown("homie/5/EXPORTED/NAME", true),
             shown("homie/5/EXPORTED/ID/NAME", true),
             shown("homie/5/EXPORTED/ID/NAME/$target", true),
-            asked("homie/5/EXPORTED/ID/NAME/set", true)};
+            asked("homie/5/EXPORTED/ID/NAME/set", true),
+            rule("export/sparkplug/NAME", "gateway: which of several exports"),
+            said("NBIRTH/NAME"),
+            said("NDEATH/NAME"),
+            said("DBIRTH/NAME/EXPORTED"),
+            said("DDATA/NAME/EXPORTED"),
+            said("DDEATH/NAME/EXPORTED"),
+            wanted("NCMD/NAME", "gateway: all births, once a second at most"),
+            wanted("DCMD/NAME/EXPORTED", kCommand),
+            std::move(host)};
 }
 
 std::vector<TopicRule> all_rules() {

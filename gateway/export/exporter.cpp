@@ -56,6 +56,10 @@ std::vector<std::string> Exporter::subscriptions() const {
     return {dialect().lease(), dialect().gateway_state()};
 }
 
+std::vector<std::string> Exporter::own_subscriptions() const {
+    return {dialect().status().empty() ? dialect().lease() : dialect().status()};
+}
+
 mqtt::Message Exporter::will() const {
     mqtt::Message message;
     message.topic = dialect().gateway_state();

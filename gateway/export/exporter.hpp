@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,24 +11,18 @@
 #include <unordered_map>
 #include <vector>
 
-#include "asip/bus/demander.hpp"
-#include "asip/mqtt/message.hpp"
-#include "asip/random.hpp"
-#include "asip/time.hpp"
 #include "gateway/export/dialect.hpp"
-#include "gateway/export/lease.hpp"
+#include "gateway/export/export.hpp"
 #include "gateway/export/retained_scan.hpp"
 #include "gateway/export/value_pacer.hpp"
 
 namespace asip::gateway::exports {
 
-/// Exports boards to another system on the same broker: says when what its dialect decides is published. It
-/// has a connection of its own, with its own will, which is there only while this gateway holds the lease.
-/// What other programs are shown is what is retained on the bus; so at each connection, and when the other
-/// system starts, it reads that back and puts right what differs: nothing is left behind by a crash, a rename
-/// or an option that was taken away. States of an earlier session of a board, which may have been forgotten
-/// since, are not known any more. Pure: messages and time in, messages out.
-class Exporter {
+/// An export that retains what it shows: says when what its dialect decides is published. At each connection,
+/// and when the other system starts, it reads back what the broker retains and puts right what differs:
+/// nothing is left behind by a crash, a rename or an option that was taken away. States of an earlier session
+/// of a board, which may have been forgotten since, are not known any more.
+class Exporter final : public Export {
   public:
     static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
     static constexpr std::size_t kSlice = 20;  ///< messages that are acknowledged
@@ -46,72 +39,35 @@ class Exporter {
         /// Clear whichever machine it was (asip-gateway clean).
         bool clear_all = false;
     };
-    /// A board as the catalogue has it.
-    struct Present {
-        bool there = false;                          ///< it can be commanded
-        std::shared_ptr<const ExportedBoard> board;  ///< exporters share it
-        std::string state{};                         ///< of the catalogue
-        std::string session{};                       ///< of its agent
-    };
-    struct Port {
-        std::function<void()> connect;     ///< the export's own connection, with its will
-        std::function<void()> disconnect;  ///< it ends when all is sent
-        // Over that connection:
-        std::function<void(mqtt::Message)> publish;
-        std::function<bool()> has_room;  ///< more may be published now
-        std::function<void(const std::string& filter)> subscribe;
-        std::function<void(const std::string& filter)> unsubscribe;
-        // Of the gateway:
-        std::function<bool()> ready;  ///< the catalogue holds all that is on the bus
-        std::function<std::vector<std::string>()> boards;
-        std::function<std::optional<Present>(const std::string& board)> board;
-        /// Calls back with each last value of a service: JSON text, and whether it is what was set.
-        std::function<void(const std::string& board, const std::string& service,
-                           const std::function<void(std::string_view json, bool set)>&)>
-            values;
-        std::function<bus::Demander::Want(const std::string& board, const std::string& service, double hz)>
-            want;
-        /// Executes a command; `done` is called once, with a sentence where it failed.
-        std::function<void(const std::string& board, const Request&, std::function<void(std::string)> done)>
-            command;
-        std::function<void(const std::string& sentence)> log;
-    };
-
     Exporter(Options options, Random random, Port port);
 
     const Dialect& dialect() const { return *options_.dialect; }
-    /// To be subscribed to over the gateway's connection.
-    std::vector<std::string> subscriptions() const;
-    /// Published by the broker when the export's connection is lost.
-    mqtt::Message will() const;
+    std::string_view by() const override { return dialect().by(); }
+    std::string_view title() const override { return dialect().title(); }
+    std::vector<std::string> subscriptions() const override;
+    std::vector<std::string> own_subscriptions() const override;
+    mqtt::Message will() const override;
 
     // Over the gateway's connection:
-    void subscribed(Time now);
-    void disconnected() { lease_.disconnected(); }
-    void message(const mqtt::Message& message, Time now);
-    /// A board came, changed, or was forgotten.
-    void changed(const std::string& board, Time now);
-    void value(std::string_view board, std::string_view service, std::string_view json, bool set, Time now);
+    void subscribed(Time now) override;
+    void disconnected() override { lease_.disconnected(); }
+    void message(const mqtt::Message& message, Time now) override;
+    void changed(const std::string& board, Time now) override;
+    void value(std::string_view board, std::string_view service, std::string_view json, bool set,
+               Time now) override;
 
     // Over the export's own:
-    /// Little waits to be sent any more. What is published is made in slices, so that a broker works on one
-    /// while the next is made, and little stands in front of what is newer.
-    void sent(Time now);
-    /// All that is subscribed to is granted: after each connection, and after each further subscription.
-    void own_subscribed(Time now);
-    void own_disconnected();
-    void own_message(const mqtt::Message& message, Time now);
+    void sent(Time now) override;
+    void own_subscribed(Time now) override;
+    void own_disconnected() override;
+    void own_message(const mqtt::Message& message, Time now) override;
 
-    /// Call ten times a second.
-    void tick(Time now);
-    /// The program ends: what is exported is not available any more.
-    void leave();
+    void tick(Time now) override;
+    void leave() override;
 
-    bool active() const { return phase_ == Phase::kActive; }
-    /// Whoever exports, or did.
-    const Lease& lease() const { return lease_; }
-    /// Nothing is exported, and all that was is cleared.
-    bool finished() const { return phase_ == Phase::kFinished; }
+    bool active() const override { return phase_ == Phase::kActive; }
+    const Lease& lease() const override { return lease_; }
+    bool finished() const override { return phase_ == Phase::kFinished; }
     std::size_t boards() const { return records_.size(); }
 
   private:

@@ -86,7 +86,7 @@ bool Lease::may_claim(Time now) const {
 }
 
 std::string Lease::claim(Time now) {
-    self_.term = std::max(self_.term, holder_ ? holder_->term : 0) + 1;
+    self_.term = next_term();
     // Until what is elsewhere is cleared: a gateway that starts after a crash must find it.
     if (holder_ && !holder_->prefix.empty()) self_.prefix = holder_->prefix;
     holder_ = self_;

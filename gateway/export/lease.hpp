@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -47,6 +48,8 @@ class Lease {
     bool held(Time now) const;
     /// Nobody holds it, and it is time to.
     bool may_claim(Time now) const;
+    /// Which term a claim would have.
+    std::uint64_t next_term() const { return std::max(self_.term, holder_ ? holder_->term : 0) + 1; }
     /// It is ours; returns what to publish, retained.
     std::string claim(Time now);
     /// What to publish now, retained, where it is ours and due.

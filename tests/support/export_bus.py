@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bus whose gateway exports its boards, and a peer of that export that is written in JavaScript."""
+"""A bus whose gateway exports its boards, and a peer of that export that is written in another language."""
 
 import json
 import pathlib
@@ -27,10 +27,10 @@ class ExportBus(Bus):
 
 
 class Peer:
-    """A program of Node.js that takes tasks, {TASK: ARGUMENT} a line, and answers each by a line of JSON behind "="."""
+    """A program that takes tasks, {TASK: ARGUMENT} a line, and answers each by a line of JSON behind "="."""
 
-    def __init__(self, script: pathlib.Path, *arguments):
-        self.process = subprocess.Popen(["node", str(script), *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    def __init__(self, script: pathlib.Path, *arguments, program=("node",)):
+        self.process = subprocess.Popen([*program, str(script), *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
                                         preexec_fn=die_with_parent)
         self.answers = queue.Queue()
         threading.Thread(target=self.read, daemon=True).start()

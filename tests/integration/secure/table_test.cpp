@@ -147,6 +147,10 @@ TEST_F(TableOfRules, TopicsThatAreInNoRow_AreDeniedToEverybody) {
                                       "homeassistant/sensor/x/config",
                                       "homie/4/" + name,
                                       "homie/5",
+                                      "spBv1.0/hall/" + name,
+                                      "spBv1.0/hall/DDATA/" + name,
+                                      "spBv1.0/hall/DOTHER/n1/uno2",
+                                      "spBv1.0/STATE",
                                       "elsewhere",
                                       "elsewhere/" + name})
             trials.push_back({name, "write " + topic, false, {topic}, {}});

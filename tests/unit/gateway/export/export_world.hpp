@@ -45,8 +45,9 @@ class ExportWorld {
 
     /// One gateway; a process that can be killed.
     struct Gateway {
-        std::unique_ptr<Exporter> exporter;
-        bool alive = true, own = false, own_granted = false;
+        std::unique_ptr<Export> exporter;
+        bool alive = true, own = false, own_up = false, own_granted = false;
+        mqtt::Message will;  // of its own connection
         std::set<std::string> own_filters;
         std::deque<mqtt::Message> inbox, own_inbox;
         std::size_t room = 1000000;
@@ -74,11 +75,16 @@ class ExportWorld {
     }
 
     Gateway& start(Exporter::Options options) {
+        options.gateway = "gw" + std::to_string(gateways.size() + 1);
+        return start([options](Random random, Export::Port port) {
+            return std::make_unique<Exporter>(options, std::move(random), std::move(port));
+        });
+    }
+    Gateway& start(const MakeExport& make) {
         auto made = std::make_unique<Gateway>();
         auto* gateway = made.get();
         gateways.push_back(std::move(made));
-        options.gateway = "gw" + std::to_string(gateways.size());
-        gateway->exporter = std::make_unique<Exporter>(std::move(options), random(), port(gateway));
+        gateway->exporter = make(random(), port(gateway));
         gateway->exporter->subscribed(now);
         for (const auto& filter : gateway->exporter->subscriptions())
             replay(filter, gateway->inbox);
@@ -89,7 +95,7 @@ class ExportWorld {
     void kill(Gateway& gateway) {
         if (!gateway.alive) return;
         gateway.alive = false;
-        if (gateway.own) publish(gateway.exporter->will());
+        if (gateway.own) publish(gateway.will);
         gateway.own = false;
     }
     void end(Gateway& gateway) {
@@ -104,7 +110,8 @@ class ExportWorld {
             if (gateway->own) gateway->exporter->own_disconnected();
             gateway->inbox.clear();
             gateway->own_inbox.clear();
-            gateway->own_granted = false;
+            gateway->own_granted = gateway->own_up = false;
+            gateway->will = gateway->exporter->will();
             gateway->exporter->subscribed(now);
             for (const auto& filter : gateway->exporter->subscriptions())
                 replay(filter, gateway->inbox);
@@ -146,6 +153,7 @@ class ExportWorld {
         for (auto& gateway : gateways) {
             if (!gateway->alive) continue;
             gateway->room = room;
+            if (gateway->own && !std::exchange(gateway->own_up, true)) gateway->exporter->own_connected();
             if (gateway->own && !gateway->own_granted) {
                 gateway->own_granted = true;
                 gateway->exporter->own_subscribed(now);
@@ -268,9 +276,14 @@ class ExportWorld {
 
     Exporter::Port port(Gateway* gateway) {
         Exporter::Port port;
-        port.connect = [gateway] {
+        port.connect = [this, gateway] {
             gateway->own = true;
-            gateway->own_granted = false;
+            gateway->own_granted = gateway->own_up = false;
+            gateway->will = gateway->exporter->will();
+            for (const auto& filter : gateway->exporter->own_subscriptions()) {
+                gateway->own_filters.insert(filter);
+                replay(filter, gateway->own_inbox);
+            }
         };
         port.disconnect = [gateway] {
             gateway->own = false;
@@ -282,6 +295,7 @@ class ExportWorld {
             publish(message);
         };
         port.has_room = [gateway] { return gateway->room > 0; };
+        port.discard = [] {};  // nothing waits
         port.subscribe = [this, gateway](const std::string& filter) {
             gateway->own_filters.insert(filter);
             gateway->own_granted = false;
@@ -316,6 +330,9 @@ class ExportWorld {
             gateway->answers.push_back(std::move(done));
         };
         port.log = [gateway](const std::string& sentence) { gateway->log.push_back(sentence); };
+        port.wall_ms = [this] {
+            return std::chrono::floor<std::chrono::milliseconds>(now.time_since_epoch()).count();
+        };
         return port;
     }
 

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/demander.hpp"
+#include "asip/mqtt/message.hpp"
+#include "asip/random.hpp"
+#include "asip/time.hpp"
+#include "gateway/export/exported_board.hpp"
+#include "gateway/export/lease.hpp"
+
+namespace asip::gateway::exports {
+
+/// Shows boards to another system on the same broker. It has a connection of its own, with its own will,
+/// which is there only while this gateway holds the lease. Pure: messages and time in, messages out.
+class Export {
+  public:
+    /// A board as the catalogue has it.
+    struct Present {
+        bool there = false;                          ///< it can be commanded
+        std::shared_ptr<const ExportedBoard> board;  ///< exports share it
+        std::string state{};                         ///< of the catalogue
+        std::string session{};                       ///< of its agent
+    };
+    struct Port {
+        std::function<void()> connect;     ///< the export's own connection, with its will
+        std::function<void()> disconnect;  ///< it ends when all is sent
+        // Over that connection:
+        std::function<void(mqtt::Message)> publish;
+        std::function<bool()> has_room;  ///< more may be published now
+        std::function<void()> discard;   ///< what waits to be published is forgotten
+        std::function<void(const std::string& filter)> subscribe;
+        std::function<void(const std::string& filter)> unsubscribe;
+        // Of the gateway:
+        std::function<bool()> ready;  ///< the catalogue holds all that is on the bus
+        std::function<std::vector<std::string>()> boards;
+        std::function<std::optional<Present>(const std::string& board)> board;
+        /// Calls back with each last value of a service: JSON text, and whether it is what was set.
+        std::function<void(const std::string& board, const std::string& service,
+                           const std::function<void(std::string_view json, bool set)>&)>
+            values;
+        std::function<bus::Demander::Want(const std::string& board, const std::string& service, double hz)>
+            want;
+        /// Executes a command; `done` is called once, with a sentence where it failed.
+        std::function<void(const std::string& board, const Request&, std::function<void(std::string)> done)>
+            command;
+        std::function<void(const std::string& sentence)> log;
+        std::function<std::int64_t()> wall_ms;  ///< since 1970, of the machine's clock
+    };
+
+    virtual ~Export() = default;
+
+    /// "home-assistant": sends the commands, and names the export on a command line.
+    virtual std::string_view by() const = 0;
+    /// "Home Assistant"
+    virtual std::string_view title() const = 0;
+    /// To be subscribed to over the gateway's connection.
+    virtual std::vector<std::string> subscriptions() const = 0;
+    /// To be subscribed to over the export's own, from its start.
+    virtual std::vector<std::string> own_subscriptions() const = 0;
+    /// Published by the broker when the export's connection is lost: the next one, while there is one.
+    virtual mqtt::Message will() const = 0;
+
+    // Over the gateway's connection:
+    virtual void subscribed(Time now) = 0;
+    virtual void disconnected() = 0;
+    virtual void message(const mqtt::Message& message, Time now) = 0;
+    /// A board came, changed, or was forgotten.
+    virtual void changed(const std::string& board, Time now) = 0;
+    virtual void value(std::string_view board, std::string_view service, std::string_view json, bool set,
+                       Time now) = 0;
+
+    // Over the export's own:
+    /// It is there, with the will that will() said before; will() says the one of the next connection now.
+    virtual void own_connected() {}
+    /// Little waits to be sent any more. What is published is made in slices, so that a broker works on one
+    /// while the next is made, and little stands in front of what is newer.
+    virtual void sent(Time /*now*/) {}
+    /// All that is subscribed to is granted: after each connection, and after each further subscription.
+    virtual void own_subscribed(Time now) = 0;
+    virtual void own_disconnected() = 0;
+    virtual void own_message(const mqtt::Message& message, Time now) = 0;
+
+    /// Call ten times a second.
+    virtual void tick(Time now) = 0;
+    /// The program ends: what is exported is not available any more.
+    virtual void leave() = 0;
+    /// It shows boards now.
+    virtual bool active() const = 0;
+    /// Whoever exports, or did.
+    virtual const Lease& lease() const = 0;
+    /// Nothing is exported, and all that was is cleared.
+    virtual bool finished() const = 0;
+};
+
+/// Makes an export once there is something that it can be connected with.
+using MakeExport = std::function<std::unique_ptr<Export>(Random, Export::Port)>;
+
+}  // namespace asip::gateway::exports

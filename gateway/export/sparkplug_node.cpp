@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/export/sparkplug_node.hpp"
+
+#include <utility>
+
+#include "asip/text/printable.hpp"
+
+namespace asip::gateway::exports {
+namespace {
+
+constexpr unsigned kNumbers = 256;  // of bdSeq and seq
+constexpr std::string_view kOnline = "online";
+constexpr std::string_view kOffline = "offline";
+constexpr std::size_t kShownTopic = 120;
+
+Lease::Holder holder_of_node(const SparkplugNode::Options& options) {
+    return {options.gateway, 0, options.host, options.dialect.group + "/" + options.dialect.edge};
+}
+
+}  // namespace
+
+SparkplugNode::SparkplugNode(Options options, Random random, Port port)
+    : options_(std::move(options)),
+      dialect_(options_.dialect),
+      between_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options_.per_second))),
+      port_(std::move(port)),
+      lease_(holder_of_node(options_), std::move(random)) {}
+
+std::vector<std::string> SparkplugNode::subscriptions() const {
+    std::vector<std::string> result{dialect_.lease(), dialect_.state()};
+    if (options_.enabled) result.push_back(dialect_.topic("NDEATH"));
+    return result;
+}
+
+std::vector<std::string> SparkplugNode::own_subscriptions() const {
+    if (!options_.enabled) return {dialect_.lease()};
+    std::vector<std::string> result{dialect_.topic("NCMD")};
+    if (!options_.dialect.read_only) result.push_back(dialect_.topic("DCMD", "+"));
+    if (!options_.dialect.host.empty()) result.push_back(dialect_.host_state());
+    return result;
+}
+
+mqtt::Message SparkplugNode::will() const {
+    sparkplug::Payload payload;
+    payload.timestamp = time_ms();
+    payload.metrics.push_back(Sparkplug::bd_seq(next_bd_seq_, *payload.timestamp));
+    mqtt::Message message;
+    message.topic = dialect_.topic("NDEATH");
+    message.payload = sparkplug::write(payload);
+    message.qos = 1;
+    return message;
+}
+
+void SparkplugNode::retain(const std::string& topic, std::string payload) {
+    mqtt::Message message;
+    message.topic = topic;
+    message.payload = std::move(payload);
+    message.retain = true;
+    port_.publish(std::move(message));
+}
+
+/// With the next number.
+void SparkplugNode::say(const std::string& topic, sparkplug::Payload payload) {
+    payload.timestamp = time_ms();
+    payload.seq = seq_;
+    seq_ = (seq_ + 1) % kNumbers;
+    mqtt::Message message;
+    message.topic = topic;
+    message.payload = sparkplug::write(payload);
+    port_.publish(std::move(message));
+}
+
+void SparkplugNode::say_death() {
+    sparkplug::Payload payload;
+    payload.timestamp = time_ms();
+    payload.metrics.push_back(Sparkplug::bd_seq(bd_seq_, *payload.timestamp));
+    mqtt::Message message;
+    message.topic = dialect_.topic("NDEATH");
+    message.payload = sparkplug::write(payload);
+    message.qos = 1;
+    port_.publish(std::move(message));
+}
+
+/// The first, and then ever more seldom: what others send must not fill the log.
+void SparkplugNode::log_seldom(std::uint64_t count, const std::string& sentence) {
+    if ((count & (count - 1)) == 0) port_.log(sentence + " (" + std::to_string(count) + " so far)");
+}
+
+std::optional<sparkplug::Payload> SparkplugNode::read(const mqtt::Message& message) {
+    auto payload = sparkplug::read(message.payload);
+    if (payload) return std::move(*payload);
+    log_seldom(++counters_.bad, "what came on " + text::printable(message.topic, kShownTopic) +
+                                    " is dropped: " + payload.error());
+    return std::nullopt;
+}
+
+// --- over the gateway's connection
+
+void SparkplugNode::message(const mqtt::Message& message, Time now) {
+    if (message.topic == dialect_.lease()) {
+        const bool mine = lease_.active();
+        if (lease_.said(message.payload, message.retain, now) && mine && phase_ != Phase::kIdle)
+            become_idle("another gateway exports to Sparkplug; this one waits");
+    } else if (message.topic == dialect_.state()) {
+        lease_.state(message.payload == kOnline ? kOnline : kOffline, now);
+    } else if (message.topic == dialect_.topic("NDEATH") && !message.retain) {
+        const auto payload = sparkplug::read(message.payload);
+        if (!payload || payload->metrics.empty()) return;
+        if (!lease_.active()) return lease_.state(kOffline, now);
+        // Hosts believe that this node is gone.
+        if (phase_ == Phase::kActive &&
+            payload->metrics.front().value == sparkplug::Value(std::int64_t{bd_seq_}))
+            births_due_ = born_at_.value_or(now) + kBetweenBirths;
+    }
+}
+
+void SparkplugNode::changed(const std::string& board, Time now) {
+    if (phase_ != Phase::kActive) return;
+    dirty_.insert(board);
+    pump(now);
+}
+
+// --- over the export's own connection
+
+void SparkplugNode::connect() {
+    phase_ = Phase::kConnecting;
+    host_online_ = false;
+    host_time_ = 0;
+    port_.connect();
+}
+
+void SparkplugNode::own_connected() {
+    bd_seq_ = std::exchange(next_bd_seq_, (next_bd_seq_ + 1) % kNumbers);
+}
+
+void SparkplugNode::own_subscribed(Time now) {
+    now_ = now;
+    if (phase_ != Phase::kConnecting) return;
+    if (!lease_.active() && !lease_.may_claim(now)) return become_idle("");
+    if (!options_.enabled) return clear();
+    const auto holder = lease_.holder();
+    retain(dialect_.lease(), lease_.claim(now));
+    if (!holder || holder->gateway != options_.gateway)
+        port_.log("exports boards to Sparkplug as " + options_.dialect.group + "/" + options_.dialect.edge);
+    phase_ = Phase::kWaiting;
+    if (options_.dialect.host.empty() || host_online_) births(now);
+}
+
+void SparkplugNode::own_disconnected() {
+    if (phase_ == Phase::kActive || phase_ == Phase::kWaiting) phase_ = Phase::kConnecting;
+    host_online_ = false;
+    host_time_ = 0;
+    pending_.clear();
+    births_due_.reset();
+    port_.discard();  // it has numbers of the session that is over
+}
+
+/// Nothing is left of an export that has ended.
+void SparkplugNode::clear() {
+    retain(dialect_.state(), {});
+    retain(dialect_.lease(), {});
+    phase_ = Phase::kFinished;
+    port_.disconnect();
+}
+
+void SparkplugNode::births(Time now) {
+    phase_ = Phase::kActive;
+    ++counters_.births;
+    born_at_ = now;
+    births_due_.reset();
+    seq_ = 0;
+    say(dialect_.topic("NBIRTH"), {{}, dialect_.node_metrics(bd_seq_, time_ms()), {}});
+    retain(dialect_.state(), std::string(kOnline));
+    for (auto& [name, record] : records_) {
+        record.born = false;
+        dirty_.insert(name);  // it may have been forgotten meanwhile
+    }
+    for (auto& name : port_.boards())
+        dirty_.insert(std::move(name));
+    pump(now);
+}
+
+/// `said`: hosts are told, by this connection, and the next one has another number.
+void SparkplugNode::end_session(bool said) {
+    if (said && phase_ == Phase::kActive) say_death();
+    port_.disconnect();
+    records_.clear();
+    dirty_.clear();
+    pending_.clear();
+    births_due_.reset();
+}
+
+void SparkplugNode::become_idle(const std::string& why) {
+    end_session(false);
+    phase_ = Phase::kIdle;
+    lease_.release();
+    if (!why.empty()) port_.log(why);
+}
+
+void SparkplugNode::own_message(const mqtt::Message& message, Time now) {
+    now_ = now;
+    if (!options_.dialect.host.empty() && message.topic == dialect_.host_state())
+        return host_said(message, now);
+    if (message.retain || phase_ != Phase::kActive) return;
+    if (message.topic == dialect_.topic("NCMD")) return node_command(message, now);
+    if (const auto board = dialect_.board_of(message.topic)) board_command(*board, message);
+}
+
+void SparkplugNode::host_said(const mqtt::Message& message, Time now) {
+    const auto said = Sparkplug::host_state_from(message.payload);
+    if (!said) {
+        if (!message.payload.empty())
+            log_seldom(++counters_.bad, "the state of host " + options_.dialect.host + " cannot be read");
+        return;
+    }
+    if (said->timestamp < host_time_) return;  // of an earlier connection of that host
+    host_time_ = said->timestamp;
+    if (std::exchange(host_online_, said->online) == said->online) return;
+    if (said->online && phase_ == Phase::kWaiting) return births(now);
+    if (said->online || phase_ != Phase::kActive) return;
+    port_.log("the Sparkplug host " + options_.dialect.host +
+              " is gone; boards are born again when it is back");
+    end_session(true);
+    connect();
+}
+
+bool SparkplugNode::may_clear(Time now) const {
+    const auto& holder = lease_.holder();
+    return lease_.may_claim(now) && (options_.clear_all || (holder && holder->host == options_.host));
+}
+
+void SparkplugNode::tick(Time now) {
+    now_ = now;
+    if (phase_ == Phase::kIdle && port_.ready() &&
+        (options_.enabled ? lease_.may_claim(now) : may_clear(now))) {
+        next_bd_seq_ = static_cast<unsigned>((lease_.next_term() - 1) % kNumbers);
+        return connect();
+    }
+    if (phase_ == Phase::kConnecting && !lease_.active() && lease_.held(now)) return become_idle("");
+    if (phase_ == Phase::kWaiting || phase_ == Phase::kActive)
+        if (auto lease = lease_.renewal(now)) retain(dialect_.lease(), std::move(*lease));
+    if (phase_ != Phase::kActive) return;
+    if (births_due_ && now >= *births_due_) return births(now);
+    std::map<std::string, std::vector<std::size_t>> due;
+    for (auto each = pending_.begin(); each != pending_.end();) {
+        const auto found = records_.find(each->first);
+        if (found == records_.end() || !found->second.born || each->second >= found->second.states.size()) {
+            each = pending_.erase(each);
+            continue;
+        }
+        auto& state = found->second.states[each->second];
+        const bool room = port_.has_room();
+        const bool fault = state.fault_due && room && (!state.fault_at || now - *state.fault_at >= between_);
+        if (state.value.take(now, between_, room) || fault) due[each->first].push_back(each->second);
+        if (!state.value.waits() && (!state.fault_due || fault))
+            each = pending_.erase(each);
+        else
+            ++each;
+    }
+    for (const auto& [name, entities] : due)
+        publish_data(records_[name], entities);
+    pump(now);
+}
+
+void SparkplugNode::leave() {
+    if (phase_ == Phase::kActive) say_death();
+    if (phase_ == Phase::kActive || phase_ == Phase::kWaiting)
+        retain(dialect_.state(), std::string(kOffline));
+    phase_ = Phase::kFinished;
+    records_.clear();
+}
+
+}  // namespace asip::gateway::exports

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "gateway/export/export.hpp"
+#include "gateway/export/sparkplug.hpp"
+#include "gateway/export/value_pacer.hpp"
+
+namespace asip::gateway::exports {
+
+/// The edge node of Sparkplug B: says when what Sparkplug decides is published, and numbers it. Hosts learn
+/// everything from births, which they can ask for; so nothing of it is retained but which gateway it is. The
+/// number of a connection (bdSeq) is the term of the lease: it grows over restarts and from one gateway to
+/// the next.
+class SparkplugNode final : public Export {
+  public:
+    static constexpr Duration kBetweenBirths = std::chrono::seconds(1);  ///< that hosts ask for
+
+    struct Options {
+        Sparkplug::Options dialect;
+        std::string gateway;    ///< unique for each process
+        std::string host;       ///< name of this machine
+        double per_second = 5;  ///< values of one entity
+        /// False: nothing is exported; the lease that a gateway of this machine left is cleared.
+        bool enabled = true;
+        /// Clear it whichever machine it was (asip-gateway clean).
+        bool clear_all = false;
+    };
+    struct Counters {
+        std::uint64_t births = 0;   ///< of the node
+        std::uint64_t bad = 0;      ///< payloads that cannot be read
+        std::uint64_t unknown = 0;  ///< metrics that are not there
+    };
+
+    SparkplugNode(Options options, Random random, Port port);
+
+    std::string_view by() const override { return "sparkplug"; }
+    std::string_view title() const override { return "Sparkplug"; }
+    std::vector<std::string> subscriptions() const override;
+    std::vector<std::string> own_subscriptions() const override;
+    mqtt::Message will() const override;
+    void subscribed(Time now) override { lease_.subscribed(now); }
+    void disconnected() override { lease_.disconnected(); }
+    void message(const mqtt::Message& message, Time now) override;
+    void changed(const std::string& board, Time now) override;
+    void value(std::string_view board, std::string_view service, std::string_view json, bool set,
+               Time now) override;
+    void own_connected() override;
+    void own_subscribed(Time now) override;
+    void own_disconnected() override;
+    void own_message(const mqtt::Message& message, Time now) override;
+    void tick(Time now) override;
+    void leave() override;
+    bool active() const override { return phase_ == Phase::kActive; }
+    const Lease& lease() const override { return lease_; }
+    bool finished() const override { return phase_ == Phase::kFinished; }
+
+    const Counters& counters() const { return counters_; }
+
+  private:
+    enum class Phase {
+        kIdle,
+        kConnecting,
+        kWaiting,  ///< connected, for the host
+        kActive,   ///< born
+        kFinished,
+    };
+    struct Slot {
+        Sparkplug::Slot metric;
+        std::size_t entity = 0;
+        std::uint64_t alias = 0;
+    };
+    /// Of an entity.
+    struct State {
+        PacedValue value;        // JSON
+        std::string fault;       // of the last command; empty: it was executed
+        bool fault_due = false;  // that it changed is to be said
+        std::optional<Time> fault_at;
+    };
+    struct Record {
+        std::shared_ptr<const ExportedBoard> board;
+        std::string session;
+        bool there = false;
+        bool born = false;
+        std::vector<State> states;
+        std::vector<Slot> slots;
+        std::map<std::string, std::uint64_t> aliases;  // of metrics, also of those that are gone
+        std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
+        std::vector<bus::Demander::Want> wants;
+    };
+
+    void births(Time now);
+    void end_session(bool said);
+    void become_idle(const std::string& why);
+    void connect();
+    void clear();
+    void host_said(const mqtt::Message& message, Time now);
+    void node_command(const mqtt::Message& message, Time now);
+    void board_command(const std::string& name, const mqtt::Message& message);
+    void command(const std::string& name, std::size_t index, const std::vector<Sparkplug::Wanted>& wanted);
+    void answered(const std::string& name, const std::string& entity, const std::string& fault);
+    std::optional<sparkplug::Payload> read(const mqtt::Message& message);
+    void pump(Time now);
+    void update(const std::string& name, Time now);
+    void take(Record& record, std::shared_ptr<const ExportedBoard> board);
+    void birth(Record& record, Time now);
+    void death(Record& record);
+    void publish_data(Record& record, const std::vector<std::size_t>& entities);
+    void all_values(Record& record, Time now);
+    std::vector<std::size_t> take_values(Record& record, std::string_view service, std::string_view json,
+                                         bool set, Time now);
+    sparkplug::Metric metric(const Record& record, const Slot& slot, std::uint64_t time_ms) const;
+    void say(const std::string& topic, sparkplug::Payload payload);
+    void say_death();
+    void retain(const std::string& topic, std::string payload);
+    std::uint64_t time_ms() const { return static_cast<std::uint64_t>(port_.wall_ms()); }
+    bool may_clear(Time now) const;
+    void log_seldom(std::uint64_t count, const std::string& sentence);
+
+    Options options_;
+    Sparkplug dialect_;
+    Duration between_;  // values of one entity
+    Port port_;
+    Lease lease_;
+    Phase phase_ = Phase::kIdle;
+    unsigned bd_seq_ = 0;       // of this connection
+    unsigned next_bd_seq_ = 0;  // of the next: in its will
+    unsigned seq_ = 0;          // of the next message
+    std::uint64_t next_alias_ = 1;
+    bool host_online_ = false;
+    double host_time_ = 0;
+    std::unordered_map<std::string, Record> records_;
+    std::set<std::string> dirty_;                            // boards to look at
+    std::set<std::pair<std::string, std::size_t>> pending_;  // values that wait for their turn
+    std::optional<Time> born_at_, births_due_;
+    Counters counters_;
+    Time now_{};
+};
+
+}  // namespace asip::gateway::exports

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+
+#include "asip/expected.hpp"
+#include "gateway/export/home_assistant.hpp"
+#include "gateway/export/homie.hpp"
+#include "gateway/export/sparkplug.hpp"
+#include "gateway/export/web_of_things.hpp"
+#include "gateway/options.hpp"
+
+namespace CLI {
+class App;
+}
+namespace asip::program {
+class Settings;
+}
+
+namespace asip::gateway {
+
+/// What the command line says of exports.
+struct ExportOptions {
+    std::string home_assistant, wot_broker, homie_domain, sparkplug_group;
+    exports::HomeAssistant::Options home;
+    exports::WebOfThings::Options wot;
+    exports::Homie::Options homie;
+    exports::Sparkplug::Options sparkplug;
+    double per_second = 5;  // states of one entity
+    bool no_wot = false;
+    std::optional<std::string> clean;  // which exports are cleared; empty: all
+};
+
+void declare_exports(CLI::App& app, program::Settings& settings, ExportOptions& raw);
+
+/// Adds the exports to `options`, whose gateway and connection are known. Fails with a sentence.
+Expected<void> make_exports(ExportOptions& raw, const CLI::App& app, ProgramOptions& options);
+
+}  // namespace asip::gateway
