@@ -6,6 +6,19 @@
 
 namespace asip::session {
 
+namespace {
+
+// So often a board that seems to be another one is asked again until two answers are equal.
+constexpr int kAskedAgain = 3;
+
+}  // namespace
+
+Interview Machine::new_interview(Time now, std::vector<std::string>& lines) {
+    const bool protect = options_.checksum == ChecksumPolicy::kAlways ||
+                         (options_.checksum == ChecksumPolicy::kAuto && damage_seen_);
+    return {banner_services_, protect, now, lines};
+}
+
 void Machine::on_event(Identifying& state, const protocol::Event& event, std::string_view line, Time now,
                        Actions& out) {
     std::vector<std::string> lines;
@@ -56,10 +69,27 @@ Time Machine::deadline(const Identifying& state) const {
     return there_ ? std::min(next, progress_at_ + options_.patience) : next;
 }
 
+// Without checksums a damaged answer may look like that of another board: only what comes twice is believed.
+bool Machine::is_believed(const Identity& found) {
+    const int times = unconfirmed_ ? unconfirmed_->times : 0;
+    const bool believed = !known_ || wire_.writes_checksums() || same_board(identity_, found) ||
+                          times == kAskedAgain || (unconfirmed_ && same_board(unconfirmed_->said, found));
+    if (believed)
+        unconfirmed_.reset();
+    else
+        unconfirmed_ = Unconfirmed{found, times + 1};
+    return believed;
+}
+
 void Machine::follow(Identifying& state, Time now, Actions& out) {
     Interview& interview = state.interview;
     if (interview.progress() == Interview::Progress::kFailed) return search(now, now, out);
     if (interview.progress() != Interview::Progress::kDone) return;
+    if (!is_believed(interview.identity())) {
+        std::vector<std::string> lines;
+        interview = new_interview(now, lines);
+        return write(lines, now, out);
+    }
     if (interview.identity().extensions.has(protocol::kEcho)) {
         queue_.use_echo(interview.identity().extensions.has(protocol::kVerifiedFence));
     } else {

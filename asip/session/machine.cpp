@@ -30,6 +30,7 @@ Machine::Machine(SessionOptions options, const Random& random)
 void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     wire_.open(traits.baud);
     there_ = was_silent_ = no_answer_reported_ = false;
+    unconfirmed_.reset();
     counters_.bytes_in = 0;
     suspect_baud_ = 0;
     found_at_.reset();
@@ -86,10 +87,8 @@ void Machine::identify(Time now, Actions& out) {
         ++counters_.resets;
         out.emplace_back(BoardReset{"it is at its start rate again"});
     }
-    const bool protect = options_.checksum == ChecksumPolicy::kAlways ||
-                         (options_.checksum == ChecksumPolicy::kAuto && damage_seen_);
     std::vector<std::string> lines;
-    Interview interview(banner_services_, protect, now, lines);
+    Interview interview = new_interview(now, lines);
     const auto* const searching = std::get_if<Searching>(&state_);
     state_ = Identifying{std::move(interview), searching ? searching->search.turn() : 1};
     write(lines, now, out);

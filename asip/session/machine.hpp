@@ -100,6 +100,8 @@ class Machine {
     void on_time(Identifying& state, Time now, Actions& out);
     Time deadline(const Identifying& state) const;
     void follow(Identifying& state, Time now, Actions& out);
+    bool is_believed(const Identity& found);
+    Interview new_interview(Time now, std::vector<std::string>& lines);
 
     void on_event(SteppingUp& state, const protocol::Event& event, std::string_view line, Time now,
                   Actions& out);
@@ -175,6 +177,11 @@ class Machine {
     SettingsMemory settings_;
     Rates rates_;
     Identity identity_;
+    struct Unconfirmed {
+        Identity said;
+        int times;  // it was asked again
+    };
+    std::optional<Unconfirmed> unconfirmed_;  // the board seems to be another one
     SessionCounters counters_;
     std::string token_start_;
     std::uint64_t overlong_seen_ = 0;

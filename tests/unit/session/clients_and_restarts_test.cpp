@@ -68,6 +68,41 @@ TEST_P(EachGeneration, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot)
     EXPECT_EQ(bench.session.period('D'), 100u);
 }
 
+// The answer is read before the line mends itself: the board is asked again before it is another one.
+TEST_P(EachGeneration, AnswerIsDamagedBehindARestart_SettingsAreRestored) {
+    bench.session = Bench::make_session(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.executed.clear();
+    bench.board.heard.clear();
+    bench.board.sketch = "Scrypt";
+    bench.hold();
+    bench.say("!Script running on ATmega328P with Services: I S D \r\n");
+    bench.release_held();
+    bench.board.sketch = "Script";
+    bench.release();
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_GT(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,?"), 1);
+    EXPECT_EQ(bench.count("identified"), 2);
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
+}
+
+TEST_P(EachGeneration, AnotherSketchBehindARestart_IsBelievedTheSecondTime) {
+    bench.session = Bench::make_session(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.executed.clear();
+    bench.board.heard.clear();
+    bench.board.sketch = "Other";
+    bench.say(bench.board.reboot());
+    ASSERT_TRUE(bench.ready_within(1s));
+    EXPECT_EQ(std::count(bench.board.heard.begin(), bench.board.heard.end(), "#,?"), 2);
+    EXPECT_EQ(bench.session.identity().info.sketch, "Other");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
 TEST_P(EachGeneration, BannerCutInHalf_IsStillARestart) {
     bench.session = Bench::make_session(no_step_up());
     bench.plug();
