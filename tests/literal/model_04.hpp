@@ -27,6 +27,17 @@ class Model04 {
     /// The same, once.
     std::vector<std::string> take_executed() { return std::exchange(executed_, {}); }
 
+    /// Something that was received is not executed.
+    bool waits() const { return !waiting_.empty(); }
+    /// All that decides what it does next.
+    template <class Each>
+    void each_of_state(Each&& each) const {
+        each(waiting_);
+        each(waits() ? quiet_ms_ : 0L);
+        for (const auto& request : executed_)
+            each(request);
+    }
+
   private:
     static constexpr long kSilenceMs = 1000;
     static constexpr std::size_t kLeast = 4;

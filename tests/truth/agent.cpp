@@ -56,6 +56,7 @@ Agent::Agent(const Plan& plan, Dice& dice, Ledger& ledger, Wire& to_board, Ledge
 
 void Agent::new_session() {
     session_.emplace(options(), [this] { return dice_.draw(); });
+    deadline_.reset();
 }
 
 session::SessionOptions Agent::options() const {
@@ -226,8 +227,7 @@ void Agent::tick(Micros now) {
         session_->line_rate_set(!fails, at(now), actions);
         perform(actions, now);
     }
-    const auto deadline = session_->next_deadline();
-    if (!deadline || *deadline > at(now)) return;
+    if (!deadline_ || *deadline_ > at(now)) return;
     ticks_at_once_ = now == last_tick_ ? ticks_at_once_ + 1 : 0;
     last_tick_ = now;
     if (ticks_at_once_ > 100) return ledger_.fail("the session wants to be called again and again");
@@ -241,8 +241,8 @@ Micros Agent::next() const {
     if (const auto ends = holds_.next_deadline())
         next = std::chrono::ceil<std::chrono::microseconds>(*ends - at(0)).count();
     next = std::min(next, rate_set_at_);
-    if (const auto deadline = session_->next_deadline()) {
-        const auto since = std::chrono::ceil<std::chrono::microseconds>(*deadline - at(0)).count();
+    if (deadline_) {
+        const auto since = std::chrono::ceil<std::chrono::microseconds>(*deadline_ - at(0)).count();
         next = std::min(next, std::max<Micros>(since, last_tick_));
     }
     return next;
@@ -272,6 +272,7 @@ void Agent::perform(session::Actions& actions, Micros now) {
             note_(fmt::format("session: rate {}: {}", changed->baud, changed->why));
         }
     }
+    deadline_ = session_->next_deadline();
     note_state();
 }
 

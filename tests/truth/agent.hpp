@@ -31,13 +31,14 @@ struct AgentState {
     Micros last_tick_ = -1;
     unsigned ticks_at_once_ = 0;
     Micros last_byte_ = 0;
-    Micros asked_ = kNever;  // the first write since the last byte
+    Micros asked_ = kNever;               // the first write since the last byte
+    std::optional<asip::Time> deadline_;  // of the session, as it said when it was last called
     asip::session::BoardSession::State noted_ = asip::session::BoardSession::State::kDown;
 };
 
 /// The session under test, with what a program has to do for it: performs its actions on the line, calls it
 /// in time, and gives its answers to the ledger.
-class Agent : AgentState {
+class Agent : public AgentState {
   public:
     Agent(const Plan& plan, Dice& dice, Ledger& ledger, Wire& to_board, Ledger::Note note);
     /// Goes on where `other` is.

@@ -40,7 +40,7 @@ struct BoardState {
 };
 
 /// A board: the firmware, its UART with buffers of 64 bytes, its power.
-class BoardModel : BoardState {
+class BoardModel : public BoardState {
   public:
     struct Reports {
         std::function<void(BoardRead)> read;

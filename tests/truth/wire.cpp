@@ -88,7 +88,7 @@ void Wire::deliver(WireByte byte) {
     const Micros arrival = std::max(held(due), spaced_ + byte_time(byte.baud));
     if (held(due) > due) on_fault_(Fault::kStalled, byte);
     spaced_ = arrival;
-    byte.arrives = (arrival + plan_.bunch - 1) / plan_.bunch * plan_.bunch;
+    byte.arrives = plan_.bunch == 1 ? arrival : (arrival + plan_.bunch - 1) / plan_.bunch * plan_.bunch;
     bytes_.push_back(byte);
 }
 

@@ -33,7 +33,7 @@ struct WireState {
 };
 
 /// One direction of a line that takes time for each byte, and does to the bytes what its plan says.
-class Wire : WireState {
+class Wire : public WireState {
   public:
     /// `on_fault` hears of each byte that is not delivered as sent. `arrives` of the byte: when a delay or a
     /// cut that it begins is over.

@@ -67,18 +67,12 @@ std::vector<Faults> single_faults(const TrialEnd& calm) {
 
 std::vector<Faults> faults_of_pairs(const TrialEnd& calm) {
     std::vector<Faults> all;
-    each_byte(calm, [&](std::uint64_t byte, bool to_board) { damage(byte, to_board, all); });
+    each_byte(calm, [&](std::uint64_t byte, bool to_board) {
+        if (!(to_board ? calm.alike_to_board : calm.alike_to_host).holds(byte)) damage(byte, to_board, all);
+    });
     for (const Micros moment : calm.moments)
         add(Incident::Kind::kBoardReset, moment, 0, all);
     return all;
-}
-
-Faults pair(const Faults& first, const Faults& second) {
-    Faults both = first;
-    both.to_board.insert(both.to_board.end(), second.to_board.begin(), second.to_board.end());
-    both.to_host.insert(both.to_host.end(), second.to_host.begin(), second.to_host.end());
-    both.incidents.insert(both.incidents.end(), second.incidents.begin(), second.incidents.end());
-    return both;
 }
 
 }  // namespace truth

@@ -105,18 +105,18 @@ std::vector<Scenario> make() {
     constexpr Micros ms = kMillisecond;
     const std::vector<Step> one = {{0, mark(1, 1)}};
     const std::vector<Step> two_alike = {{0, mark(1, 1)}, {0, mark(1, 2)}};
-    const std::vector<Step> two_clients = {{0, mark(1, 1)}, {0, mark(2, 2)}, {1 * ms, level(13, 1)}};
+    const std::vector<Step> two_clients = {{0, mark(1, 1)}, {0, mark(2, 2)}, {1 * ms, level(4, 1)}};
     const std::vector<Step> value = {{0, distance(1)}};
     const std::vector<Step> two_values = {{0, distance(1)}, {3 * ms, distance(2)}};
     const std::vector<Step> reports = {{0, period(60)}, {100 * ms, distance(1)}};
     const std::vector<Step> setting = {{0, output(3)}, {0, mark(1, 1)}};
     const std::vector<Step> error = {{0, wrong()}, {0, mark(1, 1)}};
     const std::vector<Step> reset = {{0, output(3)}, {15 * ms, mark(1, 1)}, {120 * ms, mark(1, 2)}};
-    const std::vector<Step> on_and_off = {{0, level(13, 1)}, {0, level(13, 0)}};
+    const std::vector<Step> on_and_off = {{0, level(4, 1)}, {0, level(4, 0)}};
     const std::vector<Step> full = {{0, mark(1, 1, ",abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrst")},
                                     {0, mark(1, 2, ",zyxwvutsrqponm")}};
     const std::vector<Step> read = {{0, line(1, "I,m", std::nullopt, 'm')}, {0, mark(1, 1)}};
-    const std::vector<Step> hold = {{0, held(13, 60 * ms)}, renewal(40 * ms)};
+    const std::vector<Step> hold = {{0, held(4, 60 * ms)}, renewal(40 * ms)};
     std::vector<Scenario> all = {
         from_link_up(ours("found and identified")),
         from_link_up(of_04("found and identified")),

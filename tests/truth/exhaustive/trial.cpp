@@ -20,8 +20,6 @@ using State = asip::session::BoardSession::State;
 constexpr int kLastMark = 900;
 constexpr int kLastCommands = 2;
 constexpr unsigned kLastClient = 9;
-// So long nothing may be under way before it.
-constexpr Micros kQuiet = 20 * kMillisecond;
 
 Plan plan_of(const Scenario& scenario, const Faults& faults) {
     Plan plan = scenario.plan;
@@ -30,76 +28,22 @@ Plan plan_of(const Scenario& scenario, const Faults& faults) {
     return plan;
 }
 
-// What of a trial changes.
-struct TrialState {
-    TrialEnd end_;
-    std::size_t next_step_ = 0;
-    Micros faults_end_ = 0;
-    Micros busy_at_ = 0;  // something was under way
-    Micros last_at_ = kNever;
-    bool ready_ = false;
-    bool rate_asked_ = false;
-    int closing_ = 0;                // last commands that were sent
-    std::map<unsigned, int> modes_;  // of the board's pins since it restarted
-    std::map<unsigned, int> levels_;
-    Micros off_at_ = 0;          // the board, for the last time
-    Micros held_from_ = kNever;  // the last renewal, or the beginning
-};
+}  // namespace
 
-class Trial : World, TrialState {
-  public:
-    Trial(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace)
-        : World(setting_of(scenario, faults, ready_at, trace)),
-          scenario_(scenario),
-          undisturbed_(ready_at == 0) {
-        incidents_ = faults.incidents;
-        end_.ready_at = ready_at;
-    }
+Trial::Trial(const Scenario& scenario, const Faults& faults, Times times, bool trace)
+    : World(setting_of(scenario, faults, times, trace)), scenario_(scenario), undisturbed_(times.ready == 0) {
+    incidents_ = faults.incidents;
+    end_.times = times;
+}
 
-    TrialEnd run();
-
-    /// At the beginning.
-    void power_up();
-    /// Goes on where `other` was when its firmware was saved. No fault of this one is before that.
-    void resume(const Trial& other, const Firmware::Saved& saved);
-    TrialEnd go_on();
-    /// One step; false: the end.
-    bool pass_on();
-    bool closes() const { return closing_ > 0 || last_at_ != kNever; }
-    Range sent() const { return {to_board_.sent(), to_host_.sent()}; }
-    Micros now() const { return now_; }
-    std::unique_ptr<const Firmware::Saved> save() const { return board_.firmware().save(); }
-
-  private:
-    static Setting setting_of(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace);
-    void on_fault(const WireByte& byte) override;
-    void on_read(const BoardRead& read) override;
-    void on_board_off() override;
-    void on_incident(const Incident& incident) override;
-    Micros next_step() const;
-    void begin();
-    void steps();
-    void step(const Step& step);
-    void check_holds();
-    void watch();
-    void check_settings();
-    void close();
-    std::string last_line() const;
-    bool all_well() const;
-
-    const Scenario& scenario_;
-    bool undisturbed_;
-};
-
-World::Setting Trial::setting_of(const Scenario& scenario, const Faults& faults, Micros ready_at,
-                                 bool trace) {
+World::Setting Trial::setting_of(const Scenario& scenario, const Faults& faults, Times times, bool trace) {
     auto plan = plan_of(scenario, faults);
-    const bool calm = ready_at == 0 && plan.incidents.empty();
+    const bool calm = times.ready == 0 && plan.incidents.empty();
     return {Dice(1), std::move(plan), calm, trace};
 }
 
 void Trial::on_fault(const WireByte& byte) {
-    faults_end_ = std::max({faults_end_, byte.departs, byte.arrives});
+    faults_end_ = std::max({faults_end_, now_, byte.arrives});
 }
 
 void Trial::on_read(const BoardRead& read) {
@@ -112,6 +56,18 @@ void Trial::on_read(const BoardRead& read) {
         rate_asked_ = true;
         end_.to_board.from = to_board_.sent() - read.text.size() - 1;
         end_.to_host.from = to_host_.sent();
+    }
+    if (undisturbed_) note_alike(read.text);
+}
+
+// A rate is tried by 30 fences, of which three are on their way.
+void Trial::note_alike(const std::string& line) {
+    if (line.ends_with("bur105")) {
+        end_.alike_to_board.from = to_board_.sent();
+        end_.alike_to_host.from = to_host_.sent();
+    } else if (line.ends_with("bur125")) {
+        end_.alike_to_board.until = to_board_.sent();
+        end_.alike_to_host.until = to_host_.sent();
     }
 }
 
@@ -126,14 +82,14 @@ void Trial::on_incident(const Incident& incident) {
 }
 
 Micros Trial::next_step() const {
-    if (next_step_ == scenario_.steps.size() || end_.ready_at == 0) return last_at_;
-    return std::min(last_at_, end_.ready_at + scenario_.steps[next_step_].after);
+    if (next_step_ == scenario_.steps.size() || end_.times.ready == 0) return last_at_;
+    return std::min(last_at_, end_.times.ready + scenario_.steps[next_step_].after);
 }
 
 // The scenario's own incidents come so long after the board was ready, as its steps do.
 void Trial::begin() {
     for (Incident incident : plan_.incidents) {
-        incident.at += end_.ready_at;
+        incident.at += end_.times.ready;
         incidents_.push_back(incident);
     }
     std::sort(incidents_.begin(), incidents_.end(),
@@ -141,8 +97,9 @@ void Trial::begin() {
 }
 
 void Trial::steps() {
-    if (end_.ready_at == 0) return;
-    while (next_step_ < scenario_.steps.size() && end_.ready_at + scenario_.steps[next_step_].after <= now_)
+    if (end_.times.ready == 0) return;
+    while (next_step_ < scenario_.steps.size() &&
+           end_.times.ready + scenario_.steps[next_step_].after <= now_)
         step(scenario_.steps[next_step_++]);
 }
 
@@ -156,13 +113,14 @@ void Trial::watch() {
     if (!ready_ && agent_.state() == State::kReady) {
         ready_ = true;
         if (undisturbed_) {
-            end_.ready_at = now_ + kQuiet;
+            end_.times.ready = now_ + kQuiet;
             begin();
         }
     }
     if (!undisturbed_ || closing_ > 0) return;
-    const bool on = scenario_.from == Scenario::From::kLinkUp || rate_asked_ ||
-                    (scenario_.from == Scenario::From::kReady && end_.ready_at != 0 && now_ >= end_.ready_at);
+    const bool on =
+        scenario_.from == Scenario::From::kLinkUp || rate_asked_ ||
+        (scenario_.from == Scenario::From::kReady && end_.times.ready != 0 && now_ >= end_.times.ready);
     if (!on) {
         end_.to_board.from = to_board_.sent();
         end_.to_host.from = to_host_.sent();
@@ -171,13 +129,14 @@ void Trial::watch() {
     end_.to_board.until = to_board_.sent();
     end_.to_host.until = to_host_.sent();
     if (busy_at_ == now_ && (end_.moments.empty() || end_.moments.back() != now_))
-        end_.moments.push_back(now_);
+        end_.moments.push_back(end_.times.last = now_);
 }
 
 bool Trial::all_well() const {
-    return end_.ready_at != 0 && next_step_ == scenario_.steps.size() &&
+    return end_.times.ready != 0 && next_step_ == scenario_.steps.size() &&
            next_incident_ == incidents_.size() && ledger_.open() == 0 && !agent_.holds() && is_link_up() &&
-           agent_.state() == State::kReady && board_.running(now_) && now_ > end_.ready_at;
+           agent_.state() == State::kReady && board_.running(now_) && now_ > end_.times.ready &&
+           now_ > (undisturbed_ ? 0 : end_.times.last);
 }
 
 void Trial::check_settings() {
@@ -185,8 +144,8 @@ void Trial::check_settings() {
     if (!plan_.extensions && !plan_.to_board.faults.empty()) return;
     // Nothing shows a restart of which the line lost the banner while nothing was asked.
     if (agent_.identified_at() < off_at_) return;
-    // The line changed what it said of itself behind a restart. Counted.
-    if (agent_.taken_for_another()) {
+    // The line changed twice, in the same way, what it said of itself behind a restart. Counted.
+    if (agent_.taken_for_another() && plan_.to_board.faults.size() + plan_.to_host.faults.size() > 1) {
         ++ledger_.counts.not_restored;
         return;
     }
@@ -233,7 +192,7 @@ void Trial::close() {
         command.effect = Effect{Effect::Kind::kMark, 0, kLastMark + closing_};
         command.lasts = 5 * kSecond;
         agent_.submit(command, now_);
-    } else if (end_.ready_at != 0 && now_ > std::max(faults_end_, end_.ready_at) + kRecovery) {
+    } else if (end_.times.ready != 0 && now_ > std::max(faults_end_, end_.times.ready) + kRecovery) {
         ledger_.fail("the session is not ready long after the last fault");
     }
 }
@@ -246,10 +205,18 @@ void Trial::power_up() {
     agent_.link_up(false, 0);
 }
 
-void Trial::resume(const Trial& other, const Firmware::Saved& saved) {
+void Trial::resume(const Trial& other, const Firmware::Saved& saved, const Faults& faults) {
     World::resume(other);
     TrialState::operator=(other);
     board_.firmware().put_back(saved);
+    set_faults(faults);
+}
+
+void Trial::set_faults(const Faults& faults) {
+    plan_.to_board.faults = faults.to_board;
+    plan_.to_host.faults = faults.to_host;
+    incidents_ = faults.incidents;
+    next_incident_ = 0;
     begin();
     while (next_incident_ < incidents_.size() && incidents_[next_incident_].at <= now_)
         ++next_incident_;
@@ -275,10 +242,15 @@ TrialEnd Trial::run() {
     return go_on();
 }
 
-TrialEnd Trial::go_on() {
-    while (!ledger_.failed() && pass_on()) {
-    }
-    end_.recovered_after = now_ - std::max(faults_end_, end_.ready_at);
+TrialEnd Trial::go_on(KnownStates* known) {
+    KnownStates::Path path;
+    while (!ledger_.failed() && pass_on())
+        if (known && heard_line() && faults_are_over() && ends_as_known(*known, path)) {
+            end_.equal_state = true;
+            end_.counts = ledger_.counts;
+            return std::move(end_);
+        }
+    end_.recovered_after = now_ - std::max(faults_end_, end_.times.ready);
     ledger_.finish();
     if (!ledger_.was_executed(last_line()))
         ledger_.fail("two commands long after the last fault were not executed");
@@ -287,8 +259,37 @@ TrialEnd Trial::go_on() {
     end_.counts = ledger_.counts;
     end_.failure = ledger_.failure();
     end_.trace = std::move(lines_);
+    if (known && end_.failure.empty()) known->add(path, now_, excused());
     return std::move(end_);
 }
+
+Excused Trial::excused() const {
+    return excused_of(ledger_.counts);
+}
+
+bool Trial::faults_are_over() const {
+    const auto past = [](const std::vector<ByteFault>& faults, std::uint64_t sent) {
+        return std::all_of(faults.begin(), faults.end(),
+                           [&](const auto& fault) { return fault.byte < sent; });
+    };
+    return next_incident_ == incidents_.size() && past(plan_.to_board.faults, to_board_.sent()) &&
+           past(plan_.to_host.faults, to_host_.sent());
+}
+
+// The states of this history before it lead to the same end.
+bool Trial::ends_as_known(KnownStates& known, KnownStates::Path& path) {
+    const Here here = this->here();
+    const auto rest = known.find(here.print);
+    if (!rest) {
+        path.push_back({here.print, now_, excused(), here.recent});
+        return false;
+    }
+    add(ledger_.counts, rest->excused);
+    known.add(path, now_ + rest->time, excused());
+    return true;
+}
+
+namespace {
 
 std::string describe(const ByteFault& fault, const char* where) {
     const auto place = fmt::format("byte {} {}", fault.byte, where);
@@ -322,52 +323,8 @@ std::string describe(const Faults& faults) {
     return text.empty() ? "nothing" : text;
 }
 
-struct Undisturbed::Point {
-    std::unique_ptr<Trial> trial;
-    std::unique_ptr<const Firmware::Saved> firmware;
-
-    bool is_before(const Faults& faults) const {
-        const auto sent = trial->sent();
-        const auto later = [](std::uint64_t next) {
-            return [next](const ByteFault& fault) { return fault.byte >= next; };
-        };
-        return std::all_of(faults.to_board.begin(), faults.to_board.end(), later(sent.from)) &&
-               std::all_of(faults.to_host.begin(), faults.to_host.end(), later(sent.until)) &&
-               std::all_of(faults.incidents.begin(), faults.incidents.end(),
-                           [&](const Incident& incident) { return incident.at > trial->now(); });
-    }
-};
-
-// Until it closes: whether it does depends on what is still to come.
-Undisturbed::Undisturbed(const Scenario& scenario)
-    : scenario_(scenario), end_(run_trial(scenario, {}, 0, false)) {
-    if (!end_.failure.empty()) return;
-    Trial trial(scenario, {}, end_.ready_at, false);
-    trial.power_up();
-    while (trial.pass_on() && !trial.closes()) {
-        const auto sent = trial.sent();
-        const bool near = scenario.from != Scenario::From::kReady || trial.now() + kQuiet >= end_.ready_at;
-        if (!near || sent.from > end_.to_board.until || sent.until > end_.to_host.until) continue;
-        auto point = std::make_unique<Trial>(scenario, Faults{}, end_.ready_at, false);
-        auto firmware = trial.save();
-        point->resume(trial, *firmware);
-        points_.push_back({std::move(point), std::move(firmware)});
-    }
-}
-
-Undisturbed::~Undisturbed() = default;
-
-TrialEnd Undisturbed::run(const Faults& faults) const {
-    const auto after = std::partition_point(points_.begin(), points_.end(),
-                                            [&](const Point& point) { return point.is_before(faults); });
-    if (after == points_.begin()) return run_trial(scenario_, faults, end_.ready_at, false);
-    Trial trial(scenario_, faults, end_.ready_at, false);
-    trial.resume(*std::prev(after)->trial, *std::prev(after)->firmware);
-    return trial.go_on();
-}
-
-TrialEnd run_trial(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace) {
-    return Trial(scenario, faults, ready_at, trace).run();
+TrialEnd run_trial(const Scenario& scenario, const Faults& faults, Times times, bool trace) {
+    return Trial(scenario, faults, times, trace).run();
 }
 
 }  // namespace truth

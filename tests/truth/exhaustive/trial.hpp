@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "tests/truth/exhaustive/known_states.hpp"
 #include "tests/truth/exhaustive/scenario.hpp"
-#include "tests/truth/ledger.hpp"
+#include "tests/truth/world.hpp"
 
 namespace truth {
 
@@ -20,49 +22,111 @@ std::string describe(const Faults& faults);
 struct Range {
     std::uint64_t from = 0;
     std::uint64_t until = 0;
+    bool holds(std::uint64_t byte) const { return byte >= from && byte < until; }
+};
+
+/// When in the undisturbed history: the board was ready for the first command, and something was under way
+/// for the last time in which a fault is tried. 0: not known, nothing may go wrong.
+struct Times {
+    Micros ready = 0;
+    Micros last = 0;
 };
 
 struct TrialEnd {
     std::string failure;  ///< empty: all that was asserted is so
     Counts counts;
+    bool equal_state = false;        ///< it came to a state from which another history went on to a good end
     std::vector<std::string> trace;  ///< if asked for
     Range to_board, to_host;         ///< what the scenario sent, from its `from` on
-    std::vector<Micros> moments;     ///< when something happened meanwhile
-    Micros ready_at = 0;             ///< for the first time
-    Micros recovered_after = 0;      ///< from the end of the last fault to the last command, which is `ok`
-
-    /// Whether two histories came to the same.
-    bool same(const TrialEnd& other) const {
-        return failure == other.failure && counts == other.counts && recovered_after == other.recovered_after;
-    }
+    Range alike_to_board, alike_to_host;  ///< of them, those of fences that try a rate like those before them
+    std::vector<Micros> moments;          ///< when something happened meanwhile
+    Times times;
+    Micros recovered_after = 0;  ///< from the end of the last fault to the last command, which is `ok`
 };
 
-/// Plays a scenario, with faults at known places. Asserted, beside what the ledger asserts of each answer:
-/// the session is ready again within `kRecovery` of the last fault's end, a command then is `ok`, and what
-/// clients had set is in force.
-/// `ready_at`: when it is ready where nothing goes wrong, so that commands come at the same time in each
-/// trial; 0: not known, nothing may go wrong.
-TrialEnd run_trial(const Scenario& scenario, const Faults& faults, Micros ready_at, bool trace);
+// What of a trial changes.
+struct TrialState {
+    TrialEnd end_;
+    std::size_t next_step_ = 0;
+    Micros faults_end_ = 0;
+    Micros busy_at_ = 0;  // something was under way
+    Micros last_at_ = kNever;
+    bool ready_ = false;
+    bool rate_asked_ = false;
+    int closing_ = 0;                // last commands that were sent
+    std::map<unsigned, int> modes_;  // of the board's pins since it restarted
+    std::map<unsigned, int> levels_;
+    Micros off_at_ = 0;          // the board, for the last time
+    Micros held_from_ = kNever;  // the last renewal, or the beginning
+};
 
-/// The history of a scenario in which nothing goes wrong, and points of it from which others go on that
-/// differ from there on only. What it was made of must outlive it.
-class Undisturbed {
+/// One history of a scenario, with faults at known places. Asserted, beside what the ledger asserts of each
+/// answer: the session is ready again within `kRecovery` of the last fault's end, a command then is `ok`, and
+/// what clients had set is in force. Commands come at the same time in each history.
+class Trial : World, TrialState {
   public:
-    explicit Undisturbed(const Scenario& scenario);
-    ~Undisturbed();
+    /// `times`: of the undisturbed history.
+    Trial(const Scenario& scenario, const Faults& faults, Times times, bool trace);
 
-    /// How it ended.
-    const TrialEnd& end() const { return end_; }
-    /// As run_trial(), in less time.
-    TrialEnd run(const Faults& faults) const;
+    TrialEnd run();
+
+    /// At the beginning.
+    void power_up();
+    /// Goes on where `other` was when its firmware was saved, with these faults. None of them is before that.
+    void resume(const Trial& other, const Firmware::Saved& saved, const Faults& faults);
+    /// To the end. `known`: states that lead to a good end; it ends in one of them, and adds its own.
+    TrialEnd go_on(KnownStates* known = nullptr);
+    /// One step; false: the end.
+    bool pass_on();
+    bool closes() const { return closing_ > 0 || last_at_ != kNever; }
+    Range sent() const { return {to_board_.sent(), to_host_.sent()}; }
+    Micros now() const { return now_; }
+    Firmware& firmware() const { return board_.firmware(); }
+    /// Equal states go on in the same way, if no fault comes. A recent one only for kSoon.
+    struct Here {
+        std::uint64_t print;
+        bool recent;
+    };
+    Here here() const;
+    /// The same for whatever faults come, whose places are given in bytes sent and in time.
+    std::uint64_t state_and_place() const;
 
   private:
-    struct Point;
+    friend class StateReader;
+    static Setting setting_of(const Scenario& scenario, const Faults& faults, Times times, bool trace);
+    void on_fault(const WireByte& byte) override;
+    void on_read(const BoardRead& read) override;
+    void on_board_off() override;
+    void on_incident(const Incident& incident) override;
+    Micros next_step() const;
+    void begin();
+    void steps();
+    void step(const Step& step);
+    void note_alike(const std::string& line);
+    void check_holds();
+    void watch();
+    void check_settings();
+    void close();
+    void set_faults(const Faults& faults);
+    bool faults_are_over() const;
+    Excused excused() const;
+    bool ends_as_known(KnownStates& known, KnownStates::Path& path);
+    std::string last_line() const;
+    bool all_well() const;
+
     const Scenario& scenario_;
-    TrialEnd end_;
-    std::vector<Point> points_;  // as time passes
+    bool undisturbed_;
 };
 
+/// Plays a history from its beginning to its end.
+TrialEnd run_trial(const Scenario& scenario, const Faults& faults, Times times, bool trace);
+
+/// So long nothing may be under way before a command that comes when all is well again.
+constexpr Micros kQuiet = 20 * kMillisecond;
 constexpr Micros kRecovery = 15 * kSecond;
+/// Damage, and the end of the last fault, that were less than kRecent ago count as if they were now, where
+/// the history ends within kSoon: what depends on their age (Ledger, kRecovery) depends on 4 s and more.
+constexpr Micros kRecent = 1900 * kMillisecond;
+constexpr Micros kSoon = 2100 * kMillisecond;
 
 }  // namespace truth

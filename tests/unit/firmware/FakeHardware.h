@@ -12,9 +12,15 @@
 namespace asip {
 namespace hw {
 
+#ifdef ASIP_FAKE_FEW_PINS
+// Whose answers are short.
+constexpr std::uint8_t kPins = 6;
+constexpr std::uint8_t kAnalogChannels = 1;
+#else
 constexpr std::uint8_t kPins = 20;
 constexpr std::uint8_t kAnalogChannels = 6;
-constexpr std::uint8_t kFirstAnalogPin = 14;
+#endif
+constexpr std::uint8_t kFirstAnalogPin = kPins - kAnalogChannels;
 constexpr bool kHasAnalogOnlyPins = false;
 constexpr std::uint8_t kFirstPort = 2, kLastPort = 4;
 constexpr std::uint16_t kEepromEnd = 1023;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdlib>
 
 #include "FakeHardware.h"
@@ -35,22 +36,29 @@ FlashText chipName() {
     return F("ATmega328P");
 }
 
+// The first pin of a port, and the first one behind it. Port 4 has eight, port 3 the analog ones.
+static unsigned first_of(std::uint8_t port) {
+    return port == 4 ? 0 : port == 2 ? std::min<unsigned>(8, kFirstAnalogPin) : kFirstAnalogPin;
+}
+static unsigned end_of(std::uint8_t port) {
+    return port == 4 ? first_of(2) : port == 2 ? kFirstAnalogPin : kPins;
+}
+
 std::uint8_t portOf(std::uint8_t pin) {
-    return checked(pin) < 8 ? 4 : pin < 14 ? 2 : 3;
+    return checked(pin) >= kFirstAnalogPin ? 3 : pin < 8 ? 4 : 2;
 }
 
 std::uint8_t maskOf(std::uint8_t pin) {
-    return static_cast<std::uint8_t>(1 << (checked(pin) < 8 ? pin : pin < 14 ? pin - 8 : pin - 14));
+    return static_cast<std::uint8_t>(1 << (pin - first_of(portOf(pin))));
 }
 
 // Called in each pass for each port: fuzzing is mostly this.
 std::uint8_t readPort(std::uint8_t port) {
     if (port < kFirstPort || port > kLastPort) std::abort();
-    const unsigned first = port == 4 ? 0 : port == 2 ? 8 : 14;
-    const unsigned count = port == 4 ? 8 : 6;
+    const unsigned first = first_of(port);
     unsigned levels = 0;
-    for (unsigned bit = 0; bit < count; ++bit)
-        levels |= static_cast<unsigned>(fake.levels[first + bit]) << bit;
+    for (unsigned pin = first; pin < end_of(port); ++pin)
+        levels |= static_cast<unsigned>(fake.levels[pin]) << (pin - first);
     return static_cast<std::uint8_t>(levels);
 }
 
