@@ -165,7 +165,7 @@ void Application::log_access() const {
 
 int Application::run() {
     log::info("gateway starts", {{"broker", options_.gateway.broker}});
-    for (auto& [filter, retained] : gateway_->mirror().subscriptions())
+    for (auto& [filter, retained] : gateway_->subscriptions())
         port().subscribe(std::move(filter), retained);
     for (const auto& each : exports_)
         for (auto& filter : each->subscriptions())

@@ -69,12 +69,22 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, catalogue::Unit
       mirror_(mirror_options(options_, std::move(units_of)), random,
               {[this](mqtt::Message message) { port_.publish(std::move(message)); }, port_.subscribe,
                port_.unsubscribe}),
+      dashboards_(options_.topic_root,
+                  {[this](mqtt::Message message) { return port_.publish(std::move(message)); },
+                   [this] { mirror_.log().add("dashboards", {}, "{}"); },
+                   [](const std::string& sentence) { program::log::warning(sentence); }}),
       commands_(options_.replies()),
       gate_(options_.gate, std::move(secrets)),
       budget_(options_.client_bytes),
       streams_(options_.streams_per_client),
       command_rates_(options_.commands_per_second),
       requester_(random_hex(random, 8), options_.replies().below("registry")) {
+    gate_.set_shared({[this](std::string_view hash) { return dashboards_.link_of(hash); },
+                      [this](const Rights& rights) { return dashboards_.holds(rights); },
+                      [this](const std::string& name) {
+                          return !dashboards_.known() || dashboards_.find(name) != nullptr;
+                      },
+                      [this] { return dashboards_.known(); }});
     commands_.on_finished = [this](const CommandRecord& record, Duration time) { finished(record, time); };
     commands_.before_again = [this] { log_commands(); };
 }
@@ -107,13 +117,26 @@ const std::string& Gateway::openapi() {
     return openapi_;
 }
 
+std::vector<std::pair<std::string, bool>> Gateway::subscriptions() const {
+    auto all = mirror_.subscriptions();
+    all.emplace_back(dashboards_.subscription(), true);
+    return all;
+}
+
+// All that is retained comes ahead of the mirror's own message.
+void Gateway::read_dashboards() {
+    if (!mirror_.reading()) dashboards_.complete();
+}
+
 void Gateway::subscribed() {
+    dashboards_.subscribed();
     mirror_.subscribed(now());
     demander_.connected(now().time);
 }
 
 void Gateway::disconnected() {
     mirror_.disconnected(now());
+    dashboards_.disconnected();
     demander_.disconnected();
 }
 
@@ -134,14 +157,18 @@ void Gateway::leave() {
 void Gateway::message(const mqtt::Message& message) {
     if (requester_.take(message)) return;
     if (commands_.take(message, now())) return;
+    if (dashboards_.take(message)) return;
     demander_.take(message, now().time);
     mirror_.message(message, now());
+    read_dashboards();
     if (wait_ready_) finish_waits(false);
 }
 
 void Gateway::tick() {
     const auto present = now();
     mirror_.tick(present);
+    read_dashboards();
+    dashboards_.tick(present.time);
     publish_all(demander_.due(present.time));
     commands_.tick(present);
     streams_.tick(present, gate_);

@@ -17,6 +17,7 @@
 #include "gateway/api/things.hpp"
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
+#include "gateway/dashboard/dashboards.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/metrics/command_times.hpp"
 #include "gateway/mirror/mirror.hpp"
@@ -81,7 +82,9 @@ class Gateway {
     /// Serves a request: `reply` is answered before this returns, or later, once. What the client sends can
     /// do no more than get a status of 400 and above.
     void request(const http::Request& request, const http::Reply& reply);
-    /// The broker has granted mirror().subscriptions(), after the first connection or a later one.
+    /// To be subscribed to before connecting: filter, and whether what is retained is wanted.
+    std::vector<std::pair<std::string, bool>> subscriptions() const;
+    /// The broker has granted subscriptions(), after the first connection or a later one.
     void subscribed();
     /// The connection is lost: what is known is still served, and said to be old (status, streams).
     void disconnected();
@@ -96,6 +99,7 @@ class Gateway {
     const GatewayOptions& options() const { return options_; }
     Instant now() const { return port_.now(); }
     Mirror& mirror() { return mirror_; }
+    Dashboards& dashboards() { return dashboards_; }
     Commands& commands() { return commands_; }
     Gate& gate() { return gate_; }
     Streams& streams() { return streams_; }
@@ -141,6 +145,7 @@ class Gateway {
     void finish_waits(bool all);
     void finished(const CommandRecord& record, Duration time);
     void log_commands();
+    void read_dashboards();
     void publish_all(std::vector<mqtt::Message> messages);
 
     GatewayOptions options_;
@@ -148,6 +153,7 @@ class Gateway {
     model::ModelSet models_;
     bus::Demander demander_;
     Mirror mirror_;
+    Dashboards dashboards_;
     Commands commands_;
     Gate gate_;
     Budget budget_;

@@ -17,6 +17,7 @@
 #include "asip/text/duration.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/application.hpp"
+#include "gateway/dashboard/dashboard.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -101,6 +102,21 @@ Expected<void> check_origins(const std::vector<std::string>& origins) {
     return {};
 }
 
+Expected<void> check_dashboard(const TokenRequest& request, Rights& rights) {
+    rights.dashboard = request.dashboard;
+    rights.control = request.control;
+    if (request.dashboard.empty()) {
+        if (request.control) return fail("--control: only with --dashboard");
+        return {};
+    }
+    if (rights.role != Role::kKiosk) return fail("--dashboard: only for a kiosk");
+    if (!valid_dashboard_name(request.dashboard))
+        return fail("--dashboard: \"" + text::printable(request.dashboard) + "\": " + kDashboardNameForm);
+    if (!request.boards.empty() || !request.services.empty())
+        return fail("--dashboard says what is seen; leave out --boards and --services");
+    return {};
+}
+
 }  // namespace
 
 int make_token(const TokenRequest& request) {
@@ -121,8 +137,11 @@ int make_token(const TokenRequest& request) {
           check_origins(rights->frames)})
         if (!checked) return refuse(checked.error());
     if (!rights->frames.empty() && rights->role != Role::kKiosk) return refuse("--frames: only for a kiosk");
-    if (rights->role == Role::kKiosk && rights->boards.empty())
-        return refuse("a kiosk shows one board or service: name it with --boards, and --services");
+    if (auto shown = check_dashboard(request, *rights); !shown) return refuse(shown.error());
+    if (rights->role == Role::kKiosk && rights->boards.empty() && rights->dashboard.empty())
+        return refuse(
+            "a kiosk shows one board, service or dashboard: name it with --boards, and --services, or with "
+            "--dashboard");
     if (!request.until.empty()) {
         const auto period = text::parse_duration(request.until);
         if (!period) return refuse("--until: " + period.error());

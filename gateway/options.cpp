@@ -221,6 +221,10 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
         ->delimiter(',');
     make_token->add_option("--frames", token.frames, "Origins whose pages may show a kiosk's")
         ->delimiter(',');
+    make_token->add_option("--dashboard", token.dashboard,
+                           "A kiosk's: it shows this dashboard and nothing else");
+    make_token->add_flag("--control", token.control,
+                         "With --dashboard: its switches, sliders and stops may be used, too");
     std::string dialect;
     auto* clean = app.add_subcommand("clean", "Remove from the broker what an export left there");
     clean->fallthrough();

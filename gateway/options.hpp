@@ -32,6 +32,8 @@ struct TokenRequest {
     std::string file;
     std::string until;  ///< a duration; empty: it does not expire
     std::vector<std::string> boards, services, frames;
+    std::string dashboard;  ///< of a kiosk: shows this and nothing else
+    bool control = false;   ///< its switches, sliders and stops may be used
 };
 
 struct CommandLine {

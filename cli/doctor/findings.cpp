@@ -331,18 +331,26 @@ Findings check_warnings(const Observations& seen) {
 Findings check_exports(const Observations& seen) {
     const auto base = seen.topics.root() + "/export/ha/";
     bool exports = false;
-    std::size_t boards = 0;
+    const auto dashboard = seen.topics.root() + "/export/dashboard/";
+    std::size_t boards = 0, dashboards = 0;
     for (const auto& message : seen.retained) {
         const std::string_view topic = message.topic;
+        if (topic.starts_with(dashboard)) ++dashboards;
         if (topic == base + "$state")
             exports = message.payload == "online";
         else if (topic.starts_with(base) && topic.ends_with("/$state"))
             ++boards;
     }
-    if (exports) return {fine("a gateway shows " + std::to_string(boards) + " boards to Home Assistant")};
-    if (!seen.home_assistant) return {};
-    return {note("Home Assistant uses this broker, and no gateway shows it boards",
-                 "start the gateway with --home-assistant (docs/home-assistant.md)")};
+    Findings result;
+    if (dashboards > 0)
+        result.push_back(fine(std::to_string(dashboards) +
+                              (dashboards == 1 ? " dashboard is" : " dashboards are") + " kept on the bus"));
+    if (exports)
+        result.push_back(fine("a gateway shows " + std::to_string(boards) + " boards to Home Assistant"));
+    if (exports || !seen.home_assistant) return result;
+    result.push_back(note("Home Assistant uses this broker, and no gateway shows it boards",
+                          "start the gateway with --home-assistant (docs/home-assistant.md)"));
+    return result;
 }
 
 Findings check_all(const Observations& seen) {

@@ -58,6 +58,7 @@ std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& r
     }
     for (const auto& message : retained) {
         if (!exports || message.topic.ends_with("/set")) continue;
+        if (message.topic.starts_with(topics.root() + "/export/dashboard/")) continue;  // of people
         if (message.topic.starts_with(topics.root() + "/export/") ||
             message.topic.starts_with("homeassistant/device/"))
             ++found["export"];

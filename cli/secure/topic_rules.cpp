@@ -187,6 +187,7 @@ std::vector<TopicRule> exported() {
             home("export/ha/EXPORTED/NAME/set", kWriteOnly, kCommand),
             home("homeassistant/device/NAME/config", kReadOnly, "Home Assistant: 64 KiB a board", true),
             std::move(status),
+            rule("export/dashboard/NAME", "each gateway: a dashboard of at most 32 KiB"),
             shown("export/wot/NAME"),
             shown("export/wot/EXPORTED/NAME"),
             asked("export/wot/EXPORTED/NAME/set"),

@@ -157,23 +157,27 @@ void post_command(Call& call) {
     if (!board) return;
     const auto* service = service_of(call, *board);
     if (service == nullptr) return;
-    const auto& command = call.path.find("command")->second;
     auto arguments = body_of(call.request);
     if (!arguments) return send_problem(call, 400, arguments.error());
+    send_command(call, *board, *service, call.path.find("command")->second, std::move(*arguments));
+}
+
+void send_command(Call& call, const bus::BoardItem& board, const bus::ServiceItem& service,
+                  const std::string& command, json arguments) {
     auto payload = json::object();
-    payload[command] = std::move(*arguments);
-    const auto model = model_of(call.gateway, *board, service->name);
+    payload[command] = std::move(arguments);
+    const auto model = model_of(call.gateway, board, service.name);
     const auto hold = whole_parameter(call, "hold_ms", 0, 50, 60'000);
     if (!hold) return send_problem(call, 400, hold.error());
-    if (const auto fault = wrong(model, *service, command, payload))
+    if (const auto fault = wrong(model, service, command, payload))
         return send_problem(call, fault->first, fault->second);
-    if (!is_alive(board->state)) {
+    if (!is_alive(board.state)) {
         return call.reply.send(
-            problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
+            problem(503, "board " + board.board + " is " + board.state, {{"reason", "board-not-there"}}));
     }
     if (*hold > 0) payload["hold_ms"] = *hold;
-    send(call, board->board + "/" + service->name,
-         call.gateway.mirror().topics().service_in(board->board, service->name), std::move(payload));
+    send(call, board.board + "/" + service.name,
+         call.gateway.mirror().topics().service_in(board.board, service.name), std::move(payload));
 }
 
 void post_raw(Call& call) {

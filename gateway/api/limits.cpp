@@ -83,7 +83,7 @@ std::vector<std::string> readable(const std::vector<std::string>& allowed, const
 
 catalogue::View view_of(const Rights& rights) {
     catalogue::View view{boards_of(rights), {}};
-    if (!rights.services.empty()) {
+    if (!rights.services.empty() || !rights.dashboard.empty()) {
         view.service = [rights](std::string_view board, std::string_view service) {
             return rights.sees_service(board, service);
         };
@@ -92,7 +92,7 @@ catalogue::View view_of(const Rights& rights) {
 }
 
 ChangeFeed::Allowed boards_of(const Rights& rights) {
-    if (rights.boards.empty()) return {};
+    if (rights.boards.empty() && rights.dashboard.empty()) return {};
     return [rights](std::string_view board) { return rights.sees_board(board); };
 }
 

@@ -44,12 +44,16 @@ json parameters_of(const Route& route) {
     };
     if (answers(304))
         list.push_back(header_parameter("If-None-Match", "The ETag of the version that is known"));
+    if (answers(412)) list.push_back(header_parameter("If-Match", "The ETag of the version that is changed"));
+    if (answers(428))
+        list.push_back(header_parameter("If-None-Match", "`*`: only where there is none of this name"));
     if (!route.query.empty() && route.query.back().name == "last_event_id")
         list.push_back(header_parameter("Last-Event-ID", "Resume behind this event"));
     if (answers(504))
         list.push_back(
             header_parameter("Idempotency-Key", "The same command with the same key is executed once"));
-    if (route.need == Need::kCommand || route.need == Need::kLabel || route.need == Need::kRaw)
+    if (route.need == Need::kCommand || route.need == Need::kUse || route.need == Need::kLabel ||
+        route.need == Need::kRaw)
         list.push_back(
             header_parameter("Asip-Session", "Keys belong to a session; for clients of one token"));
     return list;
@@ -83,8 +87,11 @@ json operation(const Route& route) {
     if (auto parameters = parameters_of(route); !parameters.empty())
         object["parameters"] = std::move(parameters);
     if (!route.body.empty()) {
-        object["requestBody"]["content"]["application/json"]["schema"] = reference(route.body);
-        if (route.id == "sendRaw" || route.id == "writeProperty") object["requestBody"]["required"] = true;
+        auto& content = object["requestBody"]["content"]["application/json"];
+        content["schema"] = reference(route.body);
+        if (route.body == "Dashboard") content["example"] = json::parse(kDashboardExample);
+        if (route.id == "sendRaw" || route.id == "writeProperty" || route.id == "putDashboard")
+            object["requestBody"]["required"] = true;
     }
     if (route.need == Need::kNothing) object["security"] = json::array();
     return object;

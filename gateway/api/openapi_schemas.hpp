@@ -4,6 +4,15 @@
 
 namespace asip::gateway::api {
 
+/// A dashboard with one widget of each kind.
+inline constexpr std::string_view kDashboardExample = R"json({"title": "Greenhouse", "widgets": [
+  {"kind": "value", "title": "Distance", "board": "desk", "service": "distance", "event": "distance", "key": "0", "unit": "cm"},
+  {"kind": "plot", "board": "desk", "service": "distance", "event": "distance", "key": "0", "unit": "cm", "size": "wide"},
+  {"kind": "switch", "title": "Lamp", "board": "lamp", "service": "io", "command": "write", "args": {"pin": 13}, "argument": "level", "on": 1, "off": 0},
+  {"kind": "slider", "title": "Vent", "board": "desk", "service": "servo", "command": "write", "args": {"servo": 0}, "argument": "angle", "min": 0, "max": 180, "step": 1, "unit": "degrees"},
+  {"kind": "lamp", "title": "Button", "board": "desk", "service": "io", "event": "digital", "key": "2"},
+  {"kind": "stop", "title": "Stop"}]})json";
+
 /// The part of the OpenAPI document that the routes refer to.
 inline constexpr std::string_view kComponents = R"json({
 "securitySchemes": {
@@ -98,6 +107,34 @@ inline constexpr std::string_view kComponents = R"json({
   "Properties": {"type": "object"},
   "PropertyValue": {"description": "A number, a text, true or false; of a light an object: on, brightness, color"},
   "EventStream": {"type": "string"},
+  "Scalar": {"type": ["number", "string", "boolean"]},
+  "Widget": {"type": "object", "required": ["kind"], "additionalProperties": false, "properties": {
+    "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,16}$", "description": "Given by the gateway where it is missing"},
+    "kind": {"type": "string", "enum": ["value", "plot", "switch", "slider", "lamp", "stop"]},
+    "title": {"type": "string", "maxLength": 100}, "size": {"type": "string", "enum": ["small", "wide", "large"]},
+    "board": {"type": "string", "description": "Of all but stop, with service"}, "service": {"type": "string"},
+    "event": {"type": "string", "description": "Value, plot and lamp: the member of what the service reports"},
+    "key": {"type": "string", "description": "Within the event: `0`, `0.pulse`, or nothing"}, "unit": {"type": "string", "maxLength": 64},
+    "command": {"type": "string", "description": "Switch and slider: what is sent; lamp without event: what was set by it"},
+    "args": {"type": "object", "maxProperties": 8, "additionalProperties": {"$ref": "#/components/schemas/Scalar"}, "description": "Arguments that stay, by name"},
+    "argument": {"type": "string", "description": "The argument that the widget sets"},
+    "on": {"$ref": "#/components/schemas/Scalar"}, "off": {"$ref": "#/components/schemas/Scalar"},
+    "min": {"type": "number"}, "max": {"type": "number"}, "step": {"type": "number", "minimum": 0}}},
+  "Dashboard": {"type": "object", "required": ["widgets"], "additionalProperties": false, "properties": {
+    "title": {"type": "string", "maxLength": 100},
+    "widgets": {"type": "array", "maxItems": 48, "items": {"$ref": "#/components/schemas/Widget"}},
+    "name": {"type": "string", "readOnly": true}, "by": {"type": "string", "readOnly": true}, "changed": {"type": "string", "readOnly": true},
+    "links": {"type": "array", "readOnly": true, "description": "For those who may change it", "items": {"$ref": "#/components/schemas/Link"}}}},
+  "Dashboards": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"type": "object",
+    "required": ["name", "title", "widgets"], "properties": {"name": {"type": "string"}, "title": {"type": "string"},
+      "widgets": {"type": "integer"}, "by": {"type": "string"}, "changed": {"type": "string"}}}}}},
+  "WidgetValue": {"type": "object", "description": "Of a stop: an empty object", "properties": {"value": {"$ref": "#/components/schemas/Scalar"}}},
+  "LinkRequest": {"type": "object", "additionalProperties": false, "properties": {
+    "name": {"type": "string"}, "until": {"type": "string", "description": "How long it is valid: 12h, 30d; missing: until it is ended"},
+    "control": {"type": "boolean", "description": "Its switches, sliders and stops may be used"}}},
+  "Link": {"type": "object", "required": ["name", "control"], "properties": {
+    "name": {"type": "string"}, "control": {"type": "boolean"}, "until": {"type": "string"}, "by": {"type": "string"},
+    "token": {"type": "string"}, "path": {"type": "string"}}},
   "Status": {"type": "object", "required": ["version", "you", "broker", "mirror"],
     "description": "For a token that is limited to boards or services: of these alone, without broker address, registries and streams",
     "properties": {"version": {"type": "string"}, "you": {"type": "object"}, "broker": {"type": "object"},

@@ -65,6 +65,13 @@ std::vector<Answer> command_answers() {
             fault(504, "No proof in time: it may or may not have been executed")};
 }
 
+std::vector<Answer> widget_answers() {
+    auto answers = command_answers();
+    answers[0] = {200, "Executed; of a stop, the answer of each board", "Anything"};
+    answers.insert(answers.begin() + 1, {207, "Of a stop: some boards did not confirm it in time", "Stopped"});
+    return answers;
+}
+
 std::vector<Answer> label_answers() {
     return {{200, "Kept; `answer` has all labels and names as they are now", "CommandAnswer"},
             fault(400, "Refused: `invalid`"),
@@ -128,6 +135,13 @@ std::vector<Route> make_routes() {
         {"POST", "/api/stop", "stopAll", "The same on every board", Need::kStop, {kOnce, kWhy}, "", {{200, "All of them are stopped", "Stopped"}, {207, "Some did not confirm it in time", "Stopped"}, kNotReady}, post_stop},
         {"POST", "/api/boards/{board}/resume", "resumeBoard", "Let a board that was stopped take commands again", Need::kStop, {}, "", {{200, "Resumed", "Stopped"}, {207, "Its agent did not answer in time", "Stopped"}, kNotFound, kNotReady}, post_resume_board},
         {"POST", "/api/resume", "resumeAll", "The same for every board that is stopped", Need::kStop, {}, "", {{200, "All of them take commands", "Stopped"}, {207, "Some did not answer in time", "Stopped"}, kNotReady}, post_resume},
+        {"GET", "/api/dashboards", "listDashboards", "The dashboards that you may see", Need::kRead, {}, "", {{200, "All of them", "Dashboards"}}, get_dashboards},
+        {"GET", "/api/dashboards/{dashboard}", "getDashboard", "One dashboard; its version is the ETag", Need::kShown, {}, "", {{200, "The dashboard", "Dashboard"}, kNotFound, kNotReady}, get_dashboard},
+        {"PUT", "/api/dashboards/{dashboard}", "putDashboard", "Make a dashboard, or change it: If-Match has the ETag of the version that is changed", Need::kArrange, {}, "Dashboard", {{200, "Changed", "Dashboard"}, {201, "Made", "Dashboard"}, fault(409, "There are as many as may be, or it is being changed"), fault(412, "It was changed or removed meanwhile, or there is one already (If-None-Match: *)"), fault(428, "There is one already: send If-Match"), kNotReady}, put_dashboard},
+        {"DELETE", "/api/dashboards/{dashboard}", "deleteDashboard", "Remove a dashboard, and with it its links", Need::kArrange, {}, "", {{204, "Removed", ""}, kNotFound, fault(409, "It is being changed"), fault(412, "It was changed meanwhile (If-Match)"), kNotReady}, delete_dashboard},
+        {"POST", "/api/dashboards/{dashboard}/widgets/{widget}", "useWidget", "Set what a switch or a slider controls, or stop the boards of the dashboard", Need::kUse, {}, "WidgetValue", widget_answers(), post_widget},
+        {"POST", "/api/dashboards/{dashboard}/links", "makeLink", "A link that shows this dashboard to whoever has it, and nothing else", Need::kArrange, {}, "LinkRequest", {{201, "The link, with its token: it is not shown again", "Link"}, kNotFound, fault(409, "There are as many as may be, or it is being changed"), kNotReady}, post_link},
+        {"DELETE", "/api/dashboards/{dashboard}/links/{link}", "deleteLink", "End a link at once", Need::kArrange, {}, "", {{204, "Ended", ""}, kNotFound, fault(409, "It is being changed"), kNotReady}, delete_link},
         {"GET", "/metrics", "getMetrics", "What agents, registries and this gateway count, for Prometheus", Need::kRead, metrics_parameters(), "", {{200, "Metrics", "EventStream", "text/plain; version=0.0.4; charset=utf-8"}, fault(400, "A parameter is wrong"), fault(403, "A kiosk sees its boards only"), fault(404, "Metrics are turned off")}, get_metrics},
         {"GET", "/.well-known/wot", "getDirectory", "The Thing Description of the directory", Need::kRead, {}, "", {{200, "The directory", "Thing", "application/td+json"}, fault(404, "Things are turned off")}, get_directory},
         {"GET", "/things", "listThings", "Thing Descriptions of boards, in the order of names; `Link` names the next page", Need::kRead, {{"offset", R"({"type":"integer","minimum":0})", "How many to leave out", "0"}, {"limit", R"({"type":"integer","minimum":1})", "Things a page, at most 250", "10"}}, "", {{200, "One page", "Things", "application/ld+json"}, fault(404, "Things are turned off")}, get_things},
@@ -143,8 +157,8 @@ std::vector<Route> make_routes() {
         {"GET", "/api/models/{name}", "getModel", "One service model", Need::kRead, {}, "", {{200, "The model", "Model"}, kNotFound}, get_model},
         {"GET", "/api/events", "streamEvents", "Changes of the catalogue as Server-Sent Events", Need::kRead, {{"board", kText, "Pattern of board names", R"("*")"}, kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotReady, kTooMany}, get_events},
         {"GET", "/api/boards/{board}/services/{service}/stream", "streamValues", "Values of a service as Server-Sent Events", Need::kRead, {{"max_hz", R"({"type":"number","minimum":0,"maximum":1000})", "The newest value at most so often; 0: each, else at least 0.01", "20"}, kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady, kTooMany}, get_service_stream},
-        {"GET", "/api/stream", "stream", "WebSocket: many subscriptions, commands and answers", Need::kRead, {{"session", kText, "Names the session to which ids of commands belong", ""}}, "", {{101, "The protocol is WebSocket from here on", ""}, fault(426, "No WebSocket was asked for"), kTooMany}, get_stream},
-        {"GET", "/api/status", "getStatus", "Broker, registries, this gateway, and what you may do", Need::kRead, {}, "", {{200, "How it is", "Status"}}, get_status},
+        {"GET", "/api/stream", "stream", "WebSocket: many subscriptions, commands and answers", Need::kShown, {{"session", kText, "Names the session to which ids of commands belong", ""}}, "", {{101, "The protocol is WebSocket from here on", ""}, fault(426, "No WebSocket was asked for"), kTooMany}, get_stream},
+        {"GET", "/api/status", "getStatus", "Broker, registries, this gateway, and what you may do", Need::kShown, {}, "", {{200, "How it is", "Status"}}, get_status},
         {"POST", "/api/codes", "makeCode", "A code that logs a browser in, once, within 30 s", Need::kRead, {}, "", {{200, "The code", "Code"}, kTooMany}, post_code},
         {"DELETE", "/api/session", "endSession", "Log out", Need::kNothing, {}, "", {{204, "Logged out", ""}}, delete_session},
         {"GET", "/api/openapi.json", "getOpenapi", "This document", Need::kNothing, {}, "", {{200, "OpenAPI 3.1", "Anything"}}, get_openapi},

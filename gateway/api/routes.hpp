@@ -10,7 +10,9 @@ namespace asip::gateway::api {
 
 /// What somebody needs to be allowed to. That an answer holds only what they may see is the operation's own
 /// duty: see limits.hpp.
-enum class Need { kNothing, kRead, kCommand, kStop, kLabel, kRaw, kForget };
+/// kShown: to read something, of the own dashboard if nothing else; kUse: to use a control of a dashboard;
+/// kArrange: to make and share dashboards.
+enum class Need { kNothing, kShown, kRead, kCommand, kUse, kStop, kLabel, kRaw, kArrange, kForget };
 
 /// A parameter behind `?`. One that no route has is refused, and so is one that is given twice.
 struct Parameter {
@@ -70,6 +72,13 @@ void post_stop_board(Call& call);
 void post_stop(Call& call);
 void post_resume_board(Call& call);
 void post_resume(Call& call);
+void get_dashboards(Call& call);
+void get_dashboard(Call& call);
+void put_dashboard(Call& call);
+void delete_dashboard(Call& call);
+void post_widget(Call& call);
+void post_link(Call& call);
+void delete_link(Call& call);
 void get_events(Call& call);
 void get_service_stream(Call& call);
 void get_stream(Call& call);
@@ -114,6 +123,11 @@ http::Response response_for(const CommandRecord& record, const std::string& base
 std::optional<Commands::Start> start_of(Call& call);
 /// Null where there is none. Fails with a sentence.
 Expected<nlohmann::json> body_of(const http::Request& request);
+/// Sends a command and answers the call with what becomes of it; `arguments` as its body would have them.
+void send_command(Call& call, const bus::BoardItem& board, const bus::ServiceItem& service,
+                  const std::string& command, nlohmann::json arguments);
+/// Stops these boards and answers when all have answered.
+void stop_boards(Call& call, const std::vector<std::string>& boards);
 
 /// For `{"command":"uno1/servo",...}` of a WebSocket. `client`: for limits, Call::client().
 void websocket_command(Gateway& gateway, const Principal& principal, const std::string& client,

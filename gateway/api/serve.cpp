@@ -59,8 +59,14 @@ bool allowed(const Rights& rights, Need need) {
     switch (need) {
         case Need::kNothing:
             return true;
-        case Need::kRead:
+        case Need::kShown:
             return rights.may_read();
+        case Need::kUse:
+            return rights.may_command() || rights.control;
+        case Need::kArrange:
+            return rights.may_arrange();
+        case Need::kRead:
+            return rights.may_read() && rights.dashboard.empty();
         case Need::kCommand:
             return rights.may_command();
         case Need::kStop:
@@ -129,7 +135,8 @@ void preflight(const http::Request& request, const http::Reply& reply, const std
         response.headers.emplace_back("Access-Control-Allow-Methods", methods);
         response.headers.emplace_back(
             "Access-Control-Allow-Headers",
-            "Authorization, Content-Type, Idempotency-Key, Last-Event-ID, Asip-Session");
+            "Authorization, Content-Type, Idempotency-Key, If-Match, If-None-Match, Last-Event-ID, "
+            "Asip-Session");
         response.headers.emplace_back("Access-Control-Max-Age", "600");
     }
     reply.send(std::move(response));
@@ -165,6 +172,12 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
         response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"asip\"");
         return reply.send(std::move(response));
     }
+    if (!principal.rights.dashboard.empty())
+        return reply.send(problem(
+            403, "this link shows the dashboard " + principal.rights.dashboard + " and nothing else"));
+    if (need == Need::kArrange && principal.rights.may_command())
+        return reply.send(
+            problem(403, "a token that is limited to some boards or services may not change dashboards"));
     const std::string role(to_string(principal.rights.role));
     const bool whole_boards = need != Need::kNothing && need != Need::kRead && need != Need::kCommand;
     if (whole_boards && principal.rights.may_command() && !principal.rights.services.empty())
@@ -178,10 +191,11 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
 
 // Commands are logged with what became of them.
 void log_change(const Call& call) {
-    if (call.request.method != "POST" && call.request.method != "DELETE") return;
+    const auto& method = call.request.method;
+    if (method != "POST" && method != "DELETE" && method != "PUT") return;
     const auto serve = call.route.serve;
     if (serve == post_command || serve == post_raw || serve == post_labels || serve == post_renew ||
-        serve == post_action)
+        serve == post_action || serve == post_widget)
         return;
     log::info("request", {{"by", call.principal.rights.name},
                           {"from", call.peer.address},

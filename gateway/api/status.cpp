@@ -34,15 +34,15 @@ void get_status(Call& call) {
     auto& gateway = call.gateway;
     const auto& mirror = gateway.mirror();
     const auto& rights = call.principal.rights;
-    json you{{"name", rights.name},
-             {"role", to_string(rights.role)},
-             {"raw", rights.may_send_raw()},
-             {"command", rights.may_command()},
-             {"stop", rights.may_stop()},
-             {"label", rights.may_label()},
-             {"forget", rights.may_forget()},
-             {"limited", rights.limited()},
-             {"session", call.principal.kind == Principal::Kind::kSession}};
+    json you{{"name", rights.name},           {"role", to_string(rights.role)},
+             {"raw", rights.may_send_raw()},  {"command", rights.may_command()},
+             {"stop", rights.may_stop()},     {"label", rights.may_label()},
+             {"forget", rights.may_forget()}, {"arrange", rights.may_arrange()},
+             {"limited", rights.limited()},   {"session", call.principal.kind == Principal::Kind::kSession}};
+    if (!rights.dashboard.empty()) {
+        you["dashboard"] = rights.dashboard;
+        you["control"] = rights.control;
+    }
     json broker{{"connected", mirror.connected()}};
     // Where there never was a connection there is no such time.
     if (const auto since = mirror.connected_since().wall; since != text::WallTime{})

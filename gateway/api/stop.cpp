@@ -89,15 +89,21 @@ void post_stop_board(Call& call) {
     ask_all(call, {board->board}, send_stop);
 }
 
-// A board that is lost may have an agent that stops it once it is back: it is sent the stop, and not waited
-// for.
 void post_stop(Call& call) {
     if (!bus_is_there(call)) return;
+    auto boards = call.gateway.mirror().board_names();
+    std::erase_if(boards, [&](const std::string& each) { return !call.sees(each); });
+    stop_boards(call, boards);
+}
+
+// A board that is lost may have an agent that stops it once it is back: it is sent the stop, and not waited
+// for.
+void stop_boards(Call& call, const std::vector<std::string>& boards) {
     std::vector<std::string> alive, lost;
-    for (auto& board : call.gateway.mirror().board_names()) {
+    for (const auto& board : boards) {
         const auto item = call.gateway.mirror().board(board, call.now());
-        if (!item || item->names_only || !call.sees(board)) continue;
-        (item->state == "lost" || item->state == "offline" ? lost : alive).push_back(std::move(board));
+        if (!item || item->names_only) continue;
+        (item->state == "lost" || item->state == "offline" ? lost : alive).push_back(board);
     }
     ask_all(call, alive, send_stop);
     for (const auto& board : lost)

@@ -7,6 +7,7 @@
 #include "gateway/api/routes.hpp"
 #include "gateway/api/streams.hpp"
 #include "gateway/auth/secret.hpp"
+#include "gateway/dashboard/feed.hpp"
 #include "gateway/stream/channel.hpp"
 #include "gateway/stream/value_feed.hpp"
 
@@ -86,7 +87,8 @@ Expected<std::unique_ptr<Feed>> value_feed(const Reader& reader, const std::stri
                                            Resume after) {
     const auto slash = target.find('/');
     if (slash == std::string::npos || target.find('/', slash + 1) != std::string::npos)
-        return fail("subscribe: must be \"BOARD/SERVICE\", patterns allowed, or \"$catalogue\"");
+        return fail(
+            "subscribe: must be \"BOARD/SERVICE\", patterns allowed, \"$catalogue\" or \"$dashboard\"");
     ValueFeed::Options options;
     options.board = target.substr(0, slash);
     options.service = target.substr(slash + 1);
@@ -106,10 +108,43 @@ Expected<std::unique_ptr<Feed>> value_feed(const Reader& reader, const std::stri
     return std::make_unique<ValueFeed>(reader.gateway.mirror().values(), std::move(options));
 }
 
+Expected<std::unique_ptr<Feed>> dashboard_feed(const Reader& reader, const json& request, double max_hz) {
+    const auto name = request.find("name");
+    if (name == request.end() || !name->is_string()) return fail("name: which dashboard");
+    if (request.contains("after")) return fail("after: a dashboard begins with its present state");
+    DashboardFeed::Options options;
+    options.name = name->get<std::string>();
+    options.rights = reader.rights;
+    const auto& own = reader.rights.dashboard;
+    if (!own.empty() && own != options.name)
+        return fail("this link shows the dashboard " + own + " and nothing else");
+    if (max_hz > 0) options.max_hz = max_hz;
+    options.demand = [&demander = reader.gateway.demander(), hz = options.max_hz](
+                         const std::string& board, const std::string& service) -> std::shared_ptr<void> {
+        return demander.want(board, service, hz);
+    };
+    options.part = [reader] { return reader.part(); };
+    return std::make_unique<DashboardFeed>(reader.gateway.dashboards(), reader.gateway.mirror(),
+                                           std::move(options), reader.gateway.now());
+}
+
+Expected<double> max_hz_of(const json& request) {
+    const auto found = request.find("max_hz");
+    if (found == request.end()) return 0;
+    const double max_hz = found->is_number() ? found->get<double>() : 0;
+    if (!(max_hz >= kMinHz && max_hz <= kMaxHz)) return fail("max_hz: must be a number from 0.01 to 1000");
+    return max_hz;
+}
+
 Expected<std::unique_ptr<Feed>> feed_for(const Reader& reader, const json& request) {
     if (!reader.gateway.mirror().ready()) return fail("the broker is not connected; try again in a moment");
     const auto& target = request["subscribe"];
     if (!target.is_string()) return fail("subscribe: must be a string");
+    const auto max_hz = max_hz_of(request);
+    if (!max_hz) return Unexpected<std::string>(max_hz.error());
+    if (target == "$dashboard") return dashboard_feed(reader, request, *max_hz);
+    if (const auto& own = reader.rights.dashboard; !own.empty())
+        return fail("this link shows the dashboard " + own + " and nothing else");
     auto after = resume_of(request);
     if (!after) return Unexpected<std::string>(after.error());
     if (target == "$catalogue") {
@@ -119,13 +154,7 @@ Expected<std::unique_ptr<Feed>> feed_for(const Reader& reader, const json& reque
         return catalogue_feed(reader, named ? board->get<std::string>() : std::string(),
                               std::move(after->place));
     }
-    double max_hz = 0;
-    if (const auto found = request.find("max_hz"); found != request.end()) {
-        max_hz = found->is_number() ? found->get<double>() : 0;
-        if (!(max_hz >= kMinHz && max_hz <= kMaxHz))
-            return fail("max_hz: must be a number from 0.01 to 1000");
-    }
-    return value_feed(reader, target.get<std::string>(), max_hz, std::move(*after));
+    return value_feed(reader, target.get<std::string>(), *max_hz, std::move(*after));
 }
 
 Reader reader_of(const Call& call) {

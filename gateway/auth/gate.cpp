@@ -5,6 +5,7 @@
 
 #include "asip/text/printable.hpp"
 #include "gateway/auth/forwarded.hpp"
+#include "gateway/auth/secret.hpp"
 #include "gateway/http/address.hpp"
 
 namespace asip::gateway {
@@ -119,12 +120,29 @@ std::string Gate::cookie_of(const http::Request& request, std::string_view name)
     return {};
 }
 
+// Of the tokens' file, or of a link that is kept with its dashboard. Where that is not there any more, there
+// is nothing to be seen.
+Expected<Rights, Denied> Gate::rights_of(std::string_view token, const Instant& now, int status,
+                                         const char* fault) const {
+    const auto* named = tokens_.find(token);
+    std::optional<Rights> rights;
+    if (named != nullptr) rights = *named;
+    if (!rights && shared_.link && !token.empty()) rights = shared_.link(hash_of(token));
+    const bool over = !rights || (rights->until && *rights->until <= now.wall) ||
+                      (!rights->dashboard.empty() && shared_.there && !shared_.there(rights->dashboard));
+    if (!over) return std::move(*rights);
+    // It may be a link of a dashboard that was not heard of yet.
+    if (!rights && shared_.known && !shared_.known())
+        return Unexpected<Denied>(
+            Denied{503, "what the broker retains is still being read; try again in a moment"});
+    return Unexpected<Denied>(Denied{status, fault});
+}
+
 Expected<Principal, Denied> Gate::who(const http::Request& request, const Instant& now) const {
     if (const auto token = bearer(request)) {
-        const auto* rights = tokens_.find(*token);
-        if (rights == nullptr || (rights->until && *rights->until <= now.wall))
-            return Unexpected<Denied>(Denied{401, "the token is not known, or has expired"});
-        return Principal{*rights, Principal::Kind::kToken};
+        auto rights = rights_of(*token, now, 401, "the token is not known, or has expired");
+        if (!rights) return Unexpected<Denied>(std::move(rights.error()));
+        return Principal{std::move(*rights), Principal::Kind::kToken};
     }
     if (const auto cookie = cookie_of(request); !cookie.empty()) {
         if (auto rights = logins_.session(cookie, now.time)) {
@@ -156,16 +174,23 @@ Expected<Principal, Denied> Gate::admit_link(const http::Request& request, std::
                                              const Instant& now) const {
     if (auto denied = wrong_host(request)) return Unexpected<Denied>(std::move(*denied));
     if (auto denied = wrong_origin(request)) return Unexpected<Denied>(std::move(*denied));
-    if (!is_safe(request)) return Unexpected<Denied>(Denied{403, "a kiosk's link may only read"});
-    const auto* rights = tokens_.find(token);
-    if (rights == nullptr || rights->role != Role::kKiosk || (rights->until && *rights->until <= now.wall))
-        return Unexpected<Denied>(Denied{404, "this link is not valid, or not any more"});
-    return Principal{*rights, Principal::Kind::kToken};
+    constexpr const char* kNotValid = "this link is not valid, or not any more";
+    auto rights = rights_of(token, now, 404, kNotValid);
+    if (!rights) return Unexpected<Denied>(std::move(rights.error()));
+    if (rights->role != Role::kKiosk) return Unexpected<Denied>(Denied{404, kNotValid});
+    const bool uses_controls = rights->control && request.method == "POST";
+    if (!is_safe(request) && !uses_controls)
+        return Unexpected<Denied>(Denied{403, "a kiosk's link may only read"});
+    if (uses_controls && !is_json(request.header("content-type")))
+        return Unexpected<Denied>(Denied{415, "send Content-Type: application/json"});
+    return Principal{std::move(*rights), Principal::Kind::kToken};
 }
 
 bool Gate::still_admitted(const Principal& principal, const Instant& now) const {
     const auto& rights = principal.rights;
     if (rights.until && *rights.until <= now.wall) return false;
+    if (!rights.dashboard.empty() && shared_.there && !shared_.there(rights.dashboard)) return false;
+    if (rights.name.find('@') != std::string::npos) return shared_.holds && shared_.holds(rights);
     if (principal.kind == Principal::Kind::kAnonymous || principal.kind == Principal::Kind::kLoopback)
         return true;
     if (principal.kind == Principal::Kind::kSession && !logins_.session(principal.cookie, now.time))

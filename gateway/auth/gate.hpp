@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,18 @@ class Gate {
 
     Gate(Options options, Secrets secrets) : options_(std::move(options)), logins_(std::move(secrets)) {}
 
+    /// What the gate is told of dashboards, whose links are kept with them.
+    struct Shared {
+        /// What a link allows, by the hash of its token.
+        std::function<std::optional<Rights>(std::string_view hash)> link;
+        /// Whether the link that gave these rights still does.
+        std::function<bool(const Rights& rights)> holds;
+        /// Whether there may be such a dashboard: also while that is not known yet.
+        std::function<bool(const std::string& dashboard)> there;
+        std::function<bool()> known;  ///< all of them have been read
+    };
+    void set_shared(Shared shared) { shared_ = std::move(shared); }
+
     /// In place of those of before; log-ins by tokens that are gone or changed end. Ask still_admitted() of
     /// whoever was admitted by them.
     void set_tokens(Tokens tokens);
@@ -57,7 +70,7 @@ class Gate {
     /// 403: a page of another site, or a proxy that nobody was told of; 415: a change that is not JSON; 401.
     Expected<Principal, Denied> admit(const http::Request& request, const Instant& now) const;
     /// The same for what is below `/kiosk/TOKEN/`: the token of a kiosk, and nothing else that the request
-    /// brings, decides what it may; it may read only.
+    /// brings, decides what it may; it may read only, unless it may use the controls of its dashboard.
     Expected<Principal, Denied> admit_link(const http::Request& request, std::string_view token,
                                            const Instant& now) const;
     /// Whether somebody admitted earlier still is: for open streams. A token that was changed or replaced
@@ -76,7 +89,11 @@ class Gate {
     Expected<Principal, Denied> who(const http::Request& request, const Instant& now) const;
     bool in_force(const Rights& rights) const;
 
+    Expected<Rights, Denied> rights_of(std::string_view token, const Instant& now, int status,
+                                       const char* fault) const;
+
     Options options_;
+    Shared shared_;
     Tokens tokens_;
     Logins logins_;
 };

@@ -25,16 +25,16 @@ std::string_view to_string(Role role) {
 }
 
 bool Rights::sees_board(std::string_view board) const {
-    return any_matches(boards, board);
+    return dashboard.empty() && any_matches(boards, board);
 }
 
 bool Rights::sees_service(std::string_view board, std::string_view service) const {
-    return any_matches(boards, board) && any_matches(services, service);
+    return sees_board(board) && any_matches(services, service);
 }
 
 std::string Rights::seen() const {
     if (!limited()) return {};
-    std::string text;
+    std::string text = dashboard;
     for (const auto* patterns : {&boards, &services}) {
         for (const auto& each : *patterns)
             text.append(each).append(",");

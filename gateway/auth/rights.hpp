@@ -30,6 +30,8 @@ struct Rights {
     std::vector<std::string> boards;      ///< patterns (`*` any text, `?` any one character); empty: all
     std::vector<std::string> services;    ///< patterns of services, on every board that is seen; empty: all
     std::vector<std::string> frames;      ///< kKiosk: origins whose pages may show it
+    std::string dashboard;                ///< kKiosk: sees this dashboard and nothing else; empty: no such
+    bool control = false;                 ///< may use the switches, sliders and stops of its dashboard
     std::optional<text::WallTime> until;  ///< when they end; nothing: never
     /// The hash of the token that gives them; empty: none does. Another token with the same name and the same
     /// rights gives other rights.
@@ -44,11 +46,13 @@ struct Rights {
     bool may_label() const { return may_stop(); }
     bool may_send_raw() const { return may_stop() && (raw || role == Role::kAdmin); }
     bool may_forget() const { return role == Role::kAdmin && services.empty(); }
+    /// Make, change, share and remove dashboards: who may do so gives others rights of its own.
+    bool may_arrange() const { return may_command() && !limited(); }
     /// By the patterns alone: whether anything may be read is the role's to say.
     bool sees_board(std::string_view board) const;
     bool sees_service(std::string_view board, std::string_view service) const;
     /// Some boards or services are hidden from it, now or once they are there.
-    bool limited() const { return !boards.empty() || !services.empty(); }
+    bool limited() const { return !boards.empty() || !services.empty() || !dashboard.empty(); }
     /// Of what is seen: equal for rights that see the same by the same patterns; empty: everything.
     std::string seen() const;
     friend bool operator==(const Rights&, const Rights&) = default;

@@ -43,8 +43,15 @@ Expected<void> read_member(Rights& rights, const std::string& word) {
         rights.services = split(value, ',');
     } else if (name == "frames") {
         rights.frames = split(value, ',');
+    } else if (name == "dashboard") {
+        if (rights.role != Role::kKiosk) return fail("dashboard=: only for a kiosk");
+        if (!model::valid_name(value)) return fail("\"" + value + "\" is not a name of a dashboard");
+        rights.dashboard = value;
+    } else if (name == "control") {
+        if (value != "yes" && value != "no") return fail("control: must be yes or no");
+        rights.control = value == "yes";
     } else {
-        return fail("\"" + name + "\" is none of until, boards, services and frames");
+        return fail("\"" + name + "\" is none of until, boards, services, frames, dashboard and control");
     }
     return {};
 }
@@ -82,6 +89,9 @@ Expected<Tokens> Tokens::parse(std::string_view text) {
         for (std::size_t i = 3; i < words.size(); ++i) {
             if (auto member = read_member(*rights, words[i]); !member) return wrong(member.error());
         }
+        if (rights->control && rights->dashboard.empty()) return wrong("control=yes needs dashboard=NAME");
+        if (!rights->dashboard.empty() && !(rights->boards.empty() && rights->services.empty()))
+            return wrong("dashboard=NAME says what is seen; leave out boards and services");
         rights->token_hash = words[2];
         tokens.tokens_.push_back(std::move(*rights));
     }
@@ -138,6 +148,8 @@ std::string token_line(const Rights& rights, std::string_view hash) {
     if (!rights.boards.empty()) line += " boards=" + joined(rights.boards);
     if (!rights.services.empty()) line += " services=" + joined(rights.services);
     if (!rights.frames.empty()) line += " frames=" + joined(rights.frames);
+    if (!rights.dashboard.empty()) line += " dashboard=" + rights.dashboard;
+    if (rights.control) line += " control=yes";
     return line;
 }
 

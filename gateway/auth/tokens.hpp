@@ -9,9 +9,9 @@
 
 namespace asip::gateway {
 
-/// The tokens file: lines `ROLE NAME HASH [until=TIME] [boards=A,B] [services=C] [frames=ORIGIN]`, `#`
-/// comments. Only hashes are kept. A value: it does not follow the file. Pointers that it gives are valid as
-/// long as it is not assigned to.
+/// The tokens file: lines `ROLE NAME HASH [until=TIME] [boards=A,B] [services=C] [frames=ORIGIN]
+/// [dashboard=NAME [control=yes]]`, `#` comments. Only hashes are kept. A value: it does not follow the file.
+/// Pointers that it gives are valid as long as it is not assigned to.
 class Tokens {
   public:
     /// Fails with the line's number and a sentence; two tokens of one name are a fault.

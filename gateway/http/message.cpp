@@ -160,6 +160,8 @@ std::string_view reason_phrase(int status) {
             return "Switching Protocols";
         case 200:
             return "OK";
+        case 201:
+            return "Created";
         case 202:
             return "Accepted";
         case 207:
@@ -190,6 +192,8 @@ std::string_view reason_phrase(int status) {
             return "Conflict";
         case 411:
             return "Length Required";
+        case 412:
+            return "Precondition Failed";
         case 413:
             return "Content Too Large";
         case 414:
@@ -202,6 +206,8 @@ std::string_view reason_phrase(int status) {
             return "Unprocessable Content";
         case 426:
             return "Upgrade Required";
+        case 428:
+            return "Precondition Required";
         case 429:
             return "Too Many Requests";
         case 431:

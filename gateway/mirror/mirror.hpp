@@ -66,6 +66,8 @@ class Mirror {
     /// The catalogue holds at least what the broker retains, and the bus is heard.
     bool ready() const { return complete_ && subscribed_; }
     bool complete() const { return complete_; }
+    /// What the broker retains is being read, since the connection began.
+    bool reading() const { return !mark_.empty(); }
     bool connected() const { return subscribed_; }
     Instant connected_since() const { return since_; }
 

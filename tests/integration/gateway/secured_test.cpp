@@ -57,6 +57,10 @@ TEST_F(SecuredGateway, ShippedRules_AllowWhatItDoes) {
     EXPECT_EQ(post(port, "/api/boards/uno1/raw", R"({"lines":["I,P,13,3"]})").status, 200);
     EXPECT_EQ(post(port, "/api/boards/uno1/raw", R"({"lines":["I,d,99,1"]})").status, 422);
     EXPECT_EQ(post(port, "/api/stop").status, 200);
+    EXPECT_EQ(request(port, "PUT", "/api/dashboards/lab", R"({"widgets":[]})",
+                      {{"Content-Type", "application/json"}})
+                  .status,
+              201);
     BusProbe paper_only(broker_.port(), {}, {.user = "B4", .password = "of-B4"});
     paper_only.publish("asip/servicebus/B4", "S1");
     EXPECT_TRUE(wait_until([&] { return get(port, "/api/boards/B4/services/S1").status == 200; }));

@@ -128,6 +128,8 @@ TEST_F(TableOfRules, TopicsThatAreInNoRow_AreDeniedToEverybody) {
                                       "asip/export",
                                       "asip/export/ha",
                                       "asip/export/wot",
+                                      "asip/export/dashboard",
+                                      "asip/export/dashboard/n1/x",
                                       "asip/export/other/x",
                                       "asip/export/ha/in",
                                       "asip/export/in",

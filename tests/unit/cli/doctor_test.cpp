@@ -73,7 +73,8 @@ TEST(FindLingering, RetainedRequestsOfEveryKind_AreCommands) {
                                             "asip/uno1/servo/in"};
     std::vector<Retained> all{{"asip/servicebus/uno1/$state", "online"},
                               {"asip/servicebus/uno1/$description", kUno1},
-                              {"asip/uno1/servo/set", "{}"}};
+                              {"asip/uno1/servo/set", "{}"},
+                              {"asip/export/dashboard/lab", "{}"}};
     for (const auto& topic : requests)
         all.push_back({topic, "x"});
     const auto found = find_lingering(kTopics, all);
@@ -329,6 +330,9 @@ TEST(Doctor, HomeAssistantWithoutAGatewayThatExports_IsReported) {
     seen.retained[0].payload = "online";
     EXPECT_EQ(check_exports(seen)[0].what, "a gateway shows 1 boards to Home Assistant");
     EXPECT_EQ(check_exports(seen)[0].level, Level::kFine);
+    seen.retained.push_back({"asip/export/dashboard/lab", "{}"});
+    ASSERT_EQ(check_exports(seen).size(), 2U);
+    EXPECT_EQ(check_exports(seen)[0].what, "1 dashboard is kept on the bus");
 }
 
 TEST(LookAtMachine, FilesOfAMachine_AreRead) {

@@ -131,10 +131,13 @@ TEST(SecureRoles, WhatAUserLeft_IsAllOfItAndNothingOfOthers) {
 
 /// Commands say nowhere whose they are: then it is said that they are there.
 TEST(SecureRoles, WhatStandsUnderNobodysName_IsNamedForRolesThatMayHaveLeftIt) {
-    const std::vector<Retained> retained{
-        {"asip/uno1/in", "#,R"},         {"asip/servicebus/uno1/$demand/bob/c1", "{}"},
-        {"asip/registry/forget", "{}"},  {"asip/registry/hall/$stats", "{}"},
-        {"asip/export/ha/$lease", "{}"}, {"homeassistant/device/uno1/config", "{}"}};
+    const std::vector<Retained> retained{{"asip/uno1/in", "#,R"},
+                                         {"asip/servicebus/uno1/$demand/bob/c1", "{}"},
+                                         {"asip/registry/forget", "{}"},
+                                         {"asip/registry/hall/$stats", "{}"},
+                                         {"asip/export/ha/$lease", "{}"},
+                                         {"homeassistant/device/uno1/config", "{}"},
+                                         {"asip/export/dashboard/lab", "{}"}};
     const auto of = [&](Role role) { return unnamed_of(bus::Topics(), retained, role); };
     EXPECT_EQ(of(Role::kOperator), "2 commands");
     EXPECT_EQ(of(Role::kGateway), "2 commands, 2 exports");

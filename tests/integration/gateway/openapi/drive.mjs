@@ -87,6 +87,11 @@ async function streams(path, headers = {}) {
   return { status: last.status, headers: last.headers, text };
 }
 
+const slider = (id, board, servo) => ({ id, kind: "slider", board, service: "servo", command: "write", args: { servo }, argument: "angle", min: 0, max: 180 });
+const lab = { title: "Lab", widgets: [slider("turn", "uno1", 0), slider("ninth", "uno1", 9), slider("away", "lost", 0), slider("frost", "frozen", 0)] };
+const cold = { title: "Cold", widgets: [slider("frost", "frozen", 0), { id: "halt", kind: "stop" }] };
+const make = (name, dashboard) => send("PUT", `/api/dashboards/${name}`, { body: dashboard, headers: { "If-Match": "*" } });
+
 // How to bring each status about. What holds for all operations is made below.
 const cases = {
   up: {
@@ -141,6 +146,24 @@ const cases = {
     getHealth: { 200: get("/healthz") },
     getReady: { 200: get("/readyz") },
     makeCode: { 200: post("/api/codes") },
+    listDashboards: { 200: get("/api/dashboards") },
+    getDashboard: { 200: async () => { await make("lab", lab); return get("/api/dashboards/lab")(); }, 404: get("/api/dashboards/none") },
+    putDashboard: {
+      200: put("/api/dashboards/lab", lab, { "If-Match": "*" }), 201: put("/api/dashboards/other", lab), 400: put("/api/dashboards/lab", { widgets: [{ kind: "lamb" }] }),
+      412: put("/api/dashboards/lab", lab, { "If-Match": '"0"' }), 428: put("/api/dashboards/lab", lab),
+    },
+    useWidget: {
+      200: post("/api/dashboards/lab/widgets/turn", { value: 90 }), 207: async () => { await make("cold", cold); return post("/api/dashboards/cold/widgets/halt")(); }, 400: post("/api/dashboards/lab/widgets/turn", { value: 900 }),
+      404: post("/api/dashboards/lab/widgets/none", { value: 1 }), 422: post("/api/dashboards/lab/widgets/ninth", { value: 90 }),
+      409: () => twice("/api/dashboards/lab/widgets/turn", { value: 10 }, { value: 11 }, "turned"),
+      503: post("/api/dashboards/lab/widgets/away", { value: 90 }), 504: post("/api/dashboards/lab/widgets/frost", { value: 90 }),
+    },
+    makeLink: { 201: post("/api/dashboards/lab/links", { name: "hall", until: "1h" }), 404: post("/api/dashboards/none/links") },
+    deleteLink: { 204: () => send("DELETE", "/api/dashboards/lab/links/hall"), 404: () => send("DELETE", "/api/dashboards/lab/links/none") },
+    deleteDashboard: {
+      204: async () => { await make("brief", lab); return send("DELETE", "/api/dashboards/brief"); }, 404: () => send("DELETE", "/api/dashboards/none"),
+      412: async () => { await make("lab", lab); return send("DELETE", "/api/dashboards/lab", { headers: { "If-Match": '"0"' } }); },
+    },
     getDirectory: { 200: get("/.well-known/wot") },
     listThings: { 200: get("/things?limit=10") },
     getThing: { 200: get("/things/uno1"), 404: get("/things/none") },
@@ -162,6 +185,7 @@ const cases = {
     labelBoard: { 429: () => flood("/api/boards/uno1/labels", { labels: { room: "lab" } }) },
     loadBoard: { 429: () => flood("/api/boards/uno1/load", { firmware: "AsipServices" }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
+    useWidget: { 429: () => flood("/api/dashboards/lab/widgets/turn", { value: 90 }) },
     writeProperty: { 429: () => flood(angle, 90, "PUT") },
   },
   // The registry is stopped, and one client may keep 256 kB.
@@ -184,6 +208,10 @@ const cases = {
     getHistory: { 503: get("/api/history") },
     getValue: { 503: get("/api/boards/uno1/services/distance/value?wait=1") },
     renewCommand: { 503: post("/api/commands/none/renew") },
+    putDashboard: { 503: put("/api/dashboards/new", lab) },
+    deleteDashboard: { 503: () => send("DELETE", "/api/dashboards/lab") },
+    makeLink: { 503: post("/api/dashboards/lab/links") },
+    deleteLink: { 503: () => send("DELETE", "/api/dashboards/lab/links/hall") },
     stopBoard: { 503: post("/api/boards/uno1/stop") },
     stopAll: { 503: post("/api/stop") },
     resumeBoard: { 503: post("/api/boards/uno1/resume") },
@@ -199,8 +227,10 @@ const cases = {
   nohistory: { getBoardHistory: { 404: get("/api/boards/uno1/history") }, getHistory: { 404: get("/api/history") } },
 };
 
-// What no board here does: api_things_test.cpp and tests/box bring it about.
-const elsewhere = { loadBoard: [200], writeProperty: [422], invokeAction: [204, 409, 422, 429, 503, 504] };
+// What no board here does: api_things_test.cpp and tests/box bring it about. What a second editor or a gateway that has just begun
+// meets: api_dashboards_test.cpp.
+const elsewhere = { loadBoard: [200], writeProperty: [422], invokeAction: [204, 409, 422, 429, 503, 504],
+  getDashboard: [503], putDashboard: [409], deleteDashboard: [409], makeLink: [409], deleteLink: [409] };
 
 const document = JSON.parse((await send("GET", "/api/openapi.json")).text);
 let failures = 0;
@@ -213,7 +243,7 @@ const ajv = new Ajv({ strict: false });
 ajv.addSchema({ $id: "document", components: document.components });
 
 function sample(path) {
-  return path.replace("/things/{id}", "/things/uno1").replace("{property}", "servo-0-angle").replace("{action}", "none").replace("{type}", "thing_created").replace("{board}", "uno1").replace("{service}", "servo").replace("{command}", "write").replace("{name}", "servo").replace("{id}", "known");
+  return path.replace("/things/{id}", "/things/uno1").replace("{property}", "servo-0-angle").replace("{action}", "none").replace("{type}", "thing_created").replace("{dashboard}", "lab").replace("{widget}", "turn").replace("{link}", "none").replace("{board}", "uno1").replace("{service}", "servo").replace("{command}", "write").replace("{name}", "servo").replace("{id}", "known");
 }
 function common(method, path, operation) {
   const body = method === "POST" || method === "PUT" ? { body: {} } : {};

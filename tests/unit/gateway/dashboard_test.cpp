@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a dashboard may be, what its widgets read and send, and how it is kept on the bus.
+#include <gmock/gmock.h>
+
+#include "clock.hpp"
+#include "gateway/api/openapi_schemas.hpp"
+#include "gateway/dashboard/dashboards.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string with(const std::string& widget) {
+    return R"({"title":"Lab","widgets":[)" + widget + "]}";
+}
+std::string fault_of(const std::string& text) {
+    const auto parsed = parse_dashboard(text);
+    return parsed ? std::string() : parsed.error();
+}
+Widget widget(const std::string& text) {
+    const auto parsed = parse_dashboard(with(text));
+    if (!parsed) throw std::runtime_error(parsed.error());
+    return parsed->widgets.front();
+}
+
+TEST(Dashboard, ExampleOfTheDocument_IsReadAndKeptAsItIs) {
+    const auto parsed = parse_dashboard(api::kDashboardExample);
+    ASSERT_TRUE(parsed) << parsed.error();
+    ASSERT_EQ(parsed->widgets.size(), 6u);
+    EXPECT_EQ(parsed->widgets[0].id, "w1");
+    EXPECT_THAT(parsed->boards(), ElementsAre("desk", "lamp"));
+    auto again = *parsed;
+    again.links.push_back({"hall", "ab", "ann", true, text::parse_iso_time("2027-01-31T00:00:00.000Z")});
+    const auto kept = parse_kept_dashboard(kept_text(again));
+    ASSERT_TRUE(kept) << kept.error();
+    EXPECT_EQ(kept_text(*kept), kept_text(again));
+    EXPECT_EQ(etag_of(*kept), etag_of(*parsed)) << "a link is no change of what is shown";
+    EXPECT_FALSE(to_json(*kept).dump().find("hash") != std::string::npos);
+}
+
+TEST(Dashboard, Faults_AreNamedWithTheirPlace) {
+    EXPECT_THAT(fault_of("{"), HasSubstr("not JSON"));
+    EXPECT_THAT(fault_of("[]"), HasSubstr("must be an object"));
+    EXPECT_THAT(fault_of("{}"), HasSubstr("widgets must be an array"));
+    EXPECT_THAT(fault_of(R"({"widget":[]})"), HasSubstr("no member \"widget\""));
+    EXPECT_THAT(fault_of(with("7")), HasSubstr("widget 1: must be an object"));
+    EXPECT_THAT(fault_of(with("{}")), HasSubstr("widget 1: kind is missing: value, plot"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"lamb"})")), HasSubstr("did you mean \"lamp\"?"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"stop","colour":"red"})")), HasSubstr("no member \"colour\""));
+    EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a b","service":"io","event":"x"})")),
+                HasSubstr("board: \"a b\" is not a name"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a","service":"io"})")),
+                HasSubstr("event is missing"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"switch","board":"a","service":"io","command":"write"})")),
+                HasSubstr("argument is missing"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"slider","board":"a","service":"s","command":"w","argument":"x",
+                                  "min":5,"max":5})")),
+                HasSubstr("min must be below max"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"stop","id":"a"},{"kind":"stop","id":"a"})")),
+                HasSubstr("two have the id a"));
+    EXPECT_THAT(fault_of(R"({"title":7,"widgets":[]})"), HasSubstr("title must be a text"));
+    std::string many;
+    for (int i = 0; i < 49; ++i)
+        many += std::string(i > 0 ? "," : "") + R"({"kind":"stop"})";
+    EXPECT_THAT(fault_of(with(many)), HasSubstr("at most 48"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"stop","title":")" + std::string(20'000, 'x') + "\"}")),
+                HasSubstr("not JSON"));
+    for (const auto* name : {"in", "out", "error", "set", "a b", "", "a/b", ".."})
+        EXPECT_FALSE(valid_dashboard_name(name)) << name;
+    EXPECT_TRUE(valid_dashboard_name("lab-1"));
+}
+
+TEST(Dashboard, Widgets_ReadTheirOwnPartOfAReport) {
+    const auto read = [](const char* event, const char* key, const char* report) {
+        const auto made = widget(R"({"kind":"value","board":"a","service":"b","event":")" +
+                                 std::string(event) + R"(","key":")" + key + "\"}");
+        const auto value = made.read_report(json::parse(report));
+        return value ? value->dump() : "nothing";
+    };
+    EXPECT_EQ(read("distance", "1", R"({"distance":[42,118]})"), "118");
+    EXPECT_EQ(read("distance", "7", R"({"distance":[42,118]})"), "nothing");
+    EXPECT_EQ(read("analog", "3", R"({"analog":{"0":1,"3":17}})"), "17");
+    EXPECT_EQ(read("analog", "4", R"({"analog":{"0":1,"3":17}})"), "nothing");
+    EXPECT_EQ(read("encoders", "0.count", R"({"encoders":[{"pulse":3000,"count":11}]})"), "11");
+    EXPECT_EQ(read("heat", "", R"({"heat":21.5})"), "21.5");
+    EXPECT_EQ(read("heat", "", R"({"other":1})"), "nothing");
+    EXPECT_EQ(read("heat", "", "[1]"), "nothing");
+    EXPECT_EQ(read("heat", "99999999999999999999", R"({"heat":[1]})"), "nothing");
+}
+
+TEST(Dashboard, Widgets_ReadTheirOwnPartOfWhatWasSet) {
+    const auto read = [](const char* command, const char* args, const char* argument, const char* set) {
+        const auto made =
+            widget(R"({"kind":"slider","board":"a","service":"b","command":")" + std::string(command) +
+                   R"(","args":)" + args + R"(,"argument":")" + argument + "\"}");
+        return made.read_set(json::parse(set)).dump();
+    };
+    EXPECT_EQ(read("write", R"({"pin":13})", "level", R"({"write":{"12":0,"13":1}})"), "1");
+    EXPECT_EQ(read("write", R"({"pin":14})", "level", R"({"write":{"13":1}})"), "null");
+    EXPECT_EQ(read("drive", "{}", "power1", R"({"drive":{"power0":10,"power1":20}})"), "20");
+    EXPECT_EQ(read("tone", R"({"beeper":0})", "hz", R"({"tone":{"0":{"hz":440,"ms":9}}})"), "440");
+    EXPECT_EQ(read("report", "{}", "period", R"({"report":100})"), "100");
+    EXPECT_EQ(read("report", "{}", "period", "null"), "null");
+}
+
+TEST(Dashboard, Controls_SendWhatTheyMayAndNothingElse) {
+    const auto lamp = widget(
+        R"({"kind":"switch","board":"a","service":"io","command":"write","args":{"pin":13},"argument":"level"})");
+    EXPECT_EQ(lamp.arguments(1).dump(), R"({"level":1,"pin":13})");
+    EXPECT_TRUE(lamp.may_send(0));
+    EXPECT_FALSE(lamp.may_send(2));
+    EXPECT_FALSE(lamp.may_send(json::object()));
+    const auto slider = widget(
+        R"({"kind":"slider","board":"a","service":"s","command":"w","argument":"x","min":-5,"max":5})");
+    EXPECT_TRUE(slider.may_send(-5));
+    EXPECT_FALSE(slider.may_send(5.1));
+    EXPECT_FALSE(slider.may_send("5"));
+    EXPECT_FALSE(slider.may_send(nullptr));
+}
+
+/// Its messages go to a broker that keeps them, and sends them to all.
+class KeptDashboards : public testing::Test {
+  protected:
+    Dashboards::Port port() {
+        return {[this](mqtt::Message message) {
+                    sent_.push_back(std::move(message));
+                    return !full_;
+                },
+                [this] { ++changes_; }, [this](const std::string& sentence) { logged_.push_back(sentence); }};
+    }
+    static mqtt::Message message(const std::string& name, const std::string& payload) {
+        mqtt::Message message;
+        message.topic = "asip/export/dashboard/" + name;
+        message.payload = payload;
+        return message;
+    }
+    static Dashboard titled(const std::string& title) {
+        Dashboard dashboard;
+        dashboard.title = title;
+        return dashboard;
+    }
+    void read(const std::vector<std::string>& names) {
+        all_.subscribed();
+        for (const auto& name : names)
+            all_.take(message(name, R"({"title":"T","widgets":[]})"));
+        all_.complete();
+    }
+    Dashboards::Done told(const std::string& what) {
+        return [this, what](const std::string& error) { told_.push_back(what + ": " + error); };
+    }
+    void echo() {
+        for (const auto& each : std::exchange(sent_, {}))
+            all_.take(each);
+    }
+
+    std::vector<mqtt::Message> sent_;
+    std::vector<std::string> logged_, told_;
+    int changes_ = 0;
+    bool full_ = false;
+    Dashboards all_{"asip", port()};
+};
+
+TEST_F(KeptDashboards, Write_CountsOnceTheBrokerHasSentItBack) {
+    read({});
+    all_.write("lab", titled("Lab"), at(0s).time, told("made"));
+    EXPECT_EQ(all_.find("lab"), nullptr);
+    EXPECT_TRUE(all_.busy("lab"));
+    ASSERT_EQ(sent_.size(), 1u);
+    EXPECT_TRUE(sent_[0].retain);
+    EXPECT_EQ(sent_[0].qos, 1);
+    echo();
+    EXPECT_THAT(told_, ElementsAre("made: "));
+    ASSERT_NE(all_.find("lab"), nullptr);
+    all_.write("lab", std::nullopt, at(0s).time, told("removed"));
+    echo();
+    EXPECT_EQ(all_.find("lab"), nullptr);
+    EXPECT_THAT(told_, ElementsAre("made: ", "removed: "));
+}
+
+TEST_F(KeptDashboards, WriteThatTheBrokerDoesNotKeep_IsAFault) {
+    read({});
+    all_.write("lab", titled("Lab"), at(0s).time, told("denied"));
+    all_.tick(at(4s).time);
+    EXPECT_TRUE(told_.empty());
+    all_.tick(at(5s).time);
+    full_ = true;
+    all_.write("lab", titled("Lab"), at(6s).time, told("full"));
+    full_ = false;
+    all_.disconnected();
+    all_.write("lab", titled("Lab"), at(6s).time, told("away"));
+    ASSERT_EQ(told_.size(), 3u);
+    EXPECT_THAT(told_[0], HasSubstr("may this gateway write to asip/export/dashboard/lab?"));
+    EXPECT_THAT(told_[1], HasSubstr("too much waits"));
+    EXPECT_THAT(told_[2], HasSubstr("not connected"));
+    EXPECT_FALSE(all_.busy("lab"));
+}
+
+TEST_F(KeptDashboards, BrokerThatForgotAll_IsGivenThemAgain) {
+    read({"lab", "hall"});
+    all_.disconnected();
+    read({});
+    ASSERT_EQ(sent_.size(), 2u);
+    EXPECT_EQ(sent_[0].topic, "asip/export/dashboard/hall");
+    EXPECT_NE(all_.find("lab"), nullptr);
+    sent_.clear();
+    all_.disconnected();
+    read({"lab"});
+    EXPECT_TRUE(sent_.empty());
+    EXPECT_EQ(all_.find("hall"), nullptr) << "it was removed meanwhile";
+}
+
+TEST_F(KeptDashboards, WhatOthersWrite_IsBoundedAndReadWithCare) {
+    read({});
+    EXPECT_FALSE(all_.known() && all_.take(mqtt::Message{}));
+    EXPECT_TRUE(all_.take(message("out", R"({"widgets":[]})"))) << "a board called export reports";
+    EXPECT_TRUE(all_.all().empty());
+    all_.take(message("lab", R"({"widgets":[]})"));
+    const auto version = all_.version();
+    all_.take(message("lab", "rubbish"));
+    EXPECT_EQ(all_.find("lab"), nullptr);
+    EXPECT_GT(all_.version(), version);
+    ASSERT_EQ(logged_.size(), 1u);
+    EXPECT_THAT(logged_[0], HasSubstr("dashboard lab cannot be read"));
+    for (int i = 0; i < 70; ++i)
+        all_.take(message("d" + std::to_string(i), R"({"widgets":[]})"));
+    EXPECT_EQ(all_.all().size(), Dashboards::kMax);
+    EXPECT_EQ(logged_.size(), 2u) << "said once";
+    EXPECT_FALSE(all_.has_room());
+    all_.take(message("d0", ""));
+    EXPECT_TRUE(all_.has_room());
+}
+
+TEST_F(KeptDashboards, Links_HoldAsLongAsTheyAreKept) {
+    read({});
+    all_.take(
+        message("lab", R"({"widgets":[],"links":[{"name":"hall","hash":"ab","by":"ann","control":true}]})"));
+    const auto rights = all_.link_of("ab");
+    ASSERT_TRUE(rights);
+    EXPECT_EQ(rights->name, "hall@lab");
+    EXPECT_TRUE(rights->control);
+    EXPECT_TRUE(rights->limited());
+    EXPECT_FALSE(rights->sees_board("desk"));
+    EXPECT_FALSE(rights->sees_service("desk", "io"));
+    EXPECT_TRUE(all_.holds(*rights));
+    EXPECT_FALSE(all_.link_of("cd"));
+    all_.take(
+        message("lab", R"({"widgets":[],"links":[{"name":"hall","hash":"ab","by":"ann","control":false}]})"));
+    EXPECT_FALSE(all_.holds(*rights)) << "it allows something else now";
+    all_.take(message("lab", R"({"widgets":[]})"));
+    EXPECT_FALSE(all_.link_of("ab"));
+}
+
+}  // namespace
+}  // namespace asip::gateway
