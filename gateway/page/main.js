@@ -2,6 +2,7 @@
 // Which screen is shown.
 import "./ui/board.js";
 import "./ui/boards.js";
+import { is_kiosk } from "./ui/dashboard.js";
 import "./ui/shell.js";
 import "./ui/system.js";
 import { attention_of, title_badge } from "./core/attention.js";
@@ -13,6 +14,8 @@ const main = document.getElementById("main");
 const screens = [
   [/^(?:\?(.*))?$/, (query) => ["Boards", document.createElement("asip-boards").begin(query)]],
   [/^board\/([^/]+)$/, (name) => [name, document.createElement("asip-board").begin(name)]],
+  [/^dashboards$/, () => ["Dashboards", document.createElement("asip-dashboards")]],
+  [/^dashboard\/([^/?]+)(?:\?.*)?$/, (name) => [name, document.createElement("asip-dashboard").begin(name)]],
   [/^history$/, () => ["History", h("div", {}, h("h1", { tabindex: "-1" }, "History"), document.createElement("asip-history").begin("api/history", true))]],
   [/^bus$/, () => ["Bus", document.createElement("asip-system")]],
 ];
@@ -50,6 +53,8 @@ function decoded(text) {
 
 function screen_of(path) {
   if (status.refused) return status.problem.status === 401 ? sign_in() : link_is_over();
+  if (is_kiosk()) return [status.you.dashboard, document.createElement("asip-dashboard").begin(status.you.dashboard)];
+  if (base.pathname.includes("/kiosk/") && !status.now) return ["", h("div", {})]; // what the link shows is not known yet
   for (const [pattern, make] of screens) {
     const match = pattern.exec(path);
     if (match) return make(...match.slice(1).map((part) => (path.startsWith("?") ? part : decoded(part))));
@@ -68,11 +73,13 @@ function show(first = false) {
   path = wanted;
   const [title, screen] = screen_of(path);
   main.replaceChildren(screen);
+  document.body.classList.toggle("bare", is_kiosk() || /^dashboard\/.*\?full/.test(path));
+  document.body.classList.toggle("kiosk", is_kiosk());
   screen_title = title;
   show_title();
   for (const link of document.querySelectorAll("nav a")) {
     const target = link.getAttribute("href").slice(2);
-    const here = target === path || (target === "" && (path.startsWith("board/") || path.startsWith("?")));
+    const here = target === path || (target === "" && (path.startsWith("board/") || path.startsWith("?"))) || (target === "dashboards" && path.startsWith("dashboard/"));
     if (here) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }
@@ -82,8 +89,11 @@ function show(first = false) {
 
 addEventListener("hashchange", () => show());
 let signed_out = false;
+let link_of; // what the link shows, as far as is known
 status.addEventListener("change", () => {
-  if (status.refused !== signed_out) show();
+  const shown = base.pathname.includes("/kiosk/") && status.now ? status.you.dashboard ?? "" : status.you.dashboard;
+  if (status.refused !== signed_out || (!status.problem && shown !== link_of)) show(status.refused === signed_out);
+  if (!status.problem) link_of = shown;
   signed_out = status.refused;
   document.querySelector("nav").hidden = signed_out;
 });

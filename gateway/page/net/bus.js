@@ -119,7 +119,10 @@ export class Problem extends Error {
 }
 
 /// What the gateway answers as JSON; throws a Problem with a sentence for people.
-export async function request(path, { method = "GET", body, headers = {} } = {}) {
+export async function request(path, options) { return (await request_with_tag(path, options)).body; }
+
+/// The same with the version of what it answers: {body, tag}.
+export async function request_with_tag(path, { method = "GET", body, headers = {} } = {}) {
   let response;
   try {
     response = await fetch(new URL(path, base), {
@@ -132,7 +135,7 @@ export async function request(path, { method = "GET", body, headers = {} } = {})
     throw new Problem(0, "The gateway does not answer.");
   }
   const json = await response.json().catch(() => undefined);
-  if (response.ok) return json;
+  if (response.ok) return { body: json, tag: response.headers.get("ETag") ?? undefined };
   throw new Problem(response.status, json?.detail ?? json?.title ?? `The gateway answers with status ${response.status}.`);
 }
 

@@ -9,17 +9,24 @@ class BoardList extends EventTarget {
   constructor() {
     super();
     this.catalogue = new Catalogue();
-    bus.subscribe({ subscribe: "$catalogue" }, (message) => this.received(message));
+    this.end = bus.subscribe({ subscribe: "$catalogue" }, (message) => this.received(message));
   }
 
   received(message) {
     if (message.event === undefined) return;
+    if (message.event === "dashboards") return void this.dispatchEvent(new Event("dashboards"));
     this.catalogue.apply(message);
     if (message.event === "status") status.refresh();
     if (message.event === "snapshot-end") this.changed();
     else this.timer ??= setTimeout(() => this.changed(), kRefreshMs);
     const board = message.board?.board ?? message.board;
     if (board) this.dispatchEvent(Object.assign(new Event("board"), { board, kind: message.event }));
+  }
+
+  /// The link of a dashboard shows no catalogue.
+  leave() {
+    this.end?.();
+    this.end = undefined;
   }
 
   changed() {
@@ -50,6 +57,7 @@ class Status extends EventTarget {
       if (this.refused) this.now = undefined; // what it allowed is over
     }
     this.asking = false;
+    if (this.you.dashboard) boards.leave();
     this.dispatchEvent(new Event("change"));
   }
 

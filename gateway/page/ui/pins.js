@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pins of a board, drawn as the board has them. A click on a free pin shows what it can do.
+import { pin_offers } from "../core/dashboard.js";
 import { answer_text } from "../core/form.js";
 import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";
 import { words } from "../core/text.js";
@@ -125,6 +126,8 @@ class Pins extends Part {
     this.controls = h("div", { class: "pin-controls" });
     if (pin.owner === "" && this.may_command) this.add_modes(pin);
     if (this.may_label) this.panel.append(this.name_form(pin));
+    const mode = () => this.values.state_of(this.cells.get(pin.number).pin).mode;
+    if (pin.owner === "") this.panel.append(document.createElement("asip-add-widget").begin(`pin ${pin.label}`, async () => pin_offers(this.board, pin, mode())));
   }
 
   add_modes(pin) {

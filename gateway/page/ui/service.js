@@ -4,6 +4,7 @@ import { command_order, place_of, set_text as words_of_set } from "../core/form.
 import { make_room, numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
+import { offers_of_service } from "./add_widget.js";
 import { before_picture, h, Part, set_text } from "./dom.js";
 import "./command.js";
 import { status } from "./model.js";
@@ -32,11 +33,11 @@ class Service extends Part {
     this.waiting = h("p", { class: "muted note" }, "No value yet.");
     this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", h("small", { class: "muted" })));
     this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), h("div", { class: "commands" }));
-    this.card = h("div", { class: "card", hidden: true }, this.titles[1], h("div", { class: "commands" }));
+    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], !this.pins && this.adder("controls", (widget) => widget.command)), h("div", { class: "commands" }));
     this.titles[0].id = `service-${this.service.name}`;
     this.show_titles();
     this.hidden = true;
-    this.append(this.titles[0], this.values, this.waiting, this.note, this.plots);
+    this.append(h("div", { class: "card-head" }, this.titles[0], this.adder("values", (widget) => widget.event)), this.values, this.waiting, this.note, this.plots);
     this.controls.append(this.card);
     if (this.pins) this.advanced.append(this.settings);
     this.while_shown(() => { this.card.remove(); this.settings.remove(); this.unfollow(); });
@@ -46,6 +47,11 @@ class Service extends Part {
     this.listen(document, "visibilitychange", () => (document.hidden ? this.unfollow() : this.follow()));
     await this.load_model();
     this.follow();
+  }
+
+  adder(what, wanted) {
+    const offers = async () => (await offers_of_service(this.board, this.service)).filter((offer) => wanted(offer.widget));
+    return document.createElement("asip-add-widget").begin(`${what} of ${this.service.name}`, offers);
   }
 
   /// Whether commands can reach the board now.

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// "Add to dashboard": beside a service and a pin on a board's page, and in the editor of a dashboard.
+import { all_pin_offers, name_of_title, offers_of } from "../core/dashboard.js";
+import { path_of, request, request_with_tag } from "../net/bus.js";
+import { fresh_id, h, Part } from "./dom.js";
+import { status } from "./model.js";
+
+const kTries = 3;
+let last_dashboard; // added to last, by this tab
+
+/// What of one service of a board can be added.
+export async function offers_of_service(board, service) {
+  const path = path_of("boards", board, "services", service.name);
+  const [known, value] = await Promise.all([request(path), request(`${path}/value`).catch(() => undefined)]);
+  const model = typeof known.model === "object" ? known.model : undefined;
+  if (service.name !== "io") return offers_of(board, { ...known, ...service }, model, value);
+  const description = (await request(path_of("boards", board))).description;
+  return all_pin_offers(board, description, value?.set);
+}
+
+/// Adds a widget to a dashboard that may be changed by somebody else at the same moment, or to a new one.
+export async function add_to_dashboard(name, title, widget) {
+  for (let i = 0; ; ++i) {
+    const found = await request_with_tag(path_of("dashboards", name)).catch((problem) => {
+      if (problem.status !== 404) throw problem;
+      return { body: { title, widgets: [] }, tag: undefined };
+    });
+    const { widgets } = found.body;
+    try {
+      return await request(path_of("dashboards", name), { method: "PUT", body: { title: found.body.title, widgets: [...widgets, widget] },
+        headers: found.tag ? { "If-Match": found.tag } : { "If-None-Match": "*" } });
+    } catch (problem) {
+      if (i + 1 >= kTries || ![409, 412].includes(problem.status)) throw problem;
+    }
+  }
+}
+
+class AddWidget extends Part {
+  /// Call before it is put into the page. `offers`: a function that gives what can be added, now; `what`: for people who cannot see it.
+  begin(what, offers) {
+    Object.assign(this, { what, offers });
+    return this;
+  }
+
+  shown() {
+    this.button = h("button", { class: "add-widget", "aria-expanded": "false", "aria-label": `Add ${this.what} to a dashboard`, title: "Add to a dashboard",
+      onclick: () => this.toggle() }, "+ Dashboard");
+    this.panel = h("div", { class: "add-panel", hidden: true });
+    this.append(this.button, this.panel);
+    this.listen(status, "change", () => this.allow());
+    this.allow();
+  }
+
+  allow() { this.hidden = status.you.arrange !== true; }
+
+  async toggle() {
+    const open = this.panel.hidden;
+    this.panel.hidden = !open;
+    this.button.setAttribute("aria-expanded", String(open));
+    if (!open) return;
+    this.panel.replaceChildren(h("p", { class: "muted" }, "Looking what there is …"));
+    try {
+      const [offers, dashboards] = await Promise.all([this.offers(), request("api/dashboards")]);
+      this.show(offers, dashboards.items);
+    } catch (problem) {
+      this.panel.replaceChildren(h("p", { class: "answer refused" }, problem.message));
+    }
+  }
+
+  show(offers, dashboards) {
+    if (offers.length === 0) return this.panel.replaceChildren(h("p", { class: "muted" }, "Nothing here can stand on a dashboard. A pin can once its mode is set."));
+    const what = h("select", { id: fresh_id("what") }, offers.map((offer, i) => h("option", { value: i }, offer.text)));
+    const where = h("select", { id: fresh_id("where"), onchange: () => { fresh.hidden = where.value !== ""; } },
+      dashboards.map((each) => h("option", { value: each.name }, each.title || each.name)), h("option", { value: "" }, "A new dashboard"));
+    if (dashboards.some((each) => each.name === last_dashboard)) where.value = last_dashboard;
+    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, placeholder: "Its title, such as Greenhouse", autocomplete: "off" });
+    const fresh = h("div", { class: "field text", hidden: where.value !== "" }, h("label", { for: title.id }, "Title of the new dashboard"), title);
+    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    const save = async (event) => {
+      event.preventDefault();
+      await this.save(offers[Number(what.value)].widget, where.value || name_of_title(title.value), title.value.trim());
+    };
+    this.panel.replaceChildren(h("form", { "aria-label": `Add ${this.what} to a dashboard`, onsubmit: save },
+      h("div", { class: "field" }, h("label", { for: what.id }, "What"), what), h("div", { class: "field" }, h("label", { for: where.id }, "To"), where), fresh,
+      h("span", { class: "actions" }, h("button", { class: "main" }, "Add")), this.answer));
+    what.focus();
+  }
+
+  async save(widget, name, title) {
+    if (name === "") return this.tell("refused", "A new dashboard needs a title with letters or digits.");
+    try {
+      await add_to_dashboard(name, title, widget);
+      last_dashboard = name;
+      this.tell("ok", "Added. ", h("a", { href: `#/dashboard/${encodeURIComponent(name)}` }, "Show the dashboard"));
+    } catch (problem) {
+      this.tell("refused", problem.message);
+    }
+  }
+
+  tell(kind, ...text) {
+    this.answer.className = `answer ${kind}`;
+    this.answer.replaceChildren(...text);
+  }
+}
+
+customElements.define("asip-add-widget", AddWidget);

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// One dashboard, live: to be looked at and used, full screen, too; and its editor.
+import { kSizes, moved, name_of_title, title_of } from "../core/dashboard.js";
+import { bus, path_of, request, request_with_tag } from "../net/bus.js";
+import { fresh_id, h, Part, set_text } from "./dom.js";
+import { boards, status } from "./model.js";
+import { offers_of_service } from "./add_widget.js";
+import "./share.js";
+import "./widget.js";
+
+class Dashboard extends Part {
+  begin(name) {
+    this.name = name;
+    return this;
+  }
+
+  shown() {
+    this.board_states = new Map();
+    this.heading = h("h1", { tabindex: "-1" }, this.name);
+    this.note = h("p", { class: "muted", role: "status" }, "");
+    this.grid = h("div", { class: "dashboard-grid" });
+    this.edit_button = h("button", { "aria-expanded": "false", onclick: () => this.edit(this.editor.hidden) }, "Edit");
+    this.full_button = h("button", { onclick: () => this.full_screen() }, "Full screen");
+    this.share = document.createElement("asip-share").begin(this.name);
+    this.tools = h("span", { class: "tools dashboard-tools" }, this.full_button, this.edit_button);
+    this.editor = h("section", { class: "dashboard-editor", "aria-label": "Editor", hidden: true });
+    this.append(h("p", { class: "back" }, h("a", { href: "#/dashboards" }, "← All dashboards")),
+      h("div", { class: "title-row" }, this.heading, this.tools), this.share, this.note, this.editor, this.grid);
+    this.listen(status, "change", () => this.allow());
+    this.listen(document, "visibilitychange", () => (document.hidden ? this.unfollow() : this.follow()));
+    this.listen(document, "fullscreenchange", () => document.body.classList.toggle("bare", document.fullscreenElement !== null || is_kiosk()));
+    this.while_shown(() => { this.unfollow(); document.body.classList.toggle("bare", is_kiosk()); });
+    this.allow();
+    this.follow();
+  }
+
+  allow() {
+    const arrange = status.you.arrange === true;
+    this.edit_button.hidden = !arrange;
+    this.share.hidden = !arrange;
+    const { control } = status.you;
+    this.may = { use: status.may_command || control === true, stop: status.may_stop || control === true };
+    for (const widget of this.grid.children) Object.assign(widget, { may: this.may }).show();
+  }
+
+  async full_screen() {
+    if (document.fullscreenElement) return document.exitFullscreen();
+    return document.documentElement.requestFullscreen().catch(() => document.body.classList.toggle("bare"));
+  }
+
+  // The gateway demands values of the boards as long as this lasts.
+  follow() {
+    if (this.end || !this.isConnected || document.hidden) return;
+    this.end = bus.subscribe({ subscribe: "$dashboard", name: this.name }, (message) => this.received(message));
+  }
+
+  unfollow() {
+    this.end?.();
+    this.end = undefined;
+  }
+
+  received(message) {
+    const widget = message.id === undefined ? undefined : this.widgets?.get(message.id);
+    if (message.event === "dashboard") this.show(message.dashboard, message.etag);
+    else if (message.event === "gone") this.gone();
+    else if (message.event === "widget") widget?.says(message);
+    else if (message.event === "past") widget?.past(message.points);
+    else if (message.event === "board") this.board_is(message);
+  }
+
+  board_is(board) {
+    this.board_states.set(board.board, board);
+    for (const widget of this.widgets?.values() ?? []) if (widget.widget.board === board.board) widget.board_is(board);
+  }
+
+  gone() {
+    this.document = undefined;
+    this.grid.replaceChildren();
+    this.editor.hidden = true;
+    set_text(this.note, `There is no dashboard ${this.name} now. This page shows it as soon as it is there.`);
+  }
+
+  /// Widgets that stay as they are keep their element, with what they draw.
+  show(document_, etag) {
+    const before = this.widgets ?? new Map();
+    this.document = document_;
+    this.etag = etag;
+    set_text(this.heading, document_.title || this.name);
+    set_text(this.note, document_.widgets.length === 0 ? "Nothing is on it yet: “Edit” adds values and controls, and so does “+ Dashboard” on the page of a board." : "");
+    this.widgets = new Map(document_.widgets.map((each) => {
+      const old = before.get(each.id);
+      const same = old && JSON.stringify(old.widget) === JSON.stringify(each);
+      return [each.id, same ? old : document.createElement("asip-widget").begin(this.name, each, this.may)];
+    }));
+    const wanted = [...this.widgets.values()];
+    for (const each of [...this.grid.children]) if (!wanted.includes(each)) each.remove();
+    wanted.forEach((each, i) => { if (this.grid.children[i] !== each) this.grid.insertBefore(each, this.grid.children[i] ?? null); });
+    for (const state of this.board_states.values()) this.board_is(state);
+    if (!this.editor.hidden && !this.saving && !this.editor.contains(document.activeElement)) this.show_editor();
+    this.dispatchEvent(new Event("titled", { bubbles: true }));
+  }
+
+  edit(on) {
+    this.editor.hidden = !on;
+    this.edit_button.setAttribute("aria-expanded", String(on));
+    set_text(this.edit_button, on ? "Done" : "Edit");
+    if (on) this.show_editor();
+  }
+
+  show_editor() {
+    if (!this.document) return;
+    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, value: this.document.title, autocomplete: "off",
+      onchange: () => this.change((document_) => ({ ...document_, title: title.value.trim() })) });
+    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    this.editor.replaceChildren(h("h2", {}, "Editor"), h("div", { class: "field text" }, h("label", { for: title.id }, "Title"), title),
+      h("ul", { class: "widget-list" }, this.document.widgets.map((each, i) => this.widget_row(each, i))), this.adder(), this.answer,
+      h("p", {}, this.remove_button()));
+  }
+
+  widget_row(widget, i) {
+    const name = title_of(widget);
+    const change = (edit) => this.change((document_) => ({ ...document_, widgets: edit(document_.widgets) }));
+    const set = (more) => change((all) => all.map((each) => (each.id === widget.id ? { ...each, ...more } : each)));
+    const title = h("input", { type: "text", maxlength: 60, value: widget.title ?? "", placeholder: name, "aria-label": `Title of ${name}`, autocomplete: "off", onchange: () => set({ title: title.value.trim() }) });
+    const size = h("select", { "aria-label": `Size of ${name}`, onchange: () => set({ size: size.value }) }, kSizes.map((each) => h("option", { value: each }, each)));
+    size.value = widget.size ?? "small";
+    const step = (by, text, sign) => h("button", { "aria-label": `${name}: ${text}`, disabled: by < 0 ? i === 0 : i === this.document.widgets.length - 1, onclick: () => change((all) => moved(all, widget.id, by)) }, sign);
+    return h("li", {}, h("span", { class: "muted" }, widget.kind), title, size, step(-1, "earlier", "↑"), step(1, "later", "↓"),
+      h("button", { "aria-label": `Remove ${name}`, onclick: () => change((all) => all.filter((each) => each.id !== widget.id)) }, "×"));
+  }
+
+  adder() {
+    const names = [...boards.catalogue.rows.keys()].sort();
+    const board = h("select", { id: fresh_id("board"), onchange: () => load() }, h("option", { value: "" }, "Choose"), names.map((each) => h("option", { value: each }, each)));
+    const what = h("select", { id: fresh_id("what"), disabled: true });
+    const add = h("button", { type: "button", disabled: true, onclick: () => this.add(offers[Number(what.value)].widget) }, "Add");
+    let offers = [];
+    const load = async () => {
+      offers = board.value === "" ? [] : await offers_of_board(board.value).catch(() => []);
+      what.replaceChildren(...offers.map((offer, i) => h("option", { value: i }, offer.text)));
+      what.disabled = add.disabled = offers.length === 0;
+    };
+    return h("div", { class: "adder", role: "group", "aria-label": "Add a widget" }, h("div", { class: "field" }, h("label", { for: board.id }, "Board"), board),
+      h("div", { class: "field" }, h("label", { for: what.id }, "What"), what), add, h("button", { type: "button", onclick: () => this.add({ kind: "stop", title: "Stop" }) }, "Add a stop"));
+  }
+
+  add(widget) { return this.change((document_) => ({ ...document_, widgets: [...document_.widgets, widget] })); }
+
+  remove_button() {
+    const button = h("button", { onclick: () => {
+      button.replaceWith(h("span", {}, `Remove this dashboard and its links? `, h("button", { class: "danger", onclick: () => this.remove() }, "Yes, remove"), " ",
+        h("button", { onclick: () => this.show_editor() }, "Keep it")));
+    } }, "Remove this dashboard");
+    return button;
+  }
+
+  async remove() {
+    try {
+      await request(path_of("dashboards", this.name), { method: "DELETE", body: {} });
+      location.hash = "#/dashboards";
+    } catch (problem) {
+      this.tell(problem.message);
+    }
+  }
+
+  /// Of what another editor has changed meanwhile nothing is overwritten: the change is refused, and what there is now is shown.
+  async change(edit) {
+    const document_ = edit(this.document);
+    this.saving = true;
+    try {
+      await request(path_of("dashboards", this.name), { method: "PUT", body: { title: document_.title, widgets: document_.widgets }, headers: { "If-Match": this.etag } });
+      const { body, tag } = await request_with_tag(path_of("dashboards", this.name));
+      this.show(body, tag);
+      this.saving = false;
+      this.show_editor();
+    } catch (problem) {
+      this.saving = false;
+      this.show_editor();
+      this.tell(problem.status === 412 ? "Not kept: somebody else changed it meanwhile. You see what it is now; try again." : `Not kept: ${problem.message}`);
+    }
+  }
+
+  tell(text) {
+    this.answer.className = "answer refused";
+    set_text(this.answer, text);
+  }
+}
+
+async function offers_of_board(name) {
+  const board = await request(path_of("boards", name));
+  const services = board.description?.services ?? board.services ?? [];
+  const offers = await Promise.all(services.map((service) => offers_of_service(name, service).catch(() => [])));
+  return offers.flatMap((some, i) => some.map((offer) => ({ ...offer, text: `${services[i].name}: ${offer.text}` })));
+}
+
+export const is_kiosk = () => Boolean(status.you.dashboard);
+
+class Dashboards extends Part {
+  shown() {
+    this.list = h("ul", { class: "dashboard-list" });
+    this.note = h("p", { class: "muted", role: "status" });
+    this.title_input = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, placeholder: "Greenhouse", autocomplete: "off" });
+    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    this.form = h("form", { "aria-label": "New dashboard", hidden: true, onsubmit: (event) => { event.preventDefault(); this.make(); } },
+      h("div", { class: "field text" }, h("label", { for: this.title_input.id }, "New dashboard"), this.title_input, h("button", { class: "main" }, "Make")), this.answer);
+    this.append(h("h1", { tabindex: "-1" }, "Dashboards"), this.note, this.list, this.form);
+    this.listen(boards, "dashboards", () => this.load());
+    this.listen(status, "change", () => { this.form.hidden = status.you.arrange !== true; });
+    this.form.hidden = status.you.arrange !== true;
+    this.load();
+  }
+
+  async load() {
+    try {
+      const { items } = await request("api/dashboards");
+      this.list.replaceChildren(...items.map((each) => h("li", {}, h("a", { href: `#/dashboard/${encodeURIComponent(each.name)}` }, each.title || each.name), " ",
+        h("small", { class: "muted" }, `${each.widgets} ${each.widgets === 1 ? "widget" : "widgets"}${each.by ? `, changed by ${each.by}` : ""}`))));
+      set_text(this.note, items.length > 0 ? "" : "There is none yet. A dashboard shows chosen values and controls of your boards on one page, which can be shared by a link.");
+    } catch (problem) {
+      set_text(this.note, problem.message);
+    }
+  }
+
+  async make() {
+    const title = this.title_input.value.trim();
+    const name = name_of_title(title);
+    if (name === "") return set_text(this.answer, "A dashboard needs a title with letters or digits.");
+    try {
+      await request(path_of("dashboards", name), { method: "PUT", body: { title, widgets: [] }, headers: { "If-None-Match": "*" } });
+      location.hash = `#/dashboard/${encodeURIComponent(name)}`;
+    } catch (problem) {
+      set_text(this.answer, problem.message);
+    }
+    return undefined;
+  }
+}
+
+customElements.define("asip-dashboard", Dashboard);
+customElements.define("asip-dashboards", Dashboards);

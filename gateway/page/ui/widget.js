@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// One widget of a dashboard, as it is looked at and used.
+import { is_on, title_of, trouble_of, value_text } from "../core/dashboard.js";
+import { Series } from "../core/series.js";
+import { duration_text, time_of } from "../core/text.js";
+import { path_of, request } from "../net/bus.js";
+import { h, Part, set_text } from "./dom.js";
+import "./plot.js";
+
+const kOldMs = 3000;      // beyond, a value says how old it is
+const kSlideMs = 150;     // a moved slider is sent at most so often
+
+class Widget extends Part {
+  /// Call before it is put into the page. `may`: {use, stop}: which controls may be used.
+  begin(dashboard, widget, may) {
+    Object.assign(this, { dashboard, widget, may, value: undefined });
+    return this;
+  }
+
+  shown() {
+    const { widget } = this;
+    this.className = `kind-${widget.kind} ${widget.size ?? "small"}`;
+    this.heading = h("h2", {}, title_of(widget));
+    this.trouble = h("p", { class: "trouble", role: "status" });
+    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    this.body = h("div", { class: "widget-body" });
+    this.setAttribute("role", "group");
+    this.setAttribute("aria-label", title_of(widget));
+    this.append(this.heading, this.body, this.answer, this.trouble);
+    this[`make_${widget.kind}`]();
+    this.show();
+    if (widget.kind === "value") this.every(1000, () => this.show());
+  }
+
+  make_value() { this.body.append((this.text = h("span", { class: "big" })), " ", (this.age = h("small", { class: "muted" }))); }
+
+  make_plot() {
+    this.series = new Series();
+    this.text = h("span", { class: "big" });
+    this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title_of(this.widget), title_of(this.widget).replaceAll(" ", "-")));
+  }
+
+  make_lamp() { this.body.append((this.light = h("span", { class: "bulb unknown" })), (this.text = h("span", { class: "big" }))); }
+
+  make_switch() {
+    this.button = h("button", { class: "toggle", role: "switch", "aria-checked": "false", "aria-label": title_of(this.widget),
+      onclick: () => this.send(this.on ? this.widget.off : this.widget.on) }, h("span", { class: "knob" }));
+    this.text = h("span", { class: "big" });
+    this.body.append(this.button, this.text);
+  }
+
+  make_slider() {
+    const { min, max, step } = this.widget;
+    this.text = h("span", { class: "big" });
+    this.input = h("input", { type: "range", min, max, step: step ?? (max - min) / 1000, class: "unknown", "aria-label": title_of(this.widget),
+      oninput: () => this.slide(), onchange: () => this.slide() });
+    this.input.value = (min + max) / 2;
+    this.body.append(this.text, this.input);
+  }
+
+  make_stop() {
+    this.button = h("button", { class: "stop", title: "Brings every board of this dashboard into its safe state; commands are refused until it is resumed",
+      onclick: () => this.send(undefined) }, title_of(this.widget));
+    this.heading.hidden = true;
+    this.body.append(this.button);
+  }
+
+  /// {state, reason} of its board.
+  board_is(board) {
+    this.board = board;
+    this.show();
+  }
+
+  says({ value, at }) {
+    this.value = value ?? undefined;
+    this.at = time_of(at) ?? Date.now();
+    if (this.series && typeof value === "number") this.series.add(this.at, [this.point(value)]);
+    if (!this.sliding) this.show();
+  }
+
+  point(value) { return { key: "value", name: title_of(this.widget), value, unit: this.widget.unit }; }
+
+  /// Points of a plot from before it was looked at, the newest first.
+  past(points) {
+    for (const [at, value] of points.slice().reverse()) this.series?.add(time_of(at), [this.point(value)]);
+  }
+
+  show() {
+    if (!this.isConnected) return;
+    const { widget, value } = this;
+    const trouble = trouble_of(widget, this.board);
+    const stopped = this.board?.reason === "latched" && trouble === "" && widget.command && widget.kind !== "lamp";
+    this.text?.classList.toggle("unknown-text", value === undefined);
+    set_text(this.trouble, stopped ? `Board ${widget.board} is stopped until it is resumed.` : trouble);
+    this.classList.toggle("gone", trouble !== "" && widget.kind !== "stop");
+    for (const control of [this.button, this.input]) if (control) control.disabled = !this.may[widget.kind === "stop" ? "stop" : "use"] || trouble !== "" || Boolean(stopped);
+    this[`show_${widget.kind}`]?.(value);
+  }
+
+  show_value(value) {
+    set_text(this.text, value_text(this.widget, value));
+    const age = Date.now() - this.at;
+    set_text(this.age, age > kOldMs ? `${duration_text(age)} ago` : "");
+  }
+
+  show_plot(value) { set_text(this.text, value_text(this.widget, value)); }
+
+  show_lamp(value) {
+    const on = is_on(this.widget, value);
+    this.light.className = `bulb ${on === undefined ? "unknown" : on ? "on" : "off"}`;
+    set_text(this.text, on === undefined ? "not known" : on ? "on" : "off");
+  }
+
+  show_switch(value) {
+    this.on = is_on(this.widget, value) ?? false;
+    this.button.setAttribute("aria-checked", String(this.on));
+    this.button.classList.toggle("unknown", value === undefined);
+    set_text(this.text, value === undefined ? "not known" : this.on ? "on" : "off");
+  }
+
+  show_slider(value) {
+    set_text(this.text, value === undefined ? "not known" : value_text(this.widget, value));
+    this.input.classList.toggle("unknown", value === undefined);
+    if (value !== undefined) this.input.value = value;
+  }
+
+  /// The newest place of a slider is sent, and none waits behind it.
+  async slide() {
+    set_text(this.text, value_text(this.widget, Number(this.input.value)));
+    this.again = true;
+    if (this.sliding) return;
+    this.sliding = true;
+    while (this.again && this.isConnected) {
+      this.again = false;
+      await this.send(Number(this.input.value));
+      await new Promise((done) => setTimeout(done, kSlideMs));
+    }
+    this.sliding = false;
+  }
+
+  // What it shows then comes from the bus: what was set, as the board's agent says.
+  async send(value) {
+    try {
+      const body = value === undefined ? {} : { value };
+      const answer = await request(path_of("dashboards", this.dashboard, "widgets", this.widget.id), { method: "POST", body });
+      if (this.widget.kind === "stop") this.tell(...stopped_text(answer));
+      else this.tell("", "");
+    } catch (problem) {
+      this.tell("refused", problem.message);
+      this.show();
+    }
+  }
+
+  tell(kind, text) {
+    this.answer.className = `answer ${kind}`;
+    set_text(this.answer, text);
+  }
+}
+
+function stopped_text(answer) {
+  const boards = Object.entries(answer?.boards ?? {});
+  const failed = boards.filter(([, each]) => each.status !== "ok").map(([name]) => name);
+  if (failed.length > 0) return ["timeout", `Stopped, but no proof from ${failed.join(", ")}.`];
+  return boards.length === 0 ? ["refused", "No board of this dashboard is there."] : ["ok", "Stopped. Commands are refused until it is resumed."];
+}
+
+customElements.define("asip-widget", Widget);
