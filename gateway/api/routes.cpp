@@ -68,7 +68,8 @@ std::vector<Answer> command_answers() {
 std::vector<Answer> widget_answers() {
     auto answers = command_answers();
     answers[0] = {200, "Executed; of a stop, the answer of each board", "Anything"};
-    answers.insert(answers.begin() + 1, {207, "Of a stop: some boards did not confirm it in time", "Stopped"});
+    answers.insert(answers.begin() + 1,
+                   {207, "Of a stop: some boards did not confirm it in time", "Stopped"});
     return answers;
 }
 

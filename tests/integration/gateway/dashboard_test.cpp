@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dashboards with the real programs: kept on the bus, seen by every gateway, and shared by a link.
+// docs/dashboards.md shows these requests by curl.
 #include <gmock/gmock.h>
 
 #include "running_gateway.hpp"
