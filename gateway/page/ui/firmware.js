@@ -27,14 +27,14 @@ class Firmware extends Part {
 
   shown() {
     const id = fresh_id("kind");
-    this.title = h("strong", {});
+    this.heading = h("strong", {});
     this.kind = h("select", { id }, kinds.map(([value, text]) => h("option", { value }, text)));
     this.button = h("button", { class: "main", onclick: () => this.load() }, "Load AsipServices");
     this.form = h("span", { class: "actions" }, h("label", { for: id }, "Which board: "), this.kind, " ", this.button);
     this.bar = h("progress", { max: 100, value: 0, hidden: true, "aria-label": "Loading" });
     this.step = h("span", { role: "status" });
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
-    this.box = h("section", { class: "attention", "aria-label": "Firmware", hidden: true }, h("p", {}, this.title, " ", this.form), h("p", {}, this.bar, " ", this.step), h("p", {}, this.answer));
+    this.box = h("section", { class: "attention", "aria-label": "Firmware", hidden: true }, h("p", {}, this.heading, " ", this.form), h("p", {}, this.bar, " ", this.step), h("p", {}, this.answer));
     this.append(this.box);
     this.listen(status, "change", () => this.draw());
     this.draw();
@@ -53,7 +53,7 @@ class Firmware extends Part {
     if (bare || loading || this.busy) this.seen = true;
     this.box.hidden = !this.seen || (!bare && !loading && !this.busy && this.answer.textContent === "");
     const at = port_text(board?.description?.link?.path ?? board?.link);
-    set_text(this.title, bare ? `A board${at && ` at ${at}`} that speaks no ASIP. Load AsipServices?` : "");
+    set_text(this.heading, bare ? `A board${at && ` at ${at}`} that speaks no ASIP. Load AsipServices?` : "");
     this.form.hidden = !bare || !status.may_label || Boolean(this.busy);
     this.bar.hidden = !loading;
     if (loading) this.bar.value = loading.percent;
