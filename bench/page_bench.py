@@ -4,14 +4,18 @@
     bench_page [SECONDS]    of the plot, and of one that gets the points of eight hours; 60 when not given
 """
 
+import http.server
+import json
 import os
 import pathlib
+import signal
 import sys
+import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "browser"))
 
-from rig import Browser, Bus, Trace, eventually, publish_boards  # noqa: E402
+from rig import DESK, Browser, Bus, Trace, eventually, publish_boards  # noqa: E402
 
 BOARDS = 10_000
 POINTS = 3600
@@ -101,6 +105,71 @@ def many_boards(bus, browser):
     row(f"{BOARDS:,} boards: memory of the page's scripts", f"{heap(browser):.0f} MB", "", "")
 
 
+class ToldBus(Bus):
+    """Its registry tells losses to a receiver here: `told` has the time of each message."""
+
+    def __init__(self):
+        self.told = []
+        told = self.told
+
+        class Receiver(http.server.BaseHTTPRequestHandler):
+            def do_POST(self):
+                told.append(time.monotonic())
+                self.rfile.read(int(self.headers["Content-Length"]))
+                self.send_response(204)
+                self.end_headers()
+
+            def log_message(self, *_):
+                pass
+
+        self.receiver = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Receiver)
+        threading.Thread(target=self.receiver.serve_forever, daemon=True).start()
+        super().__init__(boards=())
+
+    def start(self, name, program, *arguments):
+        if name == "registry":
+            arguments += ("--notify", f"http://127.0.0.1:{self.receiver.server_port}/")
+        super().start(name, program, *arguments)
+
+    def close(self):
+        super().close()
+        self.receiver.shutdown()
+
+
+def since(began, condition, what):
+    """Looked for each 10 ms: until then it took so long."""
+    while not condition():
+        if time.monotonic() > began + 60:
+            raise AssertionError(f"{what}: not within a minute")
+        time.sleep(0.01)
+    return time.monotonic() - began
+
+
+def come_and_go(browser):
+    """A board is plugged in and pulled out while the table is open."""
+    bus = ToldBus()
+    try:
+        browser.driver.get(f"{bus.url}/#/")
+        eventually(lambda: browser.text("asip-link") == "live", "live", 30)
+        file = bus.work / "desk.json"
+        file.write_text(json.dumps(DESK))
+        bus.start("sim", "asip-sim", "--socket", str(bus.work / "sim.sock"), str(file))
+        eventually((bus.work / "desk.port").exists, "the port")
+        began = time.monotonic()
+        bus.start("agent", "asip-agent", "--serial", str(bus.work / "desk.port"), "--name", "desk")
+        seen = since(began, lambda: "42" in browser.text(".filler .c-value"), "a value in the table")
+        row("board plugged in until its first value is seen", f"{seen:.1f} s", "5 s", "3 s")
+        bus.end("agent", signal.SIGKILL)
+        since(time.monotonic(), lambda: bus.state("desk") == "lost", "lost in the catalogue")
+        began = time.monotonic()
+        badge = since(began, lambda: "1 lost" in browser.driver.title, "the badge")
+        hook = max(0, since(began, lambda: bool(bus.told), "the webhook") and bus.told[0] - began)
+        row("lost in the catalogue until badge of the tab", f"{badge:.2f} s", "1 s", "0.2 s")
+        row("lost in the catalogue until the webhook is told", f"{hook:.2f} s", "1 s", "0.7 s")
+    finally:
+        bus.close()
+
+
 def plot(bus, browser, seconds):
     browser.driver.get(f"{bus.url}/#/bus")
     browser.shown("asip-system")
@@ -137,6 +206,7 @@ def main():
         browser = Browser()
         try:
             row("", "measured", "must", "aim")
+            come_and_go(browser)
             many_boards(bus, browser)
             plot(bus, browser, seconds)
             plot_for_long(browser, seconds)

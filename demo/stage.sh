@@ -92,7 +92,7 @@ start_bus() { # the broker and a registry
     mosquitto=$(PATH=$PATH:/usr/sbin:/usr/local/sbin command -v mosquitto) || fail "mosquitto is not installed"
     start broker "$mosquitto" -c "$work/mosquitto.conf"
     within 20 "the broker's start" grep -q ' running$' "$work/broker.log" # its own word: another program may listen there
-    start registry "$bin/asip-registry"
+    start registry "$bin/asip-registry" --history "$work/history.db"
 }
 start_gateway() {
     start gateway "$bin/asip-gateway" --http 127.0.0.1:0

@@ -2,6 +2,7 @@
 #include "registry/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <iostream>
 #include <limits>
 
@@ -77,7 +78,9 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                        "Address (http:// or https://) that gets a message when boards are lost and back")
             ->type_name("URL")
             ->group("Registry"));
-    settings.setting(app.add_option("--history", raw.history, "SQLite file to keep changes in; default: none")
+    settings.setting(app.add_option("--history", raw.history,
+                                    "SQLite file to keep changes in, or none; default: history.db in "
+                                    "$STATE_DIRECTORY, which a service has, else none")
                          ->group("History"));
     settings.setting(app.add_option("--history-age", raw.history_age, "Changes older than this are dropped")
                          ->capture_default_str()
@@ -90,6 +93,15 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
             ->type_name("SIZE")
             ->default_str("256M")
             ->group("History"));
+}
+
+/// A service keeps a history without being told to.
+std::string history_file(const std::string& given) {
+    if (given == "none") return {};
+    const char* folders = std::getenv("STATE_DIRECTORY");
+    if (!given.empty() || folders == nullptr || *folders == '\0') return given;
+    const std::string_view all(folders);
+    return std::string(all.substr(0, all.find(':'))) + "/history.db";
 }
 
 template <class Value, class Parse>
@@ -147,7 +159,7 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     options.max_boards = raw.max_boards;
     options.copy_boards = raw.copy_boards;
     options.services = raw.services;
-    options.history = raw.history;
+    options.history = history_file(raw.history);
     options.notify = raw.notify;
     if (options.notify.empty()) return options;
     if (const auto webhook = parse_webhook(options.notify); !webhook) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/ask/bus_session.hpp"
 
+#include "cli/ask/board_request.hpp"
+
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <map>
@@ -234,6 +236,9 @@ BusSession::Request BusSession::command(const std::string& topic, const std::str
     message.payload = payload;
     message.qos = 1;
     message.expire_after(state_->environment.timeout);
+    // For histories. What names its sender itself stays as it is.
+    if (v5() && !plain && payload.find("\"by\":") == std::string::npos)
+        message.user_properties = {{"by", who_asks(state_->environment)}};
     return state_->ask(std::move(message), std::move(on_reply),
                        {.plain = plain, .deadline = state_->environment.timeout});
 }

@@ -105,10 +105,18 @@ class OneBoard(unittest.TestCase):
 class Class(unittest.TestCase):
     """A teacher with boards from the box: as many as ASIP_CLASS says, two of which fail at first."""
 
+    def begin(self, bus):
+        """The bus is there, and no board."""
+
+    def is_seen(self, bus, board):
+        """A board of the class was loaded, and is plugged in."""
+        self.assertIn("42", bus.asipctl("get", f"{board}/distance/0").stdout)
+
     def test_each_board_is_loaded_and_named_and_those_that_fail_are_tried_again(self):
         needs_tools()
         bus = Boxes()
         self.addCleanup(bus.close)
+        self.begin(bus)
         count = int(os.environ.get("ASIP_CLASS", "2"))
         empty = bus.work / "empty.hex"
         empty.write_text(NOTHING)
@@ -136,7 +144,7 @@ class Class(unittest.TestCase):
             bus.plug(f"usb-{i}")
             wait_row((f"student-{i}", "loaded"))
             eventually(lambda: bus.state(f"student-{i}") == "online", "the board by its name")
-            self.assertIn("42", bus.asipctl("get", f"student-{i}/distance/0").stdout)
+            self.is_seen(bus, f"student-{i}")
             if i < count:
                 bus.pull(f"usb-{i}")
         self.assertEqual(teacher.wait(20), 0, log.read_text())

@@ -8,6 +8,15 @@ export const alive = (state) => state === "online" || state === "sleeping" || st
 /// Labels as they are written: ["room=lab", "camera"]; `name` is the board's friendly name and stands elsewhere.
 export const label_texts = (labels) => Object.entries(labels ?? {}).filter(([key]) => key !== "name").map(([key, value]) => (value === "" ? key : `${key}=${value}`));
 
+/// The service whose value a row of the table shows: that of the view; else that of the board's label `value`; "" its first sensor; undefined: none.
+export function value_service(row, view) {
+  if (view === "-") return undefined;
+  const own = row.tags?.value;
+  const name = view !== "" ? view : own ?? "";
+  if (name === "" || row.services.includes(name)) return name;
+  return view === "" ? "" : undefined;
+}
+
 function row_of(board, at, now) {
   const services = typeof board.services === "string" ? board.services.split(" ").filter(Boolean) : board.services ?? [];
   return {

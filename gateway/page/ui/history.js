@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened to one board, or on the whole bus.
-import { moment_text, reason_text, time_of } from "../core/text.js";
+import { fits, folded, row_of } from "../core/history.js";
+import { moment_text } from "../core/text.js";
 import { request } from "../net/bus.js";
 import { h, Part, set_text, state_mark } from "./dom.js";
 import { boards } from "./model.js";
 
 const kPage = 50;
-const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };
-const happenings = { added: "first seen", state: "", description: "description changed", conflict: "two agents use the name", resolved: "conflict over", forgotten: "forgotten" };
+const kSearched = 1000; // a page of the search
+const kSearchedPages = 10;
 
 class History extends Part {
   /// Call before it is put into the page. `path` of the API; `with_board`: a column with the board's name.
@@ -17,53 +18,65 @@ class History extends Part {
   }
 
   shown() {
+    this.rows = [];
     this.body = h("tbody", {});
     const heads = ["Time", this.with_board && "Board", "State", "What happened"].filter(Boolean);
     this.table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "History" },
       h("table", {}, h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col" }, head)))), this.body));
-    this.note = h("p", { class: "muted" });
+    this.note = h("p", { class: "muted", role: "status" });
     this.more = h("button", { hidden: true, onclick: () => this.load(this.cursor) }, "Earlier");
-    this.append(this.table, this.note, this.more);
+    let typing;
+    this.search = h("input", { type: "search", "aria-label": "Search the history", placeholder: "Search: who, what, which board", oninput: () => {
+      clearTimeout(typing);
+      typing = setTimeout(() => this.load(), 300);
+    } });
+    this.append(h("div", { class: "toolbar" }, this.search), this.table, this.note, this.more);
     this.load();
+    const again = () => { if (this.isConnected && !document.hidden && !this.paged && this.search.value.trim() === "") this.load(); };
+    this.every(5000, again); // commands are told to nobody but the registry
     let timer;
     this.listen(boards, "board", () => {
       timer ??= setTimeout(() => {
         timer = undefined;
-        if (this.isConnected && !this.paged) this.load();
+        again();
       }, 1500); // the registry writes it down a second later
     });
   }
 
   async load(cursor) {
+    const text = this.search.value.trim();
+    const turn = (this.turn = (this.turn ?? 0) + 1);
+    const rows = cursor ? this.rows : [];
+    const wanted = rows.length + kPage;
+    let searched = 0;
+    let problem;
     try {
-      const answer = await request(`${this.path}?limit=${kPage}${cursor ? `&cursor=${encodeURIComponent(cursor)}` : ""}`);
-      this.paged = Boolean(cursor);
-      if (!cursor) this.body.replaceChildren();
-      this.body.append(...answer.items.map((item) => this.row(item)));
-      this.cursor = answer.cursor;
-      set_text(this.note, this.body.childElementCount === 0 ? "Nothing happened yet." : "");
-    } catch (problem) {
-      this.cursor = undefined;
-      set_text(this.note, problem.message);
+      do {
+        const answer = await request(`${this.path}?limit=${text ? kSearched : kPage}${cursor ? `&cursor=${encodeURIComponent(cursor)}` : ""}`);
+        if (turn !== this.turn) return; // something else is looked for by now
+        searched += answer.items.length;
+        const found = answer.items.map(row_of);
+        rows.push(...(text ? found.filter((row) => fits(row, text)) : found));
+        cursor = answer.cursor;
+      } while (text && cursor && rows.length < wanted && searched < kSearched * kSearchedPages);
+      this.paged = rows.length > kPage;
+    } catch (fault) {
+      problem = fault.message;
+      cursor = undefined;
     }
-    this.table.hidden = this.body.childElementCount === 0;
+    this.rows = rows;
+    this.cursor = cursor;
+    this.body.replaceChildren(...folded(rows).map((row) => this.row(row)));
+    set_text(this.note, problem ?? (rows.length > 0 ? "" : !text ? "Nothing happened yet." : `Not among ${cursor ? "the newest " : ""}${searched} entries.`));
+    this.table.hidden = rows.length === 0;
     this.more.hidden = !this.cursor;
   }
 
-  row(item) {
-    if (item.by) return this.command_row(item);
-    const what = [happenings[item.what] ?? item.what, item.was && `was ${item.was}`, reason_text(item.reason)].filter(Boolean).join(", ");
-    return h("tr", {}, h("td", {}, moment_text(time_of(item.at))),
-      this.with_board && h("td", {}, h("a", { href: `#/board/${encodeURIComponent(item.board)}` }, item.board)),
-      h("td", {}, item.state ? state_mark(item.state) : ""), h("td", {}, what));
-  }
-
-  // Who did what.
-  command_row(item) {
-    const what = [[`${item.by}:`, commands[item.what] ?? item.what, item.service, item.request].filter(Boolean).join(" "), item.count > 1 && `${item.count} times`, item.reason].filter(Boolean).join(", ");
-    return h("tr", {}, h("td", {}, moment_text(time_of(item.at))),
-      this.with_board && h("td", {}, h("a", { href: `#/board/${encodeURIComponent(item.board)}` }, item.board)),
-      h("td", { class: "muted" }, item.status), h("td", {}, what));
+  row(row) {
+    const times = row.times > 1 && `, ${row.times} times${row.until !== row.at ? ` since ${moment_text(row.until)}` : ""}`;
+    return h("tr", {}, h("td", {}, moment_text(row.at)),
+      this.with_board && h("td", {}, h("a", { href: `#/board/${encodeURIComponent(row.board)}` }, row.board)),
+      h("td", { class: row.status && "muted" }, row.state ? state_mark(row.state) : row.status), h("td", {}, row.text, times));
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A value of each board that is seen in the table. Only of the rows on the screen: each of them is asked of its board.
+import { value_service } from "../core/catalogue.js";
 import { numbers_of } from "../core/series.js";
 import { with_unit } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
@@ -49,8 +50,9 @@ export class RowValues {
     if (!rows || document.hidden) return this.forget(() => true);
     const chosen = new Map();
     for (const row of rows) {
-      const name = service === "-" ? undefined : service === "" ? await first_sensor(row.services) : service;
-      if (name && row.services.includes(name)) chosen.set(row.name, name);
+      const wanted = value_service(row, service);
+      const name = wanted === "" ? await first_sensor(row.services) : wanted;
+      if (name) chosen.set(row.name, name);
     }
     if (this.wanted?.rows !== rows) return; // the next call is on its way
     this.forget((board, each) => chosen.get(board) !== each.service);

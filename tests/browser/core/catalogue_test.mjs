@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Catalogue } from "../../../gateway/page/core/catalogue.js";
+import { Catalogue, value_service } from "../../../gateway/page/core/catalogue.js";
 
 const board = (name, more = {}) => ({ board: name, state: "online", services: [{ name: "io" }], ...more });
 const names = (rows) => rows.map((row) => row.name);
@@ -85,4 +85,14 @@ test("EventOfNoBoard_ChangesNothing", () => {
   all.apply({ event: "status", broker: "lost" });
   all.apply({ event: "bookmark", place: "e-5" });
   assert.deepEqual(names(all.view()), ["a"]);
+});
+
+test("ValueOfARow_IsThatOfTheView_ElseOfTheBoardsLabel_ElseItsFirst", () => {
+  const row = { services: ["io", "distance", "gas"], tags: { value: "gas" } };
+  assert.equal(value_service(row, ""), "gas");
+  assert.equal(value_service(row, "distance"), "distance");
+  assert.equal(value_service(row, "-"), undefined);
+  assert.equal(value_service({ ...row, tags: {} }, ""), "");
+  assert.equal(value_service({ ...row, tags: { value: "none" } }, ""), "", "a label that names no service of it says nothing");
+  assert.equal(value_service(row, "none"), undefined);
 });

@@ -78,6 +78,19 @@ TEST_P(BoardOverEachLink, DigitalRead_FollowsTheButton) {
     EXPECT_TRUE(wait_until([&] { return board_.digital_read(2) == Result<bool>(true); }));
 }
 
+TEST_P(BoardOverEachLink, WaitForChange_ReturnsTheNewLevelAndMissesNone) {
+    ASSERT_TRUE(board_.set_pin_mode(2, PinMode::kInputPullup));
+    const auto quiet = board_.wait_for_change(2, 100ms);
+    ASSERT_FALSE(quiet);
+    EXPECT_EQ(quiet.error().kind, Error::Kind::kTimeout);
+    for (int i = 0; i < 3; ++i) {
+        boards_.press();
+        EXPECT_EQ(board_.wait_for_change(2, test::time_limit(5s)), Result<bool>(false)) << i;
+        boards_.release();
+        EXPECT_EQ(board_.wait_for_change(2, test::time_limit(5s)), Result<bool>(true)) << i;
+    }
+}
+
 TEST_P(BoardOverEachLink, AnalogRead_FollowsThePotentiometer) {
     ASSERT_TRUE(board_.set_analog_period(20ms));
     const auto near = [&](int wanted) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include <optional>
 
 namespace asip::registry {
@@ -35,6 +37,22 @@ TEST(RegistryOptions, Periods_AreASecondOrMore) {
     for (const char* bad : {"", "h", "0s", "500ms", "1w", "-1s", "99999999999999999999d", "40000d"}) {
         EXPECT_FALSE(parse_period(bad)) << bad;
     }
+}
+
+std::string history_of(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "asip-registry");
+    const auto options = read_options(static_cast<int>(arguments.size()), arguments.data());
+    return options ? options->history : "refused";
+}
+
+TEST(Options, ServiceKeepsAHistory_UnlessItIsToldNotTo) {
+    ::unsetenv("STATE_DIRECTORY");
+    EXPECT_EQ(history_of({}), "");
+    ::setenv("STATE_DIRECTORY", "/var/lib/asip:/elsewhere", 1);
+    EXPECT_EQ(history_of({}), "/var/lib/asip/history.db");
+    EXPECT_EQ(history_of({"--history", "/tmp/h.db"}), "/tmp/h.db");
+    EXPECT_EQ(history_of({"--history", "none"}), "");
+    ::unsetenv("STATE_DIRECTORY");
 }
 
 }  // namespace

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What happened, in words; searched, and equal rows folded.
+import { reason_text, time_of } from "./text.js";
+
+const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };
+const happenings = { added: "first seen", state: "", description: "description changed", conflict: "two agents use the name", resolved: "conflict over", forgotten: "forgotten" };
+
+/// A change or command of the API as a row: {board, at, until, state, status, text, times}. `until`: of the oldest of equal ones.
+export function row_of(item) {
+  const at = time_of(item.at);
+  const row = { board: item.board, at, until: at, state: item.by ? "" : item.state ?? "", status: item.by ? item.status ?? "" : "", times: item.by ? item.count ?? 1 : 1 };
+  row.text = item.by
+    ? [[`${item.by}:`, commands[item.what] ?? item.what, item.service, item.request].filter(Boolean).join(" "), item.reason].filter(Boolean).join(", ")
+    : [happenings[item.what] ?? item.what, item.was && `was ${item.was}`, reason_text(item.reason)].filter(Boolean).join(", ");
+  return row;
+}
+
+/// Whether each of the words stands in it.
+export function fits(row, text) {
+  const all = `${row.board} ${row.state} ${row.status} ${row.text}`.toLowerCase();
+  return text.toLowerCase().split(/\s+/).every((word) => all.includes(word));
+}
+
+/// Rows, the newest first; those that are equal to the one before are counted there. Of a board that comes and goes, pairs are.
+export function folded(rows) {
+  const out = [];
+  for (const row of rows) {
+    const equal = [out.at(-1), out.at(-2)].find((other, back) => other && same(other, row) && (back === 0 || out.at(-1).board === row.board));
+    if (equal) {
+      equal.times += row.times;
+      equal.until = row.until;
+    } else {
+      out.push({ ...row });
+    }
+  }
+  return out;
+}
+
+const same = (a, b) => a.board === b.board && a.state === b.state && a.status === b.status && a.text === b.text;
