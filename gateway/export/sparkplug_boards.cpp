@@ -74,11 +74,8 @@ void SparkplugNode::take(Record& record, std::shared_ptr<const ExportedBoard> bo
             record.by_service[entity.service()].push_back(i);
         else if (options_.dialect.read_only)
             continue;
-        for (auto& slot : Sparkplug::slots(entity)) {
-            const auto [alias, added] = record.aliases.try_emplace(slot.name, next_alias_);
-            if (added) ++next_alias_;
-            record.slots.push_back({std::move(slot), i, alias->second});
-        }
+        for (auto& slot : Sparkplug::slots(entity))
+            record.slots.push_back({std::move(slot), i, 0});
     }
     std::vector<bus::Demander::Want> wants;
     for (const auto& [service, entities] : record.by_service)
@@ -103,14 +100,16 @@ sparkplug::Metric SparkplugNode::metric(const Record& record, const Slot& slot, 
     return result;
 }
 
-/// With all that is known of it.
+/// With all that is known of it. Aliases are new ones each time: Eclipse Tahu takes one that it knows for a
+/// fault, also of a device that died.
 void SparkplugNode::birth(Record& record, Time now) {
     all_values(record, now);
     const auto time = time_ms();
     for (auto& state : record.states)
         state.value.take(now, Duration::zero(), true);
     sparkplug::Payload payload;
-    for (const auto& slot : record.slots) {
+    for (auto& slot : record.slots) {
+        slot.alias = next_alias_++;
         auto each = metric(record, slot, time);
         each.name = slot.metric.name;
         auto properties = dialect_.properties(record.board->entities[slot.entity], slot.metric);

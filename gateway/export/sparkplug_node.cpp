@@ -169,6 +169,7 @@ void SparkplugNode::births(Time now) {
     born_at_ = now;
     births_due_.reset();
     seq_ = 0;
+    next_alias_ = 1;
     say(dialect_.topic("NBIRTH"), {{}, dialect_.node_metrics(bd_seq_, time_ms()), {}});
     retain(dialect_.state(), std::string(kOnline));
     for (auto& [name, record] : records_) {

@@ -75,7 +75,7 @@ class SparkplugNode final : public Export {
     struct Slot {
         Sparkplug::Slot metric;
         std::size_t entity = 0;
-        std::uint64_t alias = 0;
+        std::uint64_t alias = 0;  // since the last birth
     };
     /// Of an entity.
     struct State {
@@ -91,7 +91,6 @@ class SparkplugNode final : public Export {
         bool born = false;
         std::vector<State> states;
         std::vector<Slot> slots;
-        std::map<std::string, std::uint64_t> aliases;  // of metrics, also of those that are gone
         std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
         std::vector<bus::Demander::Want> wants;
     };

@@ -65,9 +65,8 @@ class SparkplugHost {
             for (const auto& each : payload->metrics) {
                 if (each.name.empty() || !each.alias || !each.timestamp)
                     fault(sent, "metric without name, alias or time");
-                for (const auto& [other, device] : devices)
-                    for (const auto& [name, metric] : device.metrics)
-                        if (metric.alias == each.alias) fault(sent, "alias of " + other + "/" + name);
+                if (!aliases_.insert(each.alias.value_or(0)).second)
+                    fault(sent, "an alias that was used before");
                 devices[board].metrics[each.name] = each;
             }
             devices[board].bytes = sent.payload;
@@ -114,6 +113,7 @@ class SparkplugHost {
         bd_seqs.push_back(*number);
         node_alive = true;
         devices.clear();
+        aliases_.clear();
     }
     void node_death(const ExportWorld::Sent& sent, const sparkplug::Payload& payload) {
         if (payload.seq) fault(sent, "a death has no seq");
@@ -127,6 +127,7 @@ class SparkplugHost {
 
     std::size_t read_ = 0;
     unsigned seq_ = 0;
+    std::set<std::uint64_t> aliases_;  // since the birth of the node
 };
 
 }  // namespace asip::gateway::exports

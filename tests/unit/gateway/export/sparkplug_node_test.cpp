@@ -202,13 +202,16 @@ TEST_F(SparkplugNodeTest, BoardWithAnotherSession_IsBornAgain_WithoutWhatWasSet)
     EXPECT_EQ(world.host.value("uno1", "servo-0-angle"), kNull);
 }
 
-TEST_F(SparkplugNodeTest, BoardThatChanges_IsBornAgain_AndItsMetricsKeepTheirAlias) {
-    active();
+TEST_F(SparkplugNodeTest, BoardThatChanges_IsBornAgain_WithAliasesThatNoHostHasSeen) {
+    auto& gateway = active();
     const auto alias = world.view().metric("uno1", "servo-0-angle")->alias;
     world.put("uno1", exported(0));
     world.put("uno2", exported(1));
     world.pass(1s);
-    EXPECT_EQ(world.view().metric("uno1", "servo-0-angle")->alias, alias);
+    EXPECT_NE(world.view().metric("uno1", "servo-0-angle")->alias, alias);
+    world.ask("DCMD", "/uno1", "", whole(90), alias);  // of before
+    world.step();
+    EXPECT_THAT(gateway.commands, IsEmpty());
     EXPECT_EQ(world.host.metric("uno1", "distance-0"), nullptr);
     world.forget("uno1");
     world.pass(1s);
