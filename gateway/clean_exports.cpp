@@ -80,10 +80,12 @@ class Cleaner {
         if (ended_) return;
         ended_ = true;
         status_ = status;
-        (status == program::kExitOk ? std::cout : std::cerr)
-            << "asip-gateway: " << export_->title() << ": " << sentence << std::endl;
         timer_.cancel();
-        connection_.stop(kCleanEnd, [this] { client_.stop(kCleanEnd, [this] { io_.stop(); }); });
+        connection_.stop(kCleanEnd, [this, sentence] {
+            (status_ == program::kExitOk ? std::cout : std::cerr)
+                << "asip-gateway: " << export_->title() << ": " << sentence << std::endl;
+            client_.stop(kCleanEnd, [this] { io_.stop(); });
+        });
     }
 
     boost::asio::io_context io_{1};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <utility>
@@ -91,14 +92,26 @@ void ExportConnection::tidy() {
 }
 
 void ExportConnection::stop(Duration limit, std::function<void()> done) {
-    if (!client_) return done();
-    auto ending = std::make_shared<Ending>();
-    ending->client = std::move(client_);
-    ending_.push_back(ending);
-    ending->client->stop(limit, [raw = ending.get(), done = std::move(done)] {
-        raw->done = true;
-        done();
-    });
+    if (client_) {
+        auto ending = std::make_shared<Ending>();
+        ending->client = std::move(client_);
+        ending_.push_back(ending);
+        ending->client->stop(limit, [raw = ending.get()] {
+            raw->done = true;
+            if (raw->then) raw->then();
+        });
+    }
+    // One that was ended before may still be sending.
+    const auto left = std::make_shared<std::ptrdiff_t>(
+        std::count_if(ending_.begin(), ending_.end(), [](const auto& each) { return !each->done; }));
+    if (*left == 0) return done();
+    for (const auto& each : ending_) {
+        if (each->done) continue;
+        each->then = [before = std::move(each->then), left, done] {
+            if (before) before();
+            if (--*left == 0) done();
+        };
+    }
 }
 
 }  // namespace asip::gateway

@@ -81,10 +81,11 @@ void Exports::changes() {
     const auto now = gateway_.now().time;
     bool lost = false;
     while (seen_ < log.last()) {
-        if (const auto* change = log.change(++seen_))
-            export_->changed(change->board, now);
-        else
+        const auto* change = log.change(++seen_);
+        if (change == nullptr)
             lost = true;
+        else if (!change->board.empty())  // else it is of the gateway itself
+            export_->changed(change->board, now);
     }
     if (lost)
         for (const auto& name : gateway_.mirror().board_names())

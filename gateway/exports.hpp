@@ -22,7 +22,8 @@ class ExportConnection {
     exports::Export::Port port(std::function<exports::Export&()> of);
     /// Call now and then: lets go of what has ended.
     void tidy();
-    /// Sends what waits and ends; `done` is called within `limit`.
+    /// Sends what waits and ends; `done` is called within `limit`, or some seconds after the exporter ended
+    /// its connection, if that still sends.
     void stop(Duration limit, std::function<void()> done);
 
   private:
@@ -35,6 +36,7 @@ class ExportConnection {
     struct Ending {
         std::unique_ptr<mqtt::Client> client;
         bool done = false;
+        std::function<void()> then{};
     };
     std::vector<std::shared_ptr<Ending>> ending_;
 };
