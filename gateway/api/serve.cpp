@@ -255,9 +255,8 @@ struct Asker {
     bool link = false;  ///< by a kiosk's link
 };
 
-void serve_route(Gateway& gateway, const http::Request& request, const http::Reply& reply,
-                 const Asker& asker) {
-    const auto& principal = asker.principal;
+void serve_route(Gateway& gateway, const http::Request& request, const http::Reply& reply, Asker asker) {
+    auto& principal = asker.principal;
     static const auto patterns = split_patterns();
     std::string methods;
     const std::string_view method = request.method == "HEAD" ? "GET" : std::string_view(request.method);
@@ -271,8 +270,13 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
         }
         if (!allowed(principal.rights, route.need)) return refuse_right(principal, reply, route.need);
         if (!known_parameters(request, reply, route)) return;
-        Call call{
-            gateway, request, reply, principal, asker.peer, route, parameters_of(pattern, request.segments)};
+        Call call{gateway,
+                  request,
+                  reply,
+                  std::move(principal),
+                  std::move(asker.peer),
+                  route,
+                  parameters_of(pattern, request.segments)};
         route.serve(call);
         return log_change(call);  // behind the answer: nobody waits for the log
     }
@@ -304,10 +308,10 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
     if (!at_root && !inner) return plain.send(problem(404, "the gateway is at " + base + "/"));
     const auto& request = inner ? inner->request : received;
     Served served{gateway.gate().allowed_origin(request), http::accepts_gzip(request), {}};
-    const auto peer = gateway.gate().peer_of(request);
+    auto peer = gateway.gate().peer_of(request);
     const bool link = inner && inner->link;
-    const auto principal = link ? gateway.gate().admit_link(request, *inner->link, gateway.now())
-                                : gateway.gate().admit(request, gateway.now());
+    auto principal = link ? gateway.gate().admit_link(request, *inner->link, gateway.now())
+                          : gateway.gate().admit(request, gateway.now());
     if (principal) {
         served.part = [&gateway, client = client_of(*principal, peer)] {
             return gateway.budget().part(client);
@@ -325,7 +329,7 @@ void serve(Gateway& gateway, const http::Request& received, const http::Reply& p
     if (inner && redirect_to_folder(*inner, reply)) return;
     if (request.segments == std::vector<std::string>{""})
         return reply.send(problem(400, "the target of the request is no address"));
-    serve_route(gateway, request, reply, {*principal, peer, link});
+    serve_route(gateway, request, reply, {std::move(*principal), std::move(peer), link});
 }
 
 }  // namespace asip::gateway::api
