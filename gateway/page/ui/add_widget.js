@@ -18,13 +18,10 @@ export async function offers_of_service(board, service) {
   return all_pin_offers(board, description, value?.set);
 }
 
-/// Adds a widget to a dashboard that may be changed by somebody else at the same moment, or to a new one.
-export async function add_to_dashboard(name, title, widget) {
+/// Adds a widget to a dashboard that may be changed by somebody else at the same moment; `fresh`: to one that is not there yet.
+async function add_to_dashboard(name, title, widget, fresh) {
   for (let i = 0; ; ++i) {
-    const found = await request_with_tag(path_of("dashboards", name)).catch((problem) => {
-      if (problem.status !== 404) throw problem;
-      return { body: { title, widgets: [] }, tag: undefined };
-    });
+    const found = fresh && i === 0 ? { body: { title, widgets: [] }, tag: undefined } : await request_with_tag(path_of("dashboards", name));
     const { widgets } = found.body;
     try {
       return await request(path_of("dashboards", name), { method: "PUT", body: { title: found.body.title, widgets: [...widgets, widget] },
@@ -78,7 +75,7 @@ class AddWidget extends Part {
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     const save = async (event) => {
       event.preventDefault();
-      await this.save(offers[Number(what.value)].widget, where.value || name_of_title(title.value), title.value.trim());
+      await this.save(offers[Number(what.value)].widget, where.value || name_of_title(title.value), title.value.trim(), where.value === "");
     };
     this.panel.replaceChildren(h("form", { "aria-label": `Add ${this.what} to a dashboard`, onsubmit: save },
       h("div", { class: "field" }, h("label", { for: what.id }, "What"), what), h("div", { class: "field" }, h("label", { for: where.id }, "To"), where), fresh,
@@ -86,10 +83,10 @@ class AddWidget extends Part {
     what.focus();
   }
 
-  async save(widget, name, title) {
+  async save(widget, name, title, fresh) {
     if (name === "") return this.tell("refused", "A new dashboard needs a title with letters or digits.");
     try {
-      await add_to_dashboard(name, title, widget);
+      await add_to_dashboard(name, title, widget, fresh);
       last_dashboard = name;
       this.tell("ok", "Added. ", h("a", { href: `#/dashboard/${encodeURIComponent(name)}` }, "Show the dashboard"));
     } catch (problem) {

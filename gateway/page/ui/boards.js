@@ -101,7 +101,7 @@ class Boards extends Part {
     const list = (rows, text) => named(rows).map((row, i) => [i > 0 ? ", " : "", link(row), text(row)]);
     const rest = (rows, state) => rows.length > named(rows).length && [" … ", h("button", { onclick: () => this.filtered({ state, text: "" }) }, "Show all")];
     const all_alike = reasons.length === 1 && lost.length > 1 ? ` (all: ${reason_text(reasons[0][0])})` : "";
-    const why = (row) => [reason_text(row.reason), row.since && `since ${moment_text(row.since)}`].filter(Boolean).join(", ");
+    const why = (row) => [all_alike ? "" : reason_text(row.reason), row.since && `since ${moment_text(row.since)}`].filter(Boolean).join(", ");
     this.attention.hidden = lost.length + stopped.length + bare.length === 0 && !this.loaded;
     this.attention.replaceChildren(
       lost.length > 0 ? h("p", {}, h("strong", { class: "state lost" }, `${plural(lost.length, "board")} lost${all_alike}: `), list(lost, (row) => ` (${why(row)})`), rest(lost, "lost")) : "",
