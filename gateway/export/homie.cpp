@@ -18,6 +18,8 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kVersion = "5.0";
+constexpr std::int64_t kMaxVersion = std::int64_t{1} << 53;  // of a description; exact in every reader of
+                                                             // JSON
 constexpr std::size_t kMaxDescriptionBytes = std::size_t{1} << 20;
 constexpr int kMaxDescriptionDepth = 12;
 constexpr int kChannels = 3;  // of a colour
@@ -62,6 +64,7 @@ std::string next_version(json document, const std::string& on_bus) {
     if (old.is_object()) {
         if (const auto found = old.find("version"); found != old.end() && found->is_number_integer())
             version = found->get<std::int64_t>();
+        if (version < 0 || version >= kMaxVersion) version = 0;  // not one of ours
         old.erase("version");
         if (old == document) return on_bus;
     }

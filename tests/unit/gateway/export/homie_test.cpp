@@ -57,6 +57,8 @@ TEST(HomieDescription, VersionGrows_WhenItSaysSomethingElse) {
     const auto second = json::parse(homie.next_document(board, first).text);
     EXPECT_EQ(second["version"], 2);
     EXPECT_EQ(described(homie, "no document")["version"], 1);
+    for (const char* other : {R"({"version":9223372036854775807})", R"({"version":-5})"})
+        EXPECT_EQ(described(homie, other)["version"], 1) << other;
     EXPECT_EQ(described(homie, R"({"version":"x"})")["version"], 1);
 }
 
