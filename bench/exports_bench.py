@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the exports of a gateway cost: a start beside many boards, memory, and the time until a value is in each dialect.
+"""What the exports of a gateway cost: the time until a value is in each dialect, a start beside many boards, memory, and messages of
+a pin that changes all the time.
 
     bench_exports [BOARDS]    1000 when not given, each with five services
 
-A start ends when all is retained that will be. Beside it `mosquitto_pub -l` sends the same messages to the same broker, one after the
-other. A value is timed from its own topic to that of the dialect, at the same client.
+A start ends when all is retained that will be. Beside it `mosquitto_pub -l` sends as many bytes in as many retained messages to the
+same broker. A value is timed from a scripted board, through its agent, to its own topic and to that of the dialect, at one client.
 """
 
+import contextlib
 import json
 import pathlib
 import statistics
@@ -18,6 +20,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "support"))
 from bus import Bus, paho_client  # noqa: E402
+from scripted_board import ScriptedBoard  # noqa: E402
 
 SERVICES = (("io", "I"), ("distance", "D"), ("servo", "S"), ("bump", "B"), ("motors", "M"))
 DIALECTS = {"--home-assistant": ("homeassistant", "asip/export/ha"), "--homie": ("homie",), "--wot-mqtt": ("asip/export/wot",)}
@@ -92,7 +95,7 @@ def published(bus, messages):
             file.write(b"x" * max(len(payload), 1) + b"\n")
         file.flush()
         with open(file.name, "rb") as lines:
-            subprocess.run(["mosquitto_pub", "-p", str(bus.broker_port), "-t", "beside/x", "-q", "1", "-l"], stdin=lines, check=True)
+            subprocess.run(["mosquitto_pub", "-p", str(bus.broker_port), "-t", "beside/x", "-q", "1", "-r", "-l"], stdin=lines, check=True)
     took = listener.settle()
     listener.close()
     return took
@@ -143,43 +146,81 @@ def memory(boards):
     print(f"  without exports {sizes[0] / 1e6:.1f} MB")
 
 
-def values():
-    print("from the topic of a value to that of a dialect, ms: p50, p99 of 300 values, 20 a second")
-    bus = Exporting(boards=())
-    try:
-        bus.announce(1)
-        own = "asip/board0/distance/out"
-        shown = {"--home-assistant": "asip/export/ha/board0/distance-0", "--homie": "homie/5/board0/distance/distance-0",
-                 "--wot-mqtt": "asip/export/wot/board0/distance-0"}
-        listener = Listener(bus.broker_port, own, *shown.values())
-        bus.start_gateway(*DIALECTS, "--export-hz", "100")
-        sender = paho_client()
-        sender.connect("127.0.0.1", bus.broker_port)
-        sender.loop_start()
+SHOWN = {"--home-assistant": "asip/export/ha/desk/", "--homie": "homie/5/desk/", "--wot-mqtt": "asip/export/wot/desk/"}
+
+
+class BoardAndExports(contextlib.AbstractContextManager):
+    """A scripted board, its agent, a gateway with all exports, and one client that hears all of them."""
+
+    def __init__(self, own, service, entity, *options):
+        self.own = own
+        self.shown = {option: begin + (f"{service}/" if option == "--homie" else "") + entity for option, begin in SHOWN.items()}
+        self.bus = Exporting(boards=())
+        self.board = ScriptedBoard()
+        self.listener = Listener(self.bus.broker_port, own, *self.shown.values(), "asip/servicebus/desk/$state")
+        self.bus.start("agent", "asip-agent", "--tcp", f"127.0.0.1:{self.board.port}", "--name", "desk",
+                       "--state-dir", str(self.bus.work / "agent"))
+        self.bus.start_gateway(*DIALECTS, *options)
         time.sleep(8)
-        for i in range(300):
-            sender.publish(own, json.dumps({"distance": {"0": i}}))
+
+    def __exit__(self, *_):
+        self.listener.close()
+        self.board.close()
+        self.bus.close()
+
+
+def latency():
+    print("from a board to its own topic and to that of each dialect, over its own: p50 of 300 values, 20 a second")
+    with BoardAndExports("asip/desk/distance/out", "distance", "distance-0", "--export-hz", "100") as all_of_it:
+        said = {}
+        for i in range(1000, 1300):
+            said[i] = all_of_it.board.say(f"@D,e,1,{{{i}}}")
             time.sleep(0.05)
         time.sleep(1)
-        sender.disconnect()
-        sender.loop_stop()
-        listener.close()
-        seen = {topic: {} for topic in (own, *shown.values())}
-        for topic, payload, at in listener.messages:
-            number = json.loads(payload)
-            seen[topic][number["distance"]["0"] if topic == own else number] = at
-        for option, topic in shown.items():
-            times = sorted((seen[topic][i] - seen[own][i]) * 1e3 for i in range(300) if i in seen[topic] and i in seen[own])
-            print(f"{option:<18} {statistics.median(times):>8.2f} {times[int(len(times) * 0.99)]:>8.2f}    of {len(times)}", flush=True)
-    finally:
-        bus.close()
+        took = {topic: [] for topic in (all_of_it.own, *all_of_it.shown.values())}
+        for topic, payload, at in all_of_it.listener.messages:
+            if topic not in took:
+                continue
+            number = json.loads(payload)["distance"][0] if topic == all_of_it.own else int(float(payload))
+            if number in said:
+                took[topic].append((at - said[number]) * 1e3)
+        own = statistics.median(took[all_of_it.own])
+        print(f"  {'its own topic':<40} {own:>10.3f} ms")
+        for option, topic in all_of_it.shown.items():
+            p50 = statistics.median(took[topic])
+            print(f"  {option:<40} {p50 / own:>10.2f} x  must     1.30  aim     1.10")
+            print(f"    {p50:.3f} ms, p99 {sorted(took[topic])[int(len(took[topic]) * 0.99)]:.3f} ms, {len(took[topic])} of {len(said)} values", flush=True)
+
+
+def square_wave(seconds=20):
+    print(f"square wave of 1 kHz on a pin for {seconds} s: messages a second, and whether the newest value is last")
+    with BoardAndExports("asip/desk/io/out", "io", "pin-0") as all_of_it:
+        start = time.monotonic()
+        level = 0
+        for i in range(seconds * 1000):
+            level = 1 - level
+            all_of_it.board.say(f"@I,d,4,{level:x}")
+            time.sleep(max(0, start + (i + 1) / 1000 - time.monotonic()))
+        took = time.monotonic() - start
+        all_of_it.board.say("@I,d,4,0")
+        all_of_it.board.say("@I,d,4,1")  # the newest
+        time.sleep(2)
+        heard = {}
+        for topic, payload, _ in all_of_it.listener.messages:
+            heard.setdefault(topic, []).append(payload.decode())
+        print(f"    {len(heard.get(all_of_it.own, [])) / took:.0f} a second on its own topic")
+        for option, topic in all_of_it.shown.items():
+            each = heard.get(topic, [])
+            newest = each and each[-1] in ("ON", "true")
+            print(f"  {option:<40} {len(each) / took:>10.2f} /s must     5.00  newest last: {'yes' if newest else 'no'}", flush=True)
 
 
 def main():
     boards = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    latency()
     start(boards)
     memory(boards)
-    values()
+    square_wave()
 
 
 if __name__ == "__main__":
