@@ -49,7 +49,7 @@ void Board::restart() {
 
 void Board::run() {
     const bool received = nextRequest();
-    const bool executed = received && io_.executePrepared();
+    const bool executed = received && !out.usesChecksum() && io_.executeWrite(line(), length_);
     io_.pollInputs();  // before the rest of the request's work: what a write changed is reported sooner
     if (received) {
         execute(executed);
@@ -124,11 +124,7 @@ bool Board::receive() {
         if (collect(static_cast<char>(byte))) return true;
         byte = line::read();
     } while (byte >= 0);
-    const uint8_t length = length_;
-    if (!isExtended()) waitMs_ = length == kSpoiled ? kSpoiledMs : kSilenceMs;
-    if (length < IoService::kShortestWrite || length > IoService::kLongestWrite || out.usesChecksum())
-        return false;
-    io_.prepare(line(), length);
+    if (!isExtended()) waitMs_ = length_ == kSpoiled ? kSpoiledMs : kSilenceMs;
     return false;
 }
 
@@ -169,7 +165,6 @@ void Board::beginNext() {
 // True at the end of a request. Of one that is spoiled the first characters stay, to say which it was.
 bool Board::collect(char c) {
     if (c == '\n' || beginsAnother(c)) return true;
-    io_.forgetPrepared();
     const uint8_t length = length_;
     if (length >= maxLength() || c == '\0') {
         if (length < 3) line()[length == 0 ? 0 : 2] = '\0';

@@ -11,7 +11,6 @@ FlashText IoService::name() const {
 }
 
 void IoService::begin() {
-    preparedPin_ = kNoPin;
     for (uint8_t pin = 0; pin < hw::kPins; ++pin) {
         if (line::usesPin(pin) || hw::isHidden(pin)) {
             modes_[pin] = static_cast<uint8_t>(PinMode::kReserved);
@@ -94,28 +93,22 @@ Error IoService::writeDigital(uint8_t pin, uint8_t high) {
     return Error::kNone;
 }
 
-void IoService::prepare(const char* line, uint8_t length) {
+bool IoService::executeWrite(const char* line, uint8_t length) {
     // I,d,2,1 or I,d,13,1
-    if (line[length - 2] != ',' || line[0] != 'I' || line[1] != ',' || line[2] != 'd' || line[3] != ',')
-        return;
-    const uint8_t level = static_cast<uint8_t>(line[length - 1] - '0');
+    constexpr uint8_t kOneDigit = 7, kTwoDigits = 8;
+    if (length != kOneDigit && length != kTwoDigits) return false;
+    if (line[0] != 'I' || line[1] != ',' || line[2] != 'd' || line[3] != ',') return false;
     uint8_t pin = static_cast<uint8_t>(line[4] - '0');
-    if (level > 1 || pin > 9) return;
-    if (length == kLongestWrite) {
+    if (pin > 9) return false;
+    if (length == kTwoDigits) {
         const uint8_t digit = static_cast<uint8_t>(line[5] - '0');
-        if (digit > 9) return;
+        if (digit > 9) return false;
         pin = static_cast<uint8_t>(pin * 10 + digit);
+        ++line;
     }
-    if (pin >= hw::kPins || !canWrite(pin)) return;
-    preparedPin_ = pin;
-    preparedLevel_ = level;
-}
-
-bool IoService::executePrepared() {
-    const uint8_t pin = preparedPin_;
-    if (pin == kNoPin) return false;
-    preparedPin_ = kNoPin;
-    hw::writePin(pin, preparedLevel_);
+    const uint8_t level = static_cast<uint8_t>(line[6] - '0');
+    if (line[5] != ',' || level > 1 || pin >= hw::kPins || !canWrite(pin)) return false;
+    hw::writePin(pin, level);
     return true;
 }
 

@@ -33,15 +33,10 @@ class IoService : public Service {
     // Sends an event for each port whose inputs changed. Called in each pass, as often as can be.
     void pollInputs();
 
-    // A digital write is read and checked while its line end is still on the wire: that takes half of the
-    // time between request and event off its round trip. `line` is what has come so far, of a length from
-    // kShortestWrite to kLongestWrite.
-    static constexpr uint8_t kShortestWrite = 7, kLongestWrite = 8;
-    void prepare(const char* line, uint8_t length) __attribute__((noinline));
-    void forgetPrepared() { preparedPin_ = kNoPin; }
-
-    // Does what was prepared; false if nothing was.
-    bool executePrepared();
+    // Executes a digital write in its usual form, I,d,PIN,LEVEL, sooner than processRequest() could: what it
+    // changes is reported before the rest of the request's work. False: it is another one, and nothing is
+    // done.
+    bool executeWrite(const char* line, uint8_t length);
 
     // Strict: every free pin begins unallocated. Otherwise as an input, analog pins as analog.
     void useStrictMode(bool strict) { strict_ = strict; }
@@ -77,13 +72,9 @@ class IoService : public Service {
     void writeAnalogInput(uint8_t nth);
 
     static constexpr uint8_t kPorts = hw::kLastPort - hw::kFirstPort + 1;
-    static constexpr uint8_t kNoPin = 255;
-
     uint8_t modes_[hw::kPins];  // mode in the low half, owner in the high
     uint8_t inputs_[kPorts];    // mask of the pins that are inputs
     uint8_t levels_[kPorts];    // as last reported
-    uint8_t preparedPin_;
-    uint8_t preparedLevel_;
     bool strict_;
 };
 
