@@ -10,6 +10,7 @@ namespace asip::gateway {
 namespace {
 
 constexpr Duration kCleanTick = std::chrono::milliseconds(100);
+constexpr Duration kUntilRetained = std::chrono::seconds(2);  // has come
 constexpr Duration kCleanLimit = std::chrono::seconds(60);
 constexpr Duration kCleanEnd = std::chrono::seconds(5);
 
@@ -67,7 +68,7 @@ class Cleaner {
         const auto now = Clock::now();
         if (export_->finished()) return end(program::kExitOk, "nothing of the export is left on the broker");
         const auto& holder = export_->lease().holder();
-        if (subscribed_at_ && now - *subscribed_at_ > exports::Lease::kStale + kCleanTick && holder &&
+        if (subscribed_at_ && now - *subscribed_at_ > exports::Lease::kStale + kUntilRetained && holder &&
             export_->lease().held(now))
             return end(program::kExitFailure,
                        "a gateway on " + holder->host +

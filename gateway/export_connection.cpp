@@ -32,7 +32,7 @@ void ExportConnection::connect(exports::Export& of) {
     mqtt::Client::Handlers handlers;
     handlers.on_connected = [this, &of](const mqtt::Connected&) {
         of.own_connected();
-        if (client_) client_->set_will(of.will());
+        if (auto will = of.will(); client_ && will) client_->set_will(std::move(*will));
     };
     handlers.on_subscribed = [&of] { of.own_subscribed(Clock::now()); };
     handlers.on_disconnected = [&of](const mqtt::ConnectionFailure& failure) {

@@ -65,7 +65,8 @@ class Export {
     /// To be subscribed to over the export's own, from its start.
     virtual std::vector<std::string> own_subscriptions() const = 0;
     /// Published by the broker when the export's connection is lost: the next one, while there is one.
-    virtual mqtt::Message will() const = 0;
+    /// Nothing: there is nothing to say.
+    virtual std::optional<mqtt::Message> will() const = 0;
 
     // Over the gateway's connection:
     virtual void subscribed(Time now) = 0;

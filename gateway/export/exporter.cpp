@@ -60,7 +60,7 @@ std::vector<std::string> Exporter::own_subscriptions() const {
     return {dialect().status().empty() ? dialect().lease() : dialect().status()};
 }
 
-mqtt::Message Exporter::will() const {
+std::optional<mqtt::Message> Exporter::will() const {
     mqtt::Message message;
     message.topic = dialect().gateway_state();
     message.payload = dialect().lost();

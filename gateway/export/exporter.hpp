@@ -46,7 +46,7 @@ class Exporter final : public Export {
     std::string_view title() const override { return dialect().title(); }
     std::vector<std::string> subscriptions() const override;
     std::vector<std::string> own_subscriptions() const override;
-    mqtt::Message will() const override;
+    std::optional<mqtt::Message> will() const override;
 
     // Over the gateway's connection:
     void subscribed(Time now) override;

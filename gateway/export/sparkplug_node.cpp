@@ -40,10 +40,14 @@ std::vector<std::string> SparkplugNode::own_subscriptions() const {
     return result;
 }
 
-mqtt::Message SparkplugNode::will() const {
+std::optional<mqtt::Message> SparkplugNode::will() const {
+    return options_.enabled ? std::optional(death_of(next_bd_seq_)) : std::nullopt;
+}
+
+mqtt::Message SparkplugNode::death_of(unsigned bd_seq) const {
     sparkplug::Payload payload;
     payload.timestamp = time_ms();
-    payload.metrics.push_back(Sparkplug::bd_seq(next_bd_seq_, *payload.timestamp));
+    payload.metrics.push_back(Sparkplug::bd_seq(bd_seq, *payload.timestamp));
     mqtt::Message message;
     message.topic = dialect_.topic("NDEATH");
     message.payload = sparkplug::write(payload);
@@ -67,17 +71,6 @@ void SparkplugNode::say(const std::string& topic, sparkplug::Payload payload) {
     mqtt::Message message;
     message.topic = topic;
     message.payload = sparkplug::write(payload);
-    port_.publish(std::move(message));
-}
-
-void SparkplugNode::say_death() {
-    sparkplug::Payload payload;
-    payload.timestamp = time_ms();
-    payload.metrics.push_back(Sparkplug::bd_seq(bd_seq_, *payload.timestamp));
-    mqtt::Message message;
-    message.topic = dialect_.topic("NDEATH");
-    message.payload = sparkplug::write(payload);
-    message.qos = 1;
     port_.publish(std::move(message));
 }
 
@@ -183,7 +176,7 @@ void SparkplugNode::births(Time now) {
 
 /// `said`: hosts are told, by this connection, and the next one has another number.
 void SparkplugNode::end_session(bool said) {
-    if (said && phase_ == Phase::kActive) say_death();
+    if (said && phase_ == Phase::kActive) port_.publish(death_of(bd_seq_));
     port_.disconnect();
     records_.clear();
     dirty_.clear();
@@ -264,7 +257,7 @@ void SparkplugNode::tick(Time now) {
 }
 
 void SparkplugNode::leave() {
-    if (phase_ == Phase::kActive) say_death();
+    if (phase_ == Phase::kActive) port_.publish(death_of(bd_seq_));
     if (phase_ == Phase::kActive || phase_ == Phase::kWaiting)
         retain(dialect_.state(), std::string(kOffline));
     phase_ = Phase::kFinished;

@@ -45,7 +45,7 @@ class SparkplugNode final : public Export {
     std::string_view title() const override { return "Sparkplug"; }
     std::vector<std::string> subscriptions() const override;
     std::vector<std::string> own_subscriptions() const override;
-    mqtt::Message will() const override;
+    std::optional<mqtt::Message> will() const override;
     void subscribed(Time now) override { lease_.subscribed(now); }
     void disconnected() override { lease_.disconnected(); }
     void message(const mqtt::Message& message, Time now) override;
@@ -117,7 +117,7 @@ class SparkplugNode final : public Export {
                                          bool set, Time now);
     sparkplug::Metric metric(const Record& record, const Slot& slot, std::uint64_t time_ms) const;
     void say(const std::string& topic, sparkplug::Payload payload);
-    void say_death();
+    mqtt::Message death_of(unsigned bd_seq) const;
     void retain(const std::string& topic, std::string payload);
     std::uint64_t time_ms() const { return static_cast<std::uint64_t>(port_.wall_ms()); }
     bool may_clear(Time now) const;

@@ -47,7 +47,7 @@ class ExportWorld {
     struct Gateway {
         std::unique_ptr<Export> exporter;
         bool alive = true, own = false, own_up = false, own_granted = false;
-        mqtt::Message will;  // of its own connection
+        std::optional<mqtt::Message> will;  // of its own connection
         std::set<std::string> own_filters;
         std::deque<mqtt::Message> inbox, own_inbox;
         std::size_t room = 1000000;
@@ -95,7 +95,7 @@ class ExportWorld {
     void kill(Gateway& gateway) {
         if (!gateway.alive) return;
         gateway.alive = false;
-        if (gateway.own) publish(gateway.will);
+        if (gateway.own && gateway.will) publish(*gateway.will);
         gateway.own = false;
     }
     void end(Gateway& gateway) {

@@ -384,9 +384,9 @@ TEST_F(SparkplugNodeTest, ReadOnly_NothingIsSet_ButBirthsAreGiven) {
 
 TEST_F(SparkplugNodeTest, GatewayThatIsKilled_DiesByItsWill_WithTheNumberOfItsBirth) {
     auto& gateway = active();
-    EXPECT_EQ(gateway.will.topic, "spBv1.0/plant/NDEATH/asip");
-    EXPECT_EQ(gateway.will.qos, 1);
-    EXPECT_FALSE(gateway.will.retain);
+    EXPECT_EQ(gateway.will->topic, "spBv1.0/plant/NDEATH/asip");
+    EXPECT_EQ(gateway.will->qos, 1);
+    EXPECT_FALSE(gateway.will->retain);
     world.kill(gateway);
     EXPECT_FALSE(world.view().node_alive);
     world.start_node();
@@ -431,7 +431,7 @@ TEST_F(SparkplugNodeTest, OfTwoGateways_OneIsBorn_AndTheOtherTakesOver) {
 
 TEST_F(SparkplugNodeTest, DeathOfThisSession_ThatSomebodySays_IsAnsweredByBirths) {
     auto& gateway = active();
-    world.publish(gateway.will);
+    world.publish(*gateway.will);
     world.pass(3s);
     EXPECT_TRUE(world.view().node_alive);
     EXPECT_EQ(world.host.bd_seqs.size(), 2u);
@@ -489,6 +489,7 @@ TEST_F(SparkplugNodeTest, OptionThatIsTakenAway_AndClean_LeaveNothing) {
     auto& elsewhere = world.start_node(options);
     world.pass(15s);
     EXPECT_FALSE(world.retained.empty());
+    EXPECT_FALSE(elsewhere.exporter->will()) << "it is no edge node";
     world.kill(elsewhere);
     options.host = "machine";
     auto& here = world.start_node(options);
