@@ -47,6 +47,7 @@ const Dashboard* dashboard_of(const Call& call) {
 json shown(const Call& call, const std::string& name, const Dashboard& dashboard) {
     auto object = to_json(dashboard);
     object["name"] = name;
+    if (!call.principal.rights.dashboard.empty()) object.erase("by");  // a link names no people
     if (!call.principal.rights.may_arrange()) return object;
     object["links"] = json::array();
     for (const auto& link : dashboard.links) {
@@ -227,9 +228,13 @@ void post_widget(Call& call) {
 void post_link(Call& call) {
     const auto* present = dashboard_of(call);
     if (present == nullptr || !may_write(call)) return;
-    auto link = read_link(call, *present);
+    auto dashboard = *present;
+    std::erase_if(dashboard.links, [now = call.now().wall](const auto& each) {
+        return each.until && *each.until <= now;  // it shows nothing any more
+    });
+    auto link = read_link(call, dashboard);
     if (!link) return send_problem(call, 400, link.error());
-    if (present->links.size() >= Dashboard::kMaxLinks)
+    if (dashboard.links.size() >= Dashboard::kMaxLinks)
         return send_problem(call, 409, "this dashboard has as many links as it may have; remove one first");
     const auto token = random_secret(kTokenBytes);
     link->hash = hash_of(token);
@@ -238,7 +243,6 @@ void post_link(Call& call) {
               {"token", token},
               {"path", call.gateway.options().base_path + "/kiosk/" + token + "/"}};
     if (link->until) body["until"] = text::iso_time(*link->until);
-    auto dashboard = *present;
     dashboard.links.push_back(std::move(*link));
     auto answer = json_response(body, 201);
     answer.headers = {{"Cache-Control", "no-store"}};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -118,7 +119,8 @@ Expected<std::unique_ptr<Feed>> dashboard_feed(const Reader& reader, const json&
     const auto& own = reader.rights.dashboard;
     if (!own.empty() && own != options.name)
         return fail("this link shows the dashboard " + own + " and nothing else");
-    if (max_hz > 0) options.max_hz = max_hz;
+    // How often boards report is not for a link to say, beyond what a dashboard needs.
+    if (max_hz > 0) options.max_hz = own.empty() ? max_hz : std::min(max_hz, options.max_hz);
     options.demand = [&demander = reader.gateway.demander(), hz = options.max_hz](
                          const std::string& board, const std::string& service) -> std::shared_ptr<void> {
         return demander.want(board, service, hz);

@@ -35,7 +35,8 @@ std::string list_of(const auto& words) {
 }
 
 bool is_scalar(const json& value) {
-    return value.is_boolean() || value.is_number() || (value.is_string() && value.size() <= kMaxWord);
+    return value.is_boolean() || value.is_number() ||
+           (value.is_string() && value.get_ref<const std::string&>().size() <= kMaxWord);
 }
 
 /// Reads the members of one widget; the first fault stays.
@@ -88,7 +89,8 @@ class Reader {
         const auto found = object_.find(name);
         if (found == object_.end()) return;
         if (!is_scalar(*found))
-            return fault(std::string(name) + " must be a number, a text or a truth value");
+            return fault(std::string(name) +
+                         " must be a number, a text of at most 64 bytes or a truth value");
         value = *found;
     }
     json arguments() {
@@ -97,7 +99,8 @@ class Reader {
         const bool fits = found->is_object() && found->size() <= kMaxArgs &&
                           std::all_of(found->begin(), found->end(), is_scalar);
         if (fits) return *found;
-        fault("args must be an object of at most 8 numbers, texts or truth values by name");
+        fault(
+            "args must be an object of at most 8 numbers, texts of at most 64 bytes or truth values by name");
         return json::object();
     }
     void no_others() {
@@ -405,6 +408,7 @@ Rights rights_of(const std::string& dashboard, const DashboardLink& link) {
     rights.dashboard = dashboard;
     rights.control = link.control;
     rights.until = link.until;
+    rights.token_hash = link.hash;
     return rights;
 }
 

@@ -58,6 +58,7 @@ void DashboardFeed::begin(const Instant& now) {
     dashboard_.links.clear();
     auto document = to_json(dashboard_);
     document["name"] = options_.name;
+    if (!options_.rights.dashboard.empty()) document.erase("by");
     put("dashboard", {{"dashboard", std::move(document)}, {"etag", etag_}});
     changes_ = ~std::uint64_t{0};
     show_boards(now);

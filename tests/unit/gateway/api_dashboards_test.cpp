@@ -178,6 +178,7 @@ TEST_F(Dashboards_, Link_ShowsItsDashboardAndNothingElse) {
         const auto shown = get("/kiosk/" + token + "/api/dashboards/lab");
         EXPECT_EQ(shown->body()["title"], "Lab");
         EXPECT_FALSE(shown->body().contains("links"));
+        EXPECT_FALSE(shown->body().contains("by"));
         const auto status = get("/kiosk/" + token + "/api/status")->body();
         EXPECT_EQ(status["you"]["dashboard"], "lab");
         EXPECT_EQ(status["you"]["control"], control);
@@ -209,6 +210,7 @@ TEST_F(Dashboards_, StreamOfALink_HasTheValuesOfItsWidgetsAndNothingElse) {
     open->channel->received(R"({"subscribe":"$dashboard","name":"lab","ref":5})");
     auto events = told(*open);
     EXPECT_THAT(kinds(events), ElementsAre("dashboard", "board", "widget", "snapshot-end"));
+    EXPECT_FALSE(events[0]["dashboard"].contains("by")) << events[0];
     EXPECT_EQ(events[1]["state"], "online");
     EXPECT_EQ(events[2]["value"], 90);
     bus("asip/uno1/distance/out", R"({"distance":[42,118]})");
@@ -249,6 +251,58 @@ TEST_F(Dashboards_, EditOfADashboard_ChangesWhatItsLinkShows) {
     pass(1s);
     EXPECT_EQ(open->channel->close_code(), 1008) << "its link was ended";
     EXPECT_EQ(get("/kiosk/" + token + "/api/status")->status(), 404);
+}
+
+TEST_F(Dashboards_, LinkMadeAnewUnderItsName_EndsTheStreamsOfTheOldOne) {
+    put("lab", kLab);
+    const auto token = link(R"({"control":true,"name":"hall"})");
+    const auto open = socket("/kiosk/" + token);
+    ask("DELETE", "/api/dashboards/lab/links/hall");
+    echo();
+    const auto again = link(R"({"control":true,"name":"hall"})");
+    pass(1s);
+    EXPECT_EQ(open->channel->close_code(), 1008);
+    EXPECT_EQ(get("/kiosk/" + token + "/api/status")->status(), 404);
+    EXPECT_EQ(get("/kiosk/" + again + "/api/status")->status(), 200);
+}
+
+TEST_F(Dashboards_, LinksWhoseTimeIsOver_TakeNoRoom) {
+    put("lab", kLab);
+    const auto make = [this] {
+        const auto made = ask("POST", "/api/dashboards/lab/links", R"({"until":"1h"})");
+        echo();
+        return made->status();
+    };
+    for (std::size_t i = 0; i < Dashboard::kMaxLinks; ++i)
+        link(R"({"until":"1h","name":"l)" + std::to_string(i) + "\"}");
+    EXPECT_EQ(make(), 409);
+    pass(3700s);
+    EXPECT_EQ(make(), 201);
+    EXPECT_EQ(get("/api/dashboards/lab")->body()["links"].size(), 1u);
+}
+
+/// A link that could say how often boards report would be one that does more than show.
+TEST_F(Dashboards_, StreamOfALink_LetsBoardsReportNoOftenerThanADashboardNeeds) {
+    time_ = 1000s;
+    announce();
+    bus("asip/servicebus/uno1/$description",
+        R"({"board":"uno1","session":"s1","seq":2,"lease":60,"on_demand":{"fastest":20,"resting":0},)"
+        R"("services":[{"name":"distance","id":"D","model":"distance@1"},{"name":"servo","id":"S"}]})");
+    put("lab", kLab);
+    const auto token = link("{}");
+    const auto demanded = [this](const std::string& prefix) {
+        const auto open = socket(prefix);
+        published_.clear();
+        open->channel->received(R"({"subscribe":"$dashboard","name":"lab","ref":5,"max_hz":1000})");
+        pass(1s);
+        pass(1s);
+        std::string payloads;
+        for (const auto& each : published_)
+            if (each.topic.find("$demand") != std::string::npos) payloads += each.payload;
+        return payloads;
+    };
+    EXPECT_THAT(demanded("/kiosk/" + token), HasSubstr(R"("distance":10.0)"));
+    EXPECT_THAT(demanded(""), HasSubstr(R"("distance":1000.0)"));
 }
 
 TEST_F(Dashboards_, RemovedDashboard_EndsItsLinksAndSaysSoToOthers) {

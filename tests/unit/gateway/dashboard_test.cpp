@@ -62,6 +62,12 @@ TEST(Dashboard, Faults_AreNamedWithTheirPlace) {
     EXPECT_THAT(fault_of(with(R"({"kind":"stop","id":"a"},{"kind":"stop","id":"a"})")),
                 HasSubstr("two have the id a"));
     EXPECT_THAT(fault_of(R"({"title":7,"widgets":[]})"), HasSubstr("title must be a text"));
+    const std::string words(65, 'x');
+    const std::string switch_of =
+        R"({"kind":"switch","board":"a","service":"s","command":"w","argument":"x",)";
+    EXPECT_THAT(fault_of(with(switch_of + R"("on":")" + words + "\"}")),
+                HasSubstr("on must be a number, a text of"));
+    EXPECT_THAT(fault_of(with(switch_of + R"("args":{"y":")" + words + "\"}}")), HasSubstr("args must be"));
     std::string many;
     for (int i = 0; i < 49; ++i)
         many += std::string(i > 0 ? "," : "") + R"({"kind":"stop"})";
@@ -249,6 +255,9 @@ TEST_F(KeptDashboards, Links_HoldAsLongAsTheyAreKept) {
     all_.take(
         message("lab", R"({"widgets":[],"links":[{"name":"hall","hash":"ab","by":"ann","control":false}]})"));
     EXPECT_FALSE(all_.holds(*rights)) << "it allows something else now";
+    all_.take(
+        message("lab", R"({"widgets":[],"links":[{"name":"hall","hash":"cd","by":"ann","control":true}]})"));
+    EXPECT_FALSE(all_.holds(*rights)) << "another link has its name now";
     all_.take(message("lab", R"({"widgets":[]})"));
     EXPECT_FALSE(all_.link_of("ab"));
 }
