@@ -335,7 +335,7 @@ Findings check_exports(const Observations& seen) {
     std::size_t boards = 0, dashboards = 0;
     for (const auto& message : seen.retained) {
         const std::string_view topic = message.topic;
-        if (topic.starts_with(dashboard)) ++dashboards;
+        if (topic.starts_with(dashboard) && message.payload != R"({"removed":true})") ++dashboards;
         if (topic == base + "$state")
             exports = message.payload == "online";
         else if (topic.starts_with(base) && topic.ends_with("/$state"))

@@ -10,6 +10,7 @@ namespace asip::gateway {
 void Dashboards::subscribed() {
     connected_ = reading_ = true;
     seen_.clear();
+    removed_.clear();
 }
 
 // A broker that kept nothing has none of them. Where it has some, the others were removed while it was not
@@ -58,7 +59,9 @@ bool Dashboards::take(const mqtt::Message& message) {
 }
 
 void Dashboards::apply(const std::string& name, const std::string& payload) {
-    if (payload.empty()) {
+    removed_.erase(name);
+    if (payload == kRemoved) removed_.insert(name);
+    if (payload.empty() || payload == kRemoved) {
         if (dashboards_.erase(name) == 0) return;
     } else if (!dashboards_.contains(name) && dashboards_.size() >= kMax) {
         if (!std::exchange(told_too_many_, true))
@@ -74,13 +77,24 @@ void Dashboards::apply(const std::string& name, const std::string& payload) {
     port_.changed();
 }
 
+// A gateway that does not hear the bus at this moment would bring the last one back, with its links.
+std::string Dashboards::removal_of(const std::string& name) const {
+    const bool last = dashboards_.size() == 1 && dashboards_.contains(name);
+    return last ? std::string(kRemoved) : std::string();
+}
+
 void Dashboards::write(const std::string& name, const std::optional<Dashboard>& dashboard, Time now,
                        Done done) {
-    auto payload = dashboard ? kept_text(*dashboard) : std::string();
+    auto payload = dashboard ? kept_text(*dashboard) : removal_of(name);
     if (payload.size() > Dashboard::kMaxKept) return done("it is too long");
     if (!connected_) return done("the broker is not connected");
     writes_[name] = {payload, now + kWriteTime, std::move(done)};
-    if (port_.publish(message_of(name, std::move(payload)))) return;
+    if (port_.publish(message_of(name, std::move(payload)))) {
+        // Where there is a dashboard, nothing else needs to be kept.
+        for (const auto& each : dashboard ? removed_ : std::set<std::string>())
+            if (each != name && !writes_.contains(each)) port_.publish(message_of(each, {}));
+        return;
+    }
     const auto refused = std::move(writes_[name].done);
     writes_.erase(name);
     refused("too much waits to be sent to the broker");

@@ -14,10 +14,13 @@ namespace asip::gateway {
 
 /// The dashboards that are retained on the bus, at ROOT/export/dashboard/NAME. What another gateway changes
 /// is seen here as soon as the broker says it; what is written here counts once the broker has sent it back.
-/// A broker that has forgotten all of them is given them again. Pure: messages and time in, messages out.
+/// A broker that has forgotten all of them is given them again; where the last one was removed, kRemoved is
+/// kept in its place, so that this is not taken for a broker that has forgotten. Pure: messages and time in,
+/// messages out.
 class Dashboards {
   public:
     static constexpr std::size_t kMax = 64;
+    static constexpr std::string_view kRemoved = R"({"removed":true})";
     static constexpr Duration kWriteTime = std::chrono::seconds(5);
 
     struct Port {
@@ -67,13 +70,15 @@ class Dashboards {
         Done done;
     };
     void apply(const std::string& name, const std::string& payload);
+    std::string removal_of(const std::string& name) const;
     mqtt::Message message_of(const std::string& name, std::string payload) const;
 
     std::string prefix_;
     Port port_;
     std::map<std::string, Dashboard, std::less<>> dashboards_;
     std::map<std::string, Write, std::less<>> writes_;
-    std::set<std::string> seen_;  // while what is retained is read
+    std::set<std::string> removed_;  // those of which kRemoved is kept
+    std::set<std::string> seen_;     // while what is retained is read
     bool reading_ = false;
     bool connected_ = false;
     bool known_ = false;

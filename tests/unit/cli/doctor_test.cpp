@@ -331,6 +331,7 @@ TEST(Doctor, HomeAssistantWithoutAGatewayThatExports_IsReported) {
     EXPECT_EQ(check_exports(seen)[0].what, "a gateway shows 1 boards to Home Assistant");
     EXPECT_EQ(check_exports(seen)[0].level, Level::kFine);
     seen.retained.push_back({"asip/export/dashboard/lab", "{}"});
+    seen.retained.push_back({"asip/export/dashboard/hall", R"({"removed":true})"});
     ASSERT_EQ(check_exports(seen).size(), 2U);
     EXPECT_EQ(check_exports(seen)[0].what, "1 dashboard is kept on the bus");
 }

@@ -218,6 +218,39 @@ TEST_F(KeptDashboards, BrokerThatForgotAll_IsGivenThemAgain) {
     EXPECT_EQ(all_.find("hall"), nullptr) << "it was removed meanwhile";
 }
 
+/// A gateway that was away must not bring back what was removed meanwhile: its links would work again.
+TEST_F(KeptDashboards, LastOneIsRemovedWhileAGatewayIsAway_StaysRemoved) {
+    read({"lab"});
+    Dashboards away{"asip", port()};
+    away.subscribed();
+    away.take(message("lab", R"({"title":"T","widgets":[]})"));
+    away.complete();
+    away.disconnected();
+    all_.write("lab", std::nullopt, at(0s).time, told("removed"));
+    ASSERT_EQ(sent_.size(), 1u);
+    const auto retained = sent_[0];
+    echo();
+    EXPECT_TRUE(all_.all().empty());
+    EXPECT_TRUE(logged_.empty());
+    away.subscribed();
+    if (!retained.payload.empty()) away.take(retained);
+    away.complete();
+    EXPECT_TRUE(sent_.empty()) << "nothing is given to the broker again";
+    EXPECT_TRUE(away.all().empty());
+    EXPECT_TRUE(away.has_room());
+    away.write("hall", titled("Hall"), at(1s).time, told("made"));
+    ASSERT_EQ(sent_.size(), 2u);
+    EXPECT_EQ(sent_[1].topic, "asip/export/dashboard/lab");
+    EXPECT_EQ(sent_[1].payload, "") << "where there is another one, nothing is kept of it";
+    sent_.clear();
+    away.take(message("lab", ""));
+    away.take(message("hall", R"({"widgets":[]})"));
+    away.take(message("lab", R"({"widgets":[]})"));
+    away.write("lab", std::nullopt, at(2s).time, told("removed"));
+    ASSERT_EQ(sent_.size(), 1u);
+    EXPECT_EQ(sent_[0].payload, "") << "it is not the last one";
+}
+
 TEST_F(KeptDashboards, WhatOthersWrite_IsBoundedAndReadWithCare) {
     read({});
     EXPECT_FALSE(all_.known() && all_.take(mqtt::Message{}));
