@@ -7,8 +7,10 @@
 
 namespace asip::gateway {
 
-void Dashboards::subscribed() {
-    connected_ = reading_ = true;
+// A broker may send what it retains ahead of its answer to the subscription.
+void Dashboards::disconnected() {
+    connected_ = false;
+    reading_ = true;
     seen_.clear();
     removed_.clear();
 }
@@ -16,7 +18,7 @@ void Dashboards::subscribed() {
 // A broker that kept nothing has none of them. Where it has some, the others were removed while it was not
 // heard.
 void Dashboards::complete() {
-    if (!std::exchange(reading_, false)) return;
+    if (!connected_ || !std::exchange(reading_, false)) return;
     const bool forgotten = seen_.empty();
     known_ = true;
     for (auto each = dashboards_.begin(); each != dashboards_.end();) {

@@ -35,11 +35,11 @@ class Dashboards {
         : prefix_(topic_root + "/export/dashboard/"), port_(std::move(port)) {}
 
     std::string subscription() const { return prefix_ + "+"; }
-    /// The topic is subscribed to: what is retained follows.
-    void subscribed();
+    /// The topic is subscribed to: what is retained follows, or came already.
+    void subscribed() { connected_ = true; }
     /// All that the broker retains has come.
     void complete();
-    void disconnected() { connected_ = false; }
+    void disconnected();
     /// True: the message was one of a dashboard.
     bool take(const mqtt::Message& message);
     void tick(Time now);
@@ -79,7 +79,7 @@ class Dashboards {
     std::map<std::string, Write, std::less<>> writes_;
     std::set<std::string> removed_;  // those of which kRemoved is kept
     std::set<std::string> seen_;     // while what is retained is read
-    bool reading_ = false;
+    bool reading_ = true;
     bool connected_ = false;
     bool known_ = false;
     bool told_too_many_ = false;

@@ -31,6 +31,8 @@ TEST_F(GatewayDashboards, KeptOnTheBus_EveryGatewayHasItAlsoAfterRestarts) {
     ASSERT_TRUE(second.ready());
     const auto there = get(second.port(), "/api/dashboards/lab");
     EXPECT_EQ(there.json()["title"], "Lab");
+    EXPECT_EQ(probe_.count("asip/export/dashboard/lab"), 1u)
+        << "what the broker has is not given to it again";
     auto changed = there.json();
     changed["title"] = "Hall";
     Headers tag{{"If-Match", there.headers.at("etag")}, kJson[0]};
@@ -49,6 +51,8 @@ TEST_F(GatewayDashboards, KeptOnTheBus_EveryGatewayHasItAlsoAfterRestarts) {
     EXPECT_EQ(request(third.port(), "DELETE", "/api/dashboards/lab").status, 204);
     EXPECT_TRUE(wait_until([&] { return ask("/api/dashboards/lab").status == 404; }));
     EXPECT_EQ(ask("/api/dashboards").json()["items"].size(), 0u);
+    BusProbe late(broker_.port());  // the other one was ended with the first broker
+    EXPECT_TRUE(late.wait_for("asip/export/dashboard/lab", R"({"removed":true})")) << "it was the last one";
 }
 
 TEST_F(GatewayDashboards, Link_ReadsAndUsesItsWidgetsOnlyAtEachGateway) {

@@ -218,6 +218,27 @@ TEST_F(KeptDashboards, BrokerThatForgotAll_IsGivenThemAgain) {
     EXPECT_EQ(all_.find("hall"), nullptr) << "it was removed meanwhile";
 }
 
+TEST_F(KeptDashboards, RetainedOnesMayComeAheadOfTheAnswerToTheSubscription) {
+    const auto read_early = [this](const std::vector<std::string>& names) {
+        for (const auto& name : names)
+            all_.take(message(name, R"({"title":"T","widgets":[]})"));
+        all_.complete();
+        all_.subscribed();
+        all_.complete();
+        all_.subscribed();  // to something else, too
+        all_.complete();
+    };
+    read_early({"lab", "hall"});
+    EXPECT_TRUE(sent_.empty()) << "the broker has them";
+    all_.disconnected();
+    all_.complete();
+    EXPECT_EQ(all_.all().size(), 2u) << "they are shown while the broker is away";
+    read_early({"lab"});
+    EXPECT_TRUE(sent_.empty()) << "one was removed meanwhile, and is not brought back";
+    EXPECT_EQ(all_.find("hall"), nullptr);
+    EXPECT_NE(all_.find("lab"), nullptr);
+}
+
 /// A gateway that was away must not bring back what was removed meanwhile: its links would work again.
 TEST_F(KeptDashboards, LastOneIsRemovedWhileAGatewayIsAway_StaysRemoved) {
     read({"lab"});
