@@ -85,7 +85,6 @@ void Mirror::subscribed(const Instant& now) {
     since_ = now;
     catalogue_.resume(now.time);
     status(now, "connected");
-    set_seen_.clear();
     mark_ = random_hex(random_, 16);
     mark_sent_ = now.time;
     mqtt::Message mark;
@@ -98,6 +97,8 @@ void Mirror::subscribed(const Instant& now) {
 }
 
 void Mirror::disconnected(const Instant& now) {
+    set_seen_.clear();
+    early_set_.clear();
     if (!subscribed_) return;
     subscribed_ = false;
     mark_.clear();
@@ -140,12 +141,13 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
     }
 }
 
-// Of what is retained it may come ahead of its board.
+// Of what is retained it may come ahead of its board, and of the answer to the subscriptions.
 void Mirror::set(const bus::TopicRef& topic, const std::string& payload, const Instant& now) {
-    if (!mark_.empty() && set_seen_.size() < kMaxSeen)
+    const bool reading = !subscribed_ || !mark_.empty();
+    if (reading && set_seen_.size() < kMaxSeen)
         set_seen_.emplace(std::string(topic.board), std::string(topic.service));
     if (catalogue_.knows(topic.board)) return values_.set(topic.board, topic.service, payload, now);
-    if (!mark_.empty() && early_set_.size() < kMaxEarly && payload.size() <= kMaxSetBytes)
+    if (reading && early_set_.size() < kMaxEarly && payload.size() <= kMaxSetBytes)
         early_set_[{std::string(topic.board), std::string(topic.service)}] = payload;
 }
 

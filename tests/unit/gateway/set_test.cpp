@@ -55,6 +55,24 @@ TEST_F(SetTest, BeforeItsBoardWhileTheRetainedCome_IsKept) {
     EXPECT_EQ(value()["set"], json::parse(R"({"write":{"0":2}})"));
 }
 
+TEST_F(SetTest, AheadOfTheAnswerToTheSubscriptions_IsKept) {
+    gateway_->disconnected();
+    bus("asip/uno1/servo/set", R"({"write":{"0":2}})");
+    bus("asip/late/servo/set", R"({"write":{"0":1}})");
+    gateway_->subscribed();
+    announce("late");
+    settle();
+    EXPECT_EQ(value()["set"], json::parse(R"({"write":{"0":2}})"));
+    EXPECT_EQ(get("/api/boards/late/services/servo/value")->body()["set"],
+              json::parse(R"({"write":{"0":1}})"));
+    gateway_->disconnected();
+    bus("asip/late/servo/set", R"({"write":{"0":1}})");
+    gateway_->disconnected();  // before all was subscribed to
+    gateway_->subscribed();
+    settle();
+    EXPECT_FALSE(value().contains("set")) << "it was cleared meanwhile";
+}
+
 TEST_F(SetTest, ClearedWhileTheBrokerWasAway_IsNotKnown) {
     bus("asip/uno1/servo/set", R"({"write":{"0":90}})");
     gateway_->disconnected();
