@@ -10,15 +10,16 @@ namespace asip::agent {
 
 namespace {
 constexpr std::size_t kMaxNoteText = 128;
+constexpr std::string_view kUnnamed = "(unnamed)";
 }
 
 void note_command(const Board& board, const CommandNote& note, Effects& out) {
-    if (note.by.empty()) return;
+    if (note.by.empty() && !(note.proven && note.outcome.succeeded())) return;
     bus::HistoryItem item;
     item.what = note.what;
     item.service = note.service;
     item.request = note.request.substr(0, kMaxNoteText);
-    item.by = note.by;
+    item.by = note.by.empty() ? kUnnamed : note.by;
     item.status = note.proven || !note.outcome.succeeded() ? bus::to_string(note.outcome.status) : "sent";
     const auto& why = note.outcome.reason.empty() ? note.outcome.error : note.outcome.reason;
     item.reason = why.substr(0, kMaxNoteText);

@@ -27,10 +27,16 @@ TEST_F(OnlineBridge, CommandOfSomebodyWithAName_IsNotedBehindItsAnswer) {
     EXPECT_FALSE(bench.published.back().message.retain);
 }
 
-TEST_F(OnlineBridge, CommandWithoutAName_LeavesNoNote) {
-    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+TEST_F(OnlineBridge, SenderWithoutAName_IsNotedWhereItsCommandIsProven) {
     bench.hear("asip/uno1/in", "S,W,0,90");
-    EXPECT_THAT(bench.on(kNotes), IsEmpty());
+    bench.pass(5s);
+    EXPECT_THAT(bench.on(kNotes), IsEmpty()) << "nothing proves that it was executed";
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+    ASSERT_EQ(bench.on(kNotes).size(), 1u);
+    EXPECT_EQ(
+        json::parse(bench.on(kNotes)[0]),
+        note(
+            R"+({"what":"command","by":"(unnamed)","service":"servo","request":"{\"write\":[0,90]}","status":"ok"})+"));
 }
 
 TEST_F(OnlineBridge, NameInThePropertyOfTheMessage_IsTheOneThatCounts) {
