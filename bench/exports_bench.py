@@ -5,8 +5,10 @@ a pin that changes all the time.
 
     bench_exports [BOARDS]    1000 when not given, each with five services
 
-A start ends when all is retained that will be. Beside it `mosquitto_pub -l` sends as many bytes in as many retained messages to the
-same broker. A value is timed from a scripted board, through its agent, to its own topic and to that of the dialect, at one client.
+A start ends when all is sent that will be. Beside it `mosquitto_pub -l` sends as many messages of the same lengths to the same broker,
+of the same QoS and retained or not, as those of the export are. It sends text, and Sparkplug's births are binary: to a broker bytes are
+bytes, and a process for each message would measure processes. A value is timed from a scripted board, through its agent, to its own
+topic and to that of the dialect, at one client.
 """
 
 import contextlib
@@ -16,14 +18,19 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "support"))
 from bus import Bus, paho_client  # noqa: E402
 from scripted_board import ScriptedBoard  # noqa: E402
+import sparkplug_values  # noqa: E402
 
 SERVICES = (("io", "I"), ("distance", "D"), ("servo", "S"), ("bump", "B"), ("motors", "M"))
-DIALECTS = {"--home-assistant": ("homeassistant", "asip/export/ha"), "--homie": ("homie",), "--wot-mqtt": ("asip/export/wot",)}
+SPARKPLUG = "--sparkplug plant"
+DIALECTS = {"--home-assistant": ("homeassistant", "asip/export/ha"), "--homie": ("homie",), "--wot-mqtt": ("asip/export/wot",),
+            SPARKPLUG: ("spBv1.0/plant",)}
+ALL = [word for option in DIALECTS for word in option.split()]
 ROUNDS = 5
 QUIET = 3  # seconds without a message: all is out
 
@@ -32,11 +39,14 @@ class Listener:
     def __init__(self, port, *filters):
         self.messages, self.first, self.last = [], None, time.monotonic()
         self.client = paho_client()
+        granted = threading.Event()
         self.client.on_message = self.heard
+        self.client.on_subscribe = lambda *_: granted.set()
         self.client.connect("127.0.0.1", port)
-        for each in filters:
-            self.client.subscribe(each)
+        self.client.subscribe([(each, 0) for each in filters])
         self.client.loop_start()
+        if not granted.wait(20):
+            sys.exit("bench_exports: the broker grants no subscription")
 
     def heard(self, _client, _data, message):
         self.last = time.monotonic()
@@ -87,7 +97,7 @@ def resident(process):
     return 0
 
 
-def published(bus, messages):
+def published(bus, messages, *how):
     """Seconds in which mosquitto_pub sends payloads of the same lengths, until a listener has them all."""
     listener = Listener(bus.broker_port, "beside/#")
     with tempfile.NamedTemporaryFile("wb") as file:
@@ -95,9 +105,11 @@ def published(bus, messages):
             file.write(b"x" * max(len(payload), 1) + b"\n")
         file.flush()
         with open(file.name, "rb") as lines:
-            subprocess.run(["mosquitto_pub", "-p", str(bus.broker_port), "-t", "beside/x", "-q", "1", "-r", "-l"], stdin=lines, check=True)
+            subprocess.run(["mosquitto_pub", "-p", str(bus.broker_port), "-t", "beside/x", *how, "-l"], stdin=lines, check=True)
     took = listener.settle()
     listener.close()
+    if len(listener.messages) != len(messages):
+        sys.exit(f"bench_exports: of {len(messages)} messages of mosquitto_pub {len(listener.messages)} came")
     return took
 
 
@@ -107,10 +119,11 @@ def one_start(boards, option, topics):
     try:
         bus.announce(boards)
         listener = Listener(bus.broker_port, *(topic + "/#" for topic in topics))
-        bus.start_gateway(option)
+        bus.start_gateway(*option.split())
         took = listener.settle()
         listener.close()
-        return took, published(bus, listener.messages), listener.messages
+        how = ("-q", "0") if option == SPARKPLUG else ("-q", "1", "-r")
+        return took, published(bus, listener.messages, *how), listener.messages
     finally:
         bus.close()
 
@@ -124,13 +137,15 @@ def start(boards):
         # The Web of Things has its documents over HTTP: what is sent are states.
         wanted = "" if option == "--wot-mqtt" else "  must     1.50  aim     1.10"
         print(f"  {option:<40} {took / beside:>10.2f} x{wanted}", flush=True)
+        if option == SPARKPLUG and (born := sum("/DBIRTH/" in topic for topic, _, _ in messages)) != boards:
+            sys.exit(f"bench_exports: {born} of {boards} boards were born as devices")
         size = sum(len(payload) for _, payload, _ in messages)
         print(f"    {len(messages)} messages, {size / 1e6:.2f} MB: {took:.3f} s and {beside:.3f} s, medians of {ROUNDS}")
 
 
 def memory(boards):
     sizes = []
-    for options in (("--no-page",), tuple(DIALECTS)):
+    for options in (("--no-page",), ALL):
         bus = Exporting(boards=())
         try:
             bus.announce(boards)
@@ -147,21 +162,33 @@ def memory(boards):
 
 
 SHOWN = {"--home-assistant": "asip/export/ha/desk/", "--homie": "homie/5/desk/", "--wot-mqtt": "asip/export/wot/desk/"}
+DEVICE = "spBv1.0/plant/+/asip/desk"
 
 
 class BoardAndExports(contextlib.AbstractContextManager):
     """A scripted board, its agent, a gateway with all exports, and one client that hears all of them."""
 
     def __init__(self, own, service, entity, *options):
-        self.own = own
+        self.own, self.entity = own, entity
         self.shown = {option: begin + (f"{service}/" if option == "--homie" else "") + entity for option, begin in SHOWN.items()}
         self.bus = Exporting(boards=())
         self.board = ScriptedBoard()
-        self.listener = Listener(self.bus.broker_port, own, *self.shown.values(), "asip/servicebus/desk/$state")
+        self.listener = Listener(self.bus.broker_port, own, *self.shown.values(), DEVICE, "asip/servicebus/desk/$state")
         self.bus.start("agent", "asip-agent", "--tcp", f"127.0.0.1:{self.board.port}", "--name", "desk",
                        "--state-dir", str(self.bus.work / "agent"))
-        self.bus.start_gateway(*DIALECTS, *options)
+        self.bus.start_gateway(*ALL, *options)
         time.sleep(8)
+
+    def on_own_topic(self):
+        return [(payload.decode(), at) for topic, payload, at in self.listener.messages if topic == self.own]
+
+    def values(self, option):
+        """Each value that a dialect said, and when."""
+        if option == SPARKPLUG:
+            prefix, _, device = DEVICE.partition("+")
+            said = [each for each in self.listener.messages if each[0].startswith(prefix) and each[0].endswith(device)]
+            return [(json.dumps(value), at) for value, at in sparkplug_values.values(said, self.entity)]
+        return [(payload.decode(), at) for topic, payload, at in self.listener.messages if topic == self.shown[option]]
 
     def __exit__(self, *_):
         self.listener.close()
@@ -177,20 +204,22 @@ def latency():
             said[i] = all_of_it.board.say(f"@D,e,1,{{{i}}}")
             time.sleep(0.05)
         time.sleep(1)
-        took = {topic: [] for topic in (all_of_it.own, *all_of_it.shown.values())}
-        for topic, payload, at in all_of_it.listener.messages:
-            if topic not in took:
-                continue
-            number = json.loads(payload)["distance"][0] if topic == all_of_it.own else int(float(payload))
-            if number in said:
-                took[topic].append((at - said[number]) * 1e3)
-        own = statistics.median(took[all_of_it.own])
+
+        def ms_after(values, number_of):
+            numbers = ((number_of(text), at) for text, at in values)
+            return sorted((at - said[number]) * 1e3 for number, at in numbers if number in said)
+
+        own = statistics.median(ms_after(all_of_it.on_own_topic(), lambda text: json.loads(text)["distance"][0]))
         print(f"  {'its own topic':<40} {own:>10.3f} ms")
-        for option, topic in all_of_it.shown.items():
-            p50 = statistics.median(took[topic])
+        for option in DIALECTS:
+            # A value that is not known is no number: none of those that were said.
+            took = ms_after(all_of_it.values(option), lambda text: -1 if text == "null" else float(text))
+            if not took:
+                sys.exit(f"bench_exports: {option}: no value of the board came")
+            p50 = statistics.median(took)
             wanted = "  must     1.30  aim     1.10" if option == "--home-assistant" else ""
             print(f"  {option:<40} {p50 / own:>10.2f} x{wanted}")
-            print(f"    {p50:.3f} ms, p99 {sorted(took[topic])[int(len(took[topic]) * 0.99)]:.3f} ms, {len(took[topic])} of {len(said)} values", flush=True)
+            print(f"    {p50:.3f} ms, p99 {took[int(len(took) * 0.99)]:.3f} ms, {len(took)} of {len(said)} values", flush=True)
 
 
 def square_wave(seconds=20):
@@ -206,14 +235,15 @@ def square_wave(seconds=20):
         all_of_it.board.say("@I,d,4,0")
         all_of_it.board.say("@I,d,4,1")  # the newest
         time.sleep(2)
-        heard, last = {}, {}
-        for topic, payload, at in all_of_it.listener.messages:
-            last[topic] = payload.decode()
-            heard[topic] = heard.get(topic, 0) + (start <= at <= end)
-        print(f"    {heard.get(all_of_it.own, 0) / (end - start):.0f} a second on its own topic")
-        for option, topic in all_of_it.shown.items():
-            newest = last.get(topic) in ("ON", "true")
-            print(f"  {option:<40} {heard.get(topic, 0) / (end - start):>10.2f} /s must     5.00  newest last: {'yes' if newest else 'no'}", flush=True)
+
+        def a_second(values):
+            return sum(start <= at <= end for _, at in values) / (end - start)
+
+        print(f"    {a_second(all_of_it.on_own_topic()):.0f} a second on its own topic")
+        for option in DIALECTS:
+            values = all_of_it.values(option)
+            newest = bool(values) and values[-1][0] in ("ON", "true")
+            print(f"  {option:<40} {a_second(values):>10.2f} /s must     5.00  newest last: {'yes' if newest else 'no  MISSED'}", flush=True)
 
 
 def main():
