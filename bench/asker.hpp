@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "asip/bus/query.hpp"
-#include "asip/bus/requester.hpp"
+#include "asip/bus/registry/query.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/mqtt/client.hpp"
 #include "bench/figures.hpp"
 #include "bench/retained_boards.hpp"

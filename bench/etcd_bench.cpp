@@ -11,7 +11,7 @@
 #include <memory>
 #include <thread>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "bench/etcd_client.hpp"
 #include "bench/figures.hpp"
 #include "bench/mqtt_client.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "bench/figures.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "registry/history/history.hpp"

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 #include "cli/find/target.hpp"
 
 namespace asip::cli {

@@ -10,10 +10,10 @@
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"
-#include "gateway/exports.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/options.hpp"
+#include "gateway/running_exports.hpp"
 
 namespace asip::gateway {
 

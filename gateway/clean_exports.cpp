@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "asip/program/exit_status.hpp"
-#include "gateway/exports.hpp"
+#include "gateway/running_exports.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -67,9 +67,9 @@ class Cleaner {
     void tick() {
         const auto now = Clock::now();
         if (export_->finished()) return end(program::kExitOk, "nothing of the export is left on the broker");
-        const auto& holder = export_->lease().holder();
-        if (subscribed_at_ && now - *subscribed_at_ > exports::Lease::kStale + kUntilRetained && holder &&
-            export_->lease().held(now))
+        const auto& holder = export_->turn().holder();
+        if (subscribed_at_ && now - *subscribed_at_ > exports::Turn::kStale + kUntilRetained && holder &&
+            export_->turn().held(now))
             return end(program::kExitFailure,
                        "a gateway on " + holder->host +
                            " exports now; stop it, or start it without the option, first");

@@ -7,7 +7,7 @@
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/log.hpp"
-#include "gateway/exports.hpp"
+#include "gateway/running_exports.hpp"
 
 namespace asip::gateway {
 namespace {

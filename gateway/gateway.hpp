@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "asip/bus/demander.hpp"
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/demander.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/message.hpp"
 #include "gateway/api/board_models.hpp"

@@ -5,8 +5,8 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/open_files.hpp"
 #include "gateway/application.hpp"
-#include "gateway/exports.hpp"
 #include "gateway/options.hpp"
+#include "gateway/running_exports.hpp"
 
 int main(int argc, char** argv) {
     asip::program::prepare_process();

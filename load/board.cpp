@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "asip/bus/reply.hpp"
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/command_encoder.hpp"
 
 namespace asip::load {

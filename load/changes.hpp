@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "asip/bus/change_event.hpp"
+#include "asip/bus/registry/change_event.hpp"
 #include "load/times.hpp"
 
 namespace asip::load {

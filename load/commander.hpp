@@ -4,8 +4,8 @@
 #include <boost/asio/steady_timer.hpp>
 #include <string>
 
-#include "asip/bus/reply.hpp"
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/mqtt/client.hpp"
 #include "load/fleet.hpp"
 #include "load/pace.hpp"

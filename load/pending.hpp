@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/time.hpp"
 
 namespace asip::load {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "asip/bus/answer.hpp"
+#include "asip/bus/registry/answer.hpp"
 
 namespace asip::load {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "load/fleet.hpp"

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "load/times.hpp"
 
 namespace asip::load {

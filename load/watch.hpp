@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/change_event.hpp"
-#include "asip/bus/requester.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/mqtt/client.hpp"
 #include "load/changes.hpp"
 #include "load/fleet.hpp"

@@ -6,8 +6,8 @@
 #include <string>
 #include <unordered_map>
 
-#include "asip/bus/change_event.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "registry/catalogue_types.hpp"
 
 namespace asip::registry {

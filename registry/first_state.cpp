@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "asip/bus/json_scanner.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/json/json_scanner.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::registry {

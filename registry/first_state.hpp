@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/answer.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/time.hpp"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::registry {

@@ -5,8 +5,8 @@
 #include <variant>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/model/model_set.hpp"
 #include "registry/catalogue_types.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/query_endpoint.hpp"
 
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 
 namespace asip::registry {
 namespace {

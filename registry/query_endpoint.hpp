@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/mqtt/message.hpp"
 #include "registry/queries.hpp"
 

@@ -13,7 +13,7 @@
 #include "asip/expected.hpp"
 #include "sim/board_kind.hpp"
 #include "sim/config.hpp"
-#include "sim/part.hpp"
+#include "sim/wiring/part.hpp"
 
 struct avr_t;
 

@@ -9,7 +9,7 @@
 #include "asip/text/json_reader.hpp"
 #include "asip/text/nearest.hpp"
 #include "sim/board_kind.hpp"
-#include "sim/part_plan.hpp"
+#include "sim/wiring/part_plan.hpp"
 #include "sim/world/world_file.hpp"
 
 namespace asip::sim {

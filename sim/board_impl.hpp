@@ -3,12 +3,12 @@
 #include <deque>
 
 #include "sim/board.hpp"
-#include "sim/chip.hpp"
-#include "sim/eeprom_time.hpp"
-#include "sim/idle_loop.hpp"
-#include "sim/part_context.hpp"
-#include "sim/part_plan.hpp"
-#include "sim/serial_line.hpp"
+#include "sim/chip/chip.hpp"
+#include "sim/chip/eeprom_time.hpp"
+#include "sim/chip/idle_loop.hpp"
+#include "sim/chip/serial_line.hpp"
+#include "sim/wiring/part_context.hpp"
+#include "sim/wiring/part_plan.hpp"
 
 namespace asip::sim {
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/items.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::agent {
@@ -11,7 +11,7 @@ namespace asip::agent {
 namespace {
 constexpr std::size_t kMaxNoteText = 128;
 constexpr std::string_view kUnnamed = "(unnamed)";
-}
+}  // namespace
 
 void note_command(const Board& board, const CommandNote& note, Effects& out) {
     if (note.by.empty() && !(note.proven && note.outcome.succeeded())) return;

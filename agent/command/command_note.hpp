@@ -4,7 +4,7 @@
 
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 
 namespace asip::agent {
 
@@ -18,8 +18,8 @@ struct CommandNote {
     const bus::Reply& outcome;
     bool proven = true;  ///< false: no answer was wanted, so that no proof was asked for
 };
-/// Notes on `servicebus/BOARD/$commands` who commanded what, behind its answer, for a history. A sender without
-/// a name is "(unnamed)" there; of its commands those are noted that were proven to be executed.
+/// Notes on `servicebus/BOARD/$commands` who commanded what, behind its answer, for a history. A sender
+/// without a name is "(unnamed)" there; of its commands those are noted that were proven to be executed.
 void note_command(const Board& board, const CommandNote& note, Effects& out);
 
 }  // namespace asip::agent

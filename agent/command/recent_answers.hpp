@@ -9,7 +9,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/time.hpp"
 
 namespace asip::agent {

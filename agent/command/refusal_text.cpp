@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/command/refusal_text.hpp"
 
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 
 namespace asip::agent {
 

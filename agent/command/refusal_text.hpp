@@ -12,7 +12,8 @@ namespace asip::agent {
 /// session::to_string() of the same.
 std::string refusal_text(session::Refusal refusal);
 
-/// Why a queued request was not sent to the board: the word of `asip/bus/refusal_reasons.hpp` for programs.
+/// Why a queued request was not sent to the board: the word of `asip/bus/request/agent_refusals.hpp` for
+/// programs.
 std::string_view reason_of(const session::Finished& end);
 /// The same for people.
 std::string not_sent_text(const session::Finished& end);

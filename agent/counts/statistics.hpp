@@ -7,7 +7,7 @@
 
 #include "agent/counts/histogram.hpp"
 #include "agent/reports/report_periods.hpp"
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/session/board_session.hpp"
 #include "asip/time.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 
 namespace asip::agent {
 

@@ -7,7 +7,7 @@
 #include "agent/inbound/arrival.hpp"
 #include "agent/inbound/delayed_delivery.hpp"
 #include "agent/inbound/process_pauses.hpp"
-#include "asip/bus/agent_clock.hpp"
+#include "asip/bus/request/agent_clock.hpp"
 #include "asip/mqtt/message.hpp"
 
 namespace asip::agent {

@@ -7,8 +7,8 @@
 #include <variant>
 
 #include "agent/inbound/arrival.hpp"
-#include "asip/bus/port_request.hpp"
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/port_request.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/labels.hpp"
 #include "asip/session/service_table.hpp"

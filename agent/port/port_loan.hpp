@@ -5,7 +5,7 @@
 
 #include "agent/bridge/effects.hpp"
 #include "agent/inbound/inbound.hpp"
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/model/description.hpp"
 #include "asip/text/wall_time.hpp"
 #include "asip/time.hpp"

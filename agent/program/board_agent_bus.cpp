@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "agent/program/board_agent.hpp"
-#include "asip/mqtt/policy/closes_when_denied.hpp"
+#include "asip/mqtt/quirks/closes_when_denied.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/program/service_manager.hpp"

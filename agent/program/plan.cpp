@@ -7,7 +7,7 @@
 #include <iostream>
 #include <map>
 
-#include "agent/program/declared_options.hpp"
+#include "agent/program/options.hpp"
 #include "asip/program/config_file.hpp"
 #include "asip/program/exit_status.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "agent/program/checked_options.hpp"
+#include "agent/program/option_checks.hpp"
 #include "asip/expected.hpp"
 
 namespace asip::agent {

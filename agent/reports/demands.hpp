@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/demand.hpp"
+#include "asip/bus/request/demand.hpp"
 #include "asip/time.hpp"
 
 namespace asip::agent {

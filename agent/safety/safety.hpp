@@ -16,7 +16,7 @@
 #include "agent/safety/holds.hpp"
 #include "agent/safety/outputs.hpp"
 #include "agent/safety/safe_lines.hpp"
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/protocol/request.hpp"
 
 namespace asip::agent {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/items.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/catalogue/catalogue.hpp"
 #include "asip/model/description.hpp"

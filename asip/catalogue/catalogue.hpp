@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/items.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/catalogue/description_parts.hpp"
 #include "asip/expected.hpp"

@@ -65,7 +65,7 @@ class Catalogue::Impl {
     void take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a, bool succeeds,
                          Time now);
 
-    // lease.cpp: how long a board counts as there
+    // presence_lease.cpp: how long a board counts as there
     std::uint32_t lease_of(const DescriptionMembers& members) const;
     void renewed_by_description(Board& b, const Announcement& a, bool repeats, Time now, Events& events);
     std::optional<Refusal> renewed_by_names(std::uint32_t slot, bool retained, bool added, Time now,

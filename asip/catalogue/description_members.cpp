@@ -3,7 +3,7 @@
 
 #include <charconv>
 
-#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json/json_scanner.hpp"
 
 namespace asip::catalogue {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json/json_scanner.hpp"
 #include "asip/model/description.hpp"
 #include "asip/model/names.hpp"
 #include "asip/text/json_reader.hpp"

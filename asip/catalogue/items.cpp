@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/json_scanner.hpp"
-#include "asip/bus/json_text.hpp"
+#include "asip/bus/json/json_scanner.hpp"
+#include "asip/bus/json/json_text.hpp"
 #include "asip/catalogue/catalogue_impl.hpp"
 
 namespace asip::catalogue {

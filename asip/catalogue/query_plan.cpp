@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "asip/bus/match.hpp"
+#include "asip/bus/registry/match.hpp"
 
 namespace asip::catalogue {
 namespace {

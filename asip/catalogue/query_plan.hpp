@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/catalogue/board.hpp"
 #include "asip/catalogue/catalogue.hpp"
 #include "asip/expected.hpp"

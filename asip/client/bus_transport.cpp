@@ -5,8 +5,8 @@
 #include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/reply.hpp"
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/random.hpp"

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "asip/bus/demander.hpp"
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/demander.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/catalogue/bus_view.hpp"
 #include "asip/client/address.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/member/announcements.hpp"
 
-#include "asip/bus/reply_topics.hpp"
+#include "asip/bus/request/reply_topics.hpp"
 
 namespace asip::member {
 

@@ -7,7 +7,7 @@
 #include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/mqtt/options.hpp"
-#include "asip/mqtt/policy/knows_no_mqtt_5.hpp"
+#include "asip/mqtt/quirks/knows_no_mqtt_5.hpp"
 
 namespace asip::mqtt {
 

@@ -10,11 +10,11 @@
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/mqtt/outbox.hpp"
-#include "asip/mqtt/policy/acknowledges_late.hpp"
-#include "asip/mqtt/policy/closes_when_denied.hpp"
-#include "asip/mqtt/policy/delivers_no_qos_1.hpp"
-#include "asip/mqtt/policy/refuses_qos_1.hpp"
-#include "asip/mqtt/policy/ties_identifiers.hpp"
+#include "asip/mqtt/quirks/acknowledges_late.hpp"
+#include "asip/mqtt/quirks/closes_when_denied.hpp"
+#include "asip/mqtt/quirks/delivers_no_qos_1.hpp"
+#include "asip/mqtt/quirks/refuses_qos_1.hpp"
+#include "asip/mqtt/quirks/ties_identifiers.hpp"
 #include "asip/mqtt/subscriptions.hpp"
 
 namespace asip::mqtt {

@@ -13,7 +13,7 @@
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/mqtt/message.hpp"
-#include "asip/mqtt/policy/receives_nothing.hpp"
+#include "asip/mqtt/quirks/receives_nothing.hpp"
 #include "asip/mqtt/tls.hpp"
 
 namespace asip::mqtt {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/find/target.hpp"

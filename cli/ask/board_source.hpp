@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/items.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/catalogue/bus_view.hpp"
 #include "asip/model/description.hpp"
 #include "cli/ask/bus_session.hpp"

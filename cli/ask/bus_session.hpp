@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "asip/bus/demander.hpp"
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/demander.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/mqtt/router.hpp"

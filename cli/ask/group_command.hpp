@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/label_selector.hpp"
+#include "asip/bus/registry/label_selector.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/find/target.hpp"

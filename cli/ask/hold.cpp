@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::cli {

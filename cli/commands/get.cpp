@@ -5,7 +5,7 @@
 #include <optional>
 #include <ostream>
 
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/ask/board_request.hpp"

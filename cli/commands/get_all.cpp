@@ -6,8 +6,8 @@
 #include <map>
 #include <ostream>
 
-#include "asip/bus/board_match.hpp"
-#include "asip/bus/reply.hpp"
+#include "asip/bus/registry/board_match.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/ask/board_request.hpp"

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/items.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "cli/environment.hpp"
 #include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"

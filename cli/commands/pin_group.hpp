@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "asip/bus/label_selector.hpp"
+#include "asip/bus/registry/label_selector.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/commands/pin.hpp"

@@ -10,7 +10,7 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/model/names.hpp"
 #include "asip/mqtt/client.hpp"
-#include "asip/mqtt/policy/closes_when_denied.hpp"
+#include "asip/mqtt/quirks/closes_when_denied.hpp"
 #include "asip/program/options.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "cli/ask/bus_session.hpp"

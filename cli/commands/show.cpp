@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/pin.hpp"

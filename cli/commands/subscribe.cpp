@@ -6,7 +6,7 @@
 #include <ostream>
 #include <set>
 
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 #include "asip/catalogue/bus_view.hpp"
 #include "cli/declaration.hpp"
 #include "cli/events/context_event.hpp"

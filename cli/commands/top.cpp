@@ -7,7 +7,7 @@
 #include <ostream>
 
 #include "asip/bus/pattern.hpp"
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/program/options.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/text/duration.hpp"

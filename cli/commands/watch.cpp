@@ -6,8 +6,8 @@
 #include <ostream>
 #include <sstream>
 
-#include "asip/bus/board_match.hpp"
-#include "asip/bus/catalogue_view.hpp"
+#include "asip/bus/registry/board_match.hpp"
+#include "asip/bus/registry/catalogue_view.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "cli/ask/board_source.hpp"

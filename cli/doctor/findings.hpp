@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/items.hpp"
-#include "asip/bus/reply.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/bus/topics.hpp"
 #include "cli/ask/retained.hpp"
 #include "cli/doctor/machine.hpp"

@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "asip/bus/change_event.hpp"
+#include "asip/bus/registry/change_event.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {

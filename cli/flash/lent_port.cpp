@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/model/json.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/output.hpp"

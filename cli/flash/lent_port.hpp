@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "asip/bus/port_request.hpp"
+#include "asip/bus/request/port_request.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/environment.hpp"

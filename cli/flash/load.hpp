@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/environment.hpp"
 

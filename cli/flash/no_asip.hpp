@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/items.hpp"
 #include "asip/model/description.hpp"
 
 namespace asip::cli {

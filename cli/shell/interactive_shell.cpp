@@ -5,7 +5,7 @@
 #include <csignal>
 #include <ostream>
 
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_source.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/api/board_models.hpp"
 
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 #include "asip/model/description.hpp"
 
 namespace asip::gateway::api {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/items.hpp"
 #include "asip/model/model_set.hpp"
 
 namespace asip::gateway::api {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/json_text.hpp"
+#include "asip/bus/json/json_text.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
 

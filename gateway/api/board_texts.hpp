@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/items.hpp"
 
 namespace asip::gateway::api {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/forget_topics.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/forget_topics.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/model/json.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"

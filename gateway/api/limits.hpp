@@ -2,8 +2,8 @@
 #pragma once
 #include <memory>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/demander.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/request/demander.hpp"
 #include "gateway/auth/rights.hpp"
 #include "gateway/mirror/mirror.hpp"
 #include "gateway/stream/feed.hpp"

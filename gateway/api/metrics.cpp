@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/metrics/metrics.hpp"
+#include "gateway/metrics/families.hpp"
 
 #include <algorithm>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "asip/bus/demander.hpp"
+#include "asip/bus/request/demander.hpp"
 #include "gateway/export/exported_board.hpp"
 #include "gateway/export/web_of_things.hpp"
 #include "gateway/instant.hpp"

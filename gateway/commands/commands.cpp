@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::gateway {

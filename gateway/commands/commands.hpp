@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/agent_clock.hpp"
-#include "asip/bus/reply.hpp"
-#include "asip/bus/reply_topics.hpp"
+#include "asip/bus/request/agent_clock.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/reply_topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "gateway/instant.hpp"
 #include "gateway/stream/budget.hpp"

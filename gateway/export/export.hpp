@@ -8,12 +8,12 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/demander.hpp"
+#include "asip/bus/request/demander.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/random.hpp"
 #include "asip/time.hpp"
 #include "gateway/export/exported_board.hpp"
-#include "gateway/export/lease.hpp"
+#include "gateway/export/turn.hpp"
 
 namespace asip::gateway::exports {
 
@@ -95,7 +95,7 @@ class Export {
     /// It shows boards now.
     virtual bool active() const = 0;
     /// Whoever exports, or did.
-    virtual const Lease& lease() const = 0;
+    virtual const Turn& turn() const = 0;
     /// Nothing is exported, and all that was is cleared.
     virtual bool finished() const = 0;
 };

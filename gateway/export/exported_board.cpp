@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/export/exported_board.hpp"
 
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 #include "gateway/export/entities.hpp"
 
 namespace asip::gateway::exports {

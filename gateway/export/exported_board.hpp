@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/items.hpp"
 #include "asip/model/model_set.hpp"
 #include "gateway/export/entity.hpp"
 

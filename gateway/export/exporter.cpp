@@ -17,7 +17,7 @@ constexpr int kMarkDigits = 16;
 constexpr Duration kAfterBirth = std::chrono::seconds(1);  // until the other system has subscribed
 
 /// Where documents are, and where they were.
-std::set<std::string> filters(const Dialect& dialect, const std::optional<Lease::Holder>& holder) {
+std::set<std::string> filters(const Dialect& dialect, const std::optional<Turn::Holder>& holder) {
     std::set<std::string> result;
     for (auto& filter : dialect.retained(dialect.place()))
         result.insert(std::move(filter));
@@ -39,7 +39,7 @@ std::map<std::string, std::string> sessions_in(const Dialect::Retained& found, c
     return result;
 }
 
-Lease::Holder self_of(const Exporter::Options& options) {
+Turn::Holder self_of(const Exporter::Options& options) {
     return {options.gateway, 0, options.host, options.dialect->place()};
 }
 
@@ -49,7 +49,7 @@ Exporter::Exporter(Options options, Random random, Port port)
     : options_(std::move(options)),
       between_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options_.per_second))),
       port_(std::move(port)),
-      lease_(self_of(options_), random),
+      turn_(self_of(options_), random),
       random_(std::move(random)) {}
 
 std::vector<std::string> Exporter::subscriptions() const {
@@ -82,19 +82,19 @@ void Exporter::retain(std::string topic, std::string payload, int qos) {
 // --- over the gateway's connection
 
 void Exporter::subscribed(Time now) {
-    lease_.subscribed(now);
+    turn_.subscribed(now);
 }
 
 void Exporter::message(const mqtt::Message& message, Time now) {
     if (message.topic == dialect().lease()) {
-        const bool mine = lease_.active();
-        if (lease_.said(message.payload, message.retain, now) && mine && phase_ != Phase::kIdle)
+        const bool mine = turn_.active();
+        if (turn_.said(message.payload, message.retain, now) && mine && phase_ != Phase::kIdle)
             become_idle("another gateway exports to " + std::string(dialect().title()) + "; this one waits");
     } else if (message.topic == dialect().gateway_state()) {
         const auto changing = dialect().changing();
         if (!changing.empty() && message.payload == changing) return;
         const bool online = message.payload == dialect().online();
-        lease_.state(online ? "online" : "offline", now);
+        turn_.state(online ? "online" : "offline", now);
         // The broker says so of an earlier connection.
         if (phase_ != Phase::kActive || online || !options_.enabled) return;
         gateway_due_ = true;
@@ -129,9 +129,9 @@ void Exporter::own_subscribed(Time now) {
         port_.publish(std::move(last));
     }
     if (phase_ != Phase::kConnecting) return;
-    if (!lease_.active() && !lease_.may_claim(now)) return become_idle("");
-    const auto holder = lease_.holder();
-    retain(dialect().lease(), lease_.claim(now), 0);
+    if (!turn_.active() && !turn_.may_claim(now)) return become_idle("");
+    const auto holder = turn_.holder();
+    retain(dialect().lease(), turn_.claim(now), 0);
     if (!holder || holder->gateway != options_.gateway)
         port_.log((options_.enabled ? "exports boards to " : "clears what was exported to ") +
                   std::string(dialect().title()));
@@ -165,7 +165,7 @@ void Exporter::begin_scan(Time now) {
     scan_until_ = now + kScanLimit;
     scan_.begin(random_hex(random_, kMarkDigits));
     port_.subscribe(dialect().base() + "/#");
-    for (const auto& filter : filters(dialect(), lease_.holder()))
+    for (const auto& filter : filters(dialect(), turn_.holder()))
         port_.subscribe(filter);
 }
 
@@ -202,7 +202,7 @@ void Exporter::take_retained(Record& record, Present present, const Dialect::Ret
 
 void Exporter::finish_scan(Time now) {
     scan_until_.reset();
-    const auto holder = lease_.holder();
+    const auto holder = turn_.holder();
     port_.unsubscribe(dialect().base() + "/#");
     for (const auto& filter : filters(dialect(), holder))
         port_.unsubscribe(filter);
@@ -290,7 +290,7 @@ void Exporter::show_sessions(Time now) {
 
 void Exporter::become_idle(const std::string& why) {
     phase_ = Phase::kIdle;
-    lease_.release();
+    turn_.release();
     records_.clear();
     dirty_.clear();
     later_.clear();
@@ -305,22 +305,22 @@ void Exporter::become_idle(const std::string& why) {
 }
 
 bool Exporter::may_clear(Time now) const {
-    const auto& holder = lease_.holder();
-    return lease_.may_claim(now) && (options_.clear_all || (holder && holder->host == options_.host));
+    const auto& holder = turn_.holder();
+    return turn_.may_claim(now) && (options_.clear_all || (holder && holder->host == options_.host));
 }
 
 void Exporter::tick(Time now) {
     now_ = now;
     if (phase_ == Phase::kIdle && port_.ready() &&
-        (options_.enabled ? lease_.may_claim(now) : may_clear(now))) {
+        (options_.enabled ? turn_.may_claim(now) : may_clear(now))) {
         phase_ = Phase::kConnecting;
         port_.connect();
         return;
     }
-    if (phase_ == Phase::kConnecting && !lease_.active() && lease_.held(now)) return become_idle("");
+    if (phase_ == Phase::kConnecting && !turn_.active() && turn_.held(now)) return become_idle("");
     if (phase_ == Phase::kScanning && scan_until_ && now >= *scan_until_) finish_scan(now);
     if (phase_ == Phase::kScanning || phase_ == Phase::kActive)
-        if (auto lease = lease_.renewal(now)) retain(dialect().lease(), std::move(*lease), 0);
+        if (auto lease = turn_.renewal(now)) retain(dialect().lease(), std::move(*lease), 0);
     if (phase_ != Phase::kActive) return;
     if (scan_at_ && now >= *scan_at_) return begin_scan(now);
     for (auto each = pending_.begin(); each != pending_.end();) {

@@ -50,7 +50,7 @@ class Exporter final : public Export {
 
     // Over the gateway's connection:
     void subscribed(Time now) override;
-    void disconnected() override { lease_.disconnected(); }
+    void disconnected() override { turn_.disconnected(); }
     void message(const mqtt::Message& message, Time now) override;
     void changed(const std::string& board, Time now) override;
     void value(std::string_view board, std::string_view service, std::string_view json, bool set,
@@ -66,7 +66,7 @@ class Exporter final : public Export {
     void leave() override;
 
     bool active() const override { return phase_ == Phase::kActive; }
-    const Lease& lease() const override { return lease_; }
+    const Turn& turn() const override { return turn_; }
     bool finished() const override { return phase_ == Phase::kFinished; }
     std::size_t boards() const { return records_.size(); }
 
@@ -118,7 +118,7 @@ class Exporter final : public Export {
     Options options_;
     Duration between_;  // states of one entity
     Port port_;
-    Lease lease_;
+    Turn turn_;
     Phase phase_ = Phase::kIdle;
     Random random_;
     Records records_;

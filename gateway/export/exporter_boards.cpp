@@ -25,10 +25,10 @@ void Exporter::pump(Time now) {
     if (!clear_.empty()) return;
     if (!options_.enabled) {
         phase_ = Phase::kFinished;
-        lease_.release();
+        turn_.release();
         return port_.disconnect();
     }
-    lease_.set_prefix(dialect().place());
+    turn_.set_prefix(dialect().place());
     const auto end = acknowledged_ + kSlice;
     while (!dirty_.empty() && acknowledged_ < end && port_.has_room()) {
         const auto name = *dirty_.begin();

@@ -13,7 +13,7 @@ constexpr std::string_view kOnline = "online";
 constexpr std::string_view kOffline = "offline";
 constexpr std::size_t kShownTopic = 120;
 
-Lease::Holder holder_of_node(const SparkplugNode::Options& options) {
+Turn::Holder holder_of_node(const SparkplugNode::Options& options) {
     return {options.gateway, 0, options.host, options.dialect.group + "/" + options.dialect.edge};
 }
 
@@ -24,7 +24,7 @@ SparkplugNode::SparkplugNode(Options options, Random random, Port port)
       dialect_(options_.dialect),
       between_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options_.per_second))),
       port_(std::move(port)),
-      lease_(holder_of_node(options_), std::move(random)) {}
+      turn_(holder_of_node(options_), std::move(random)) {}
 
 std::vector<std::string> SparkplugNode::subscriptions() const {
     std::vector<std::string> result{dialect_.lease(), dialect_.state()};
@@ -91,15 +91,15 @@ std::optional<sparkplug::Payload> SparkplugNode::read(const mqtt::Message& messa
 
 void SparkplugNode::message(const mqtt::Message& message, Time now) {
     if (message.topic == dialect_.lease()) {
-        const bool mine = lease_.active();
-        if (lease_.said(message.payload, message.retain, now) && mine && phase_ != Phase::kIdle)
+        const bool mine = turn_.active();
+        if (turn_.said(message.payload, message.retain, now) && mine && phase_ != Phase::kIdle)
             become_idle("another gateway exports to Sparkplug; this one waits");
     } else if (message.topic == dialect_.state()) {
-        lease_.state(message.payload == kOnline ? kOnline : kOffline, now);
+        turn_.state(message.payload == kOnline ? kOnline : kOffline, now);
     } else if (message.topic == dialect_.topic("NDEATH") && !message.retain) {
         const auto payload = sparkplug::read(message.payload);
         if (!payload || payload->metrics.empty()) return;
-        if (!lease_.active()) return lease_.state(kOffline, now);
+        if (!turn_.active()) return turn_.state(kOffline, now);
         // Hosts believe that this node is gone.
         if (phase_ == Phase::kActive &&
             payload->metrics.front().value == sparkplug::Value(std::int64_t{bd_seq_}))
@@ -129,10 +129,10 @@ void SparkplugNode::own_connected() {
 void SparkplugNode::own_subscribed(Time now) {
     now_ = now;
     if (phase_ != Phase::kConnecting) return;
-    if (!lease_.active() && !lease_.may_claim(now)) return become_idle("");
+    if (!turn_.active() && !turn_.may_claim(now)) return become_idle("");
     if (!options_.enabled) return clear();
-    const auto holder = lease_.holder();
-    retain(dialect_.lease(), lease_.claim(now));
+    const auto holder = turn_.holder();
+    retain(dialect_.lease(), turn_.claim(now));
     if (!holder || holder->gateway != options_.gateway)
         port_.log("exports boards to Sparkplug as " + options_.dialect.group + "/" + options_.dialect.edge);
     phase_ = Phase::kWaiting;
@@ -187,7 +187,7 @@ void SparkplugNode::end_session(bool said) {
 void SparkplugNode::become_idle(const std::string& why) {
     end_session(false);
     phase_ = Phase::kIdle;
-    lease_.release();
+    turn_.release();
     if (!why.empty()) port_.log(why);
 }
 
@@ -219,20 +219,20 @@ void SparkplugNode::host_said(const mqtt::Message& message, Time now) {
 }
 
 bool SparkplugNode::may_clear(Time now) const {
-    const auto& holder = lease_.holder();
-    return lease_.may_claim(now) && (options_.clear_all || (holder && holder->host == options_.host));
+    const auto& holder = turn_.holder();
+    return turn_.may_claim(now) && (options_.clear_all || (holder && holder->host == options_.host));
 }
 
 void SparkplugNode::tick(Time now) {
     now_ = now;
     if (phase_ == Phase::kIdle && port_.ready() &&
-        (options_.enabled ? lease_.may_claim(now) : may_clear(now))) {
-        next_bd_seq_ = static_cast<unsigned>((lease_.next_term() - 1) % kNumbers);
+        (options_.enabled ? turn_.may_claim(now) : may_clear(now))) {
+        next_bd_seq_ = static_cast<unsigned>((turn_.next_term() - 1) % kNumbers);
         return connect();
     }
-    if (phase_ == Phase::kConnecting && !lease_.active() && lease_.held(now)) return become_idle("");
+    if (phase_ == Phase::kConnecting && !turn_.active() && turn_.held(now)) return become_idle("");
     if (phase_ == Phase::kWaiting || phase_ == Phase::kActive)
-        if (auto lease = lease_.renewal(now)) retain(dialect_.lease(), std::move(*lease));
+        if (auto lease = turn_.renewal(now)) retain(dialect_.lease(), std::move(*lease));
     if (phase_ != Phase::kActive) return;
     if (births_due_ && now >= *births_due_) return births(now);
     std::map<std::string, std::vector<std::size_t>> due;

@@ -46,8 +46,8 @@ class SparkplugNode final : public Export {
     std::vector<std::string> subscriptions() const override;
     std::vector<std::string> own_subscriptions() const override;
     std::optional<mqtt::Message> will() const override;
-    void subscribed(Time now) override { lease_.subscribed(now); }
-    void disconnected() override { lease_.disconnected(); }
+    void subscribed(Time now) override { turn_.subscribed(now); }
+    void disconnected() override { turn_.disconnected(); }
     void message(const mqtt::Message& message, Time now) override;
     void changed(const std::string& board, Time now) override;
     void value(std::string_view board, std::string_view service, std::string_view json, bool set,
@@ -59,7 +59,7 @@ class SparkplugNode final : public Export {
     void tick(Time now) override;
     void leave() override;
     bool active() const override { return phase_ == Phase::kActive; }
-    const Lease& lease() const override { return lease_; }
+    const Turn& turn() const override { return turn_; }
     bool finished() const override { return phase_ == Phase::kFinished; }
 
     const Counters& counters() const { return counters_; }
@@ -127,7 +127,7 @@ class SparkplugNode final : public Export {
     Sparkplug dialect_;
     Duration between_;  // values of one entity
     Port port_;
-    Lease lease_;
+    Turn turn_;
     Phase phase_ = Phase::kIdle;
     unsigned bd_seq_ = 0;       // of this connection
     unsigned next_bd_seq_ = 0;  // of the next: in its will

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "asip/program/process_usage.hpp"
-#include "gateway/metrics/metrics.hpp"
+#include "gateway/metrics/families.hpp"
 
 namespace asip::gateway::metrics {
 namespace {

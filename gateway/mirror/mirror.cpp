@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/mirror/mirror.hpp"
 
-#include "asip/bus/change_event.hpp"
 #include "asip/bus/pattern.hpp"
+#include "asip/bus/registry/change_event.hpp"
 #include "asip/model/json.hpp"
 
 #include <nlohmann/json.hpp>

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/catalogue/catalogue.hpp"
 #include "asip/mqtt/message.hpp"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json/json_scanner.hpp"
 #include "asip/model/json.hpp"
 #include "gateway/stream/value_feed.hpp"
 

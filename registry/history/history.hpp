@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/items.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/expected.hpp"
 #include "asip/text/wall_time.hpp"
 #include "asip/time.hpp"

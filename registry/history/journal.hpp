@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/items.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "registry/catalogue_types.hpp"
 
 namespace asip::registry {

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "sim/part_context.hpp"
-#include "sim/part_reader.hpp"
+#include "sim/wiring/part_context.hpp"
+#include "sim/wiring/part_reader.hpp"
 
 namespace asip::sim {
 

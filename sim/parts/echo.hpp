@@ -3,7 +3,7 @@
 #include <functional>
 #include <optional>
 
-#include "sim/part_context.hpp"
+#include "sim/wiring/part_context.hpp"
 
 namespace asip::sim {
 

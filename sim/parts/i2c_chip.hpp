@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/part_context.hpp"
-#include "sim/part_reader.hpp"
+#include "sim/wiring/part_context.hpp"
+#include "sim/wiring/part_reader.hpp"
 
 namespace asip::sim {
 

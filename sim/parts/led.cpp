@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "sim/part_context.hpp"
-#include "sim/part_reader.hpp"
+#include "sim/wiring/part_context.hpp"
+#include "sim/wiring/part_reader.hpp"
 
 namespace asip::sim {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "sim/part_context.hpp"
-#include "sim/part_reader.hpp"
+#include "sim/wiring/part_context.hpp"
+#include "sim/wiring/part_reader.hpp"
 
 namespace asip::sim {
 

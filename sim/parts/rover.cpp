@@ -4,12 +4,12 @@
 #include <array>
 #include <fstream>
 
-#include "sim/part_reader.hpp"
 #include "sim/parts/echo.hpp"
 #include "sim/parts/numbers.hpp"
 #include "sim/parts/servo_pulse.hpp"
 #include "sim/parts/wheel_encoder.hpp"
 #include "sim/png.hpp"
+#include "sim/wiring/part_reader.hpp"
 #include "sim/world/picture.hpp"
 
 namespace asip::sim {

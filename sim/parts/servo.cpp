@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/part_reader.hpp"
 #include "sim/parts/servo_pulse.hpp"
+#include "sim/wiring/part_reader.hpp"
 
 namespace asip::sim {
 

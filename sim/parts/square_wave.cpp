@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "sim/part_context.hpp"
-#include "sim/part_reader.hpp"
 #include "sim/parts/numbers.hpp"
+#include "sim/wiring/part_context.hpp"
+#include "sim/wiring/part_reader.hpp"
 
 namespace asip::sim {
 

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "sim/part_reader.hpp"
 #include "sim/parts/echo.hpp"
 #include "sim/parts/numbers.hpp"
+#include "sim/wiring/part_reader.hpp"
 
 namespace asip::sim {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "sim/part_context.hpp"
+#include "sim/wiring/part_context.hpp"
 
 namespace asip::sim {
 

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/load.hpp"
+#include "sim/chip/load.hpp"
 
 namespace asip::sim {
 namespace {

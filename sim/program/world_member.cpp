@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/reply.hpp"
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "sim/world/outline.hpp"
 
 namespace asip::sim {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 
 namespace cluster {
 

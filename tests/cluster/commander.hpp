@@ -5,7 +5,7 @@
 #include <functional>
 #include <map>
 
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "tests/cluster/history.hpp"

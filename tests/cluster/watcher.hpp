@@ -7,8 +7,8 @@
 #include <set>
 #include <string>
 
-#include "asip/bus/catalogue_view.hpp"
-#include "asip/bus/requester.hpp"
+#include "asip/bus/registry/catalogue_view.hpp"
+#include "asip/bus/request/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "tests/cluster/history.hpp"

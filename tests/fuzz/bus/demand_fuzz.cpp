@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "asip/bus/demand.hpp"
+#include "asip/bus/request/demand.hpp"
 #include "tests/fuzz/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "asip/bus/agent_clock.hpp"
-#include "asip/bus/reply.hpp"
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/agent_clock.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json/json_scanner.hpp"
 #include "asip/model/json.hpp"
 #include "tests/fuzz/require.hpp"
 

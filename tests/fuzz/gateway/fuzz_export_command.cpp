@@ -8,7 +8,7 @@
 
 #include "gateway/export/home_assistant.hpp"
 #include "gateway/export/homie.hpp"
-#include "gateway/export/lease.hpp"
+#include "gateway/export/turn.hpp"
 #include "gateway/export/web_of_things.hpp"
 #include "tests/fuzz/require.hpp"
 

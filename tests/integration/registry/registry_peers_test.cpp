@@ -3,7 +3,7 @@
 
 #include <csignal>
 
-#include "asip/bus/catalogue_view.hpp"
+#include "asip/bus/registry/catalogue_view.hpp"
 #include "running_registry.hpp"
 
 namespace asip::test {

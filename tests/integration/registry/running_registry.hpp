@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/change_event.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/change_event.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"

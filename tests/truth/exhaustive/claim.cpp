@@ -238,8 +238,7 @@ int main(int argc, char** argv) {
             for (const bool takeover : {false, true})
                 for (const auto& death : deaths)
                     for (unsigned late = 0; late < 4; ++late)
-                        for (unsigned slow = 0; slow < 1U << varied && failures < failures_allowed;
-                             ++slow) {
+                        for (unsigned slow = 0; slow < 1U << varied && failures < failures_allowed; ++slow) {
                             one = {apart, clock, late, takeover, death, slow};
                             World world(one);
                             const auto wrong = world.run();

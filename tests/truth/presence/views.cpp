@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/change_event.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/catalogue/bus_view.hpp"
 #include "gateway/mirror/mirror.hpp"
 #include "registry/registry.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/items.hpp"
 #include "asip/catalogue/catalogue.hpp"
 #include "tests/truth/presence/sim_broker.hpp"
 

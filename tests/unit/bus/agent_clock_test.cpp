@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/agent_clock.hpp"
+#include "asip/bus/request/agent_clock.hpp"
 
 #include <gtest/gtest.h>
 

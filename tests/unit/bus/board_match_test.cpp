@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/board_match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 
 #include <gtest/gtest.h>
 

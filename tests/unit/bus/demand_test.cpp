@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/demand.hpp"
+#include "asip/bus/request/demand.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/demander.hpp"
+#include "asip/bus/request/demander.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

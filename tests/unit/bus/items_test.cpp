@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/items.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/json_text.hpp"
+#include "asip/bus/json/json_text.hpp"
+#include "asip/bus/registry/answer.hpp"
 
 namespace asip::bus {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/json_scanner.hpp"
+#include "asip/bus/json/json_scanner.hpp"
 
 #include <nlohmann/json.hpp>
 

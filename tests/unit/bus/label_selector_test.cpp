@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/label_selector.hpp"
+#include "asip/bus/registry/label_selector.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/label_request.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/query.hpp"
+#include "asip/bus/request/label_request.hpp"
 
 namespace asip::bus {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 
 #include <gtest/gtest.h>
 
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/model/command_encoder.hpp"
 
 namespace asip::bus {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/requester.hpp"
+#include "asip/bus/request/requester.hpp"
 
 #include <gmock/gmock.h>
 

@@ -6,11 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/agent_clock.hpp"
-#include "asip/bus/demand.hpp"
-#include "asip/bus/reply.hpp"
-#include "asip/bus/reply_topics.hpp"
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/request/agent_clock.hpp"
+#include "asip/bus/request/demand.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/names.hpp"
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Brief answers: rows instead of objects, written and read without a JSON tree.
-#include "asip/bus/brief.hpp"
+#include "asip/bus/registry/brief.hpp"
 
 #include <gmock/gmock.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/answer.hpp"
-#include "asip/bus/items.hpp"
-#include "asip/bus/query.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "tests/unit/catalogue/bus_messages.hpp"
 
 namespace asip::catalogue {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/query.hpp"
-#include "asip/bus/answer.hpp"
-#include "asip/bus/change_event.hpp"
-#include "asip/bus/items.hpp"
+#include "asip/bus/registry/query.hpp"
 #include "asip/bus/pattern.hpp"
-#include "asip/bus/request_envelope.hpp"
+#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 
 #include <gmock/gmock.h>
 
-#include "asip/bus/catalogue_view.hpp"
+#include "asip/bus/registry/catalogue_view.hpp"
 
 namespace asip::bus {
 namespace {

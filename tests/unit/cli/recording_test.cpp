@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/reply.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "cli/record/recording_file.hpp"
 #include "cli/record/replay_board.hpp"
 #include "tests/support/temp_dir.hpp"

@@ -25,7 +25,9 @@ bus::BoardItem board_item(const std::string& name = "uno1") {
 constexpr std::size_t kLongText = 60'000;
 
 /// How many boards with a long text have half as many bytes again as the bound.
-constexpr std::size_t boards_beyond(std::size_t max_bytes) { return max_bytes / kLongText * 3 / 2; }
+constexpr std::size_t boards_beyond(std::size_t max_bytes) {
+    return max_bytes / kLongText * 3 / 2;
+}
 
 void expect_true(BoardTexts& texts, const bus::BoardItem& board) {
     EXPECT_EQ(nlohmann::json::parse(texts.text(board)), bus::to_json(board));
@@ -62,7 +64,8 @@ TEST(BoardTexts, BoardsWithLongDescriptions_AreKeptUpToANumberOfBytes) {
     EXPECT_GT(largest, BoardTexts::kMaxBytes / 2);
     EXPECT_LT(largest, BoardTexts::kMaxBytes + 300'000);
     auto board = board_item("b0");
-    for (std::size_t i = 0; i < boards_beyond(BoardTexts::kMaxBytes); ++i) {  // of one board, each other than the last
+    for (std::size_t i = 0; i < boards_beyond(BoardTexts::kMaxBytes); ++i) {  // of one board, each other than
+                                                                              // the last
         board.description = R"({"x":")" + std::string(kLongText - i, 'x') + R"("})";
         texts.text(board);
     }

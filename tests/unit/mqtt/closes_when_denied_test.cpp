@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/mqtt/policy/closes_when_denied.hpp"
+#include "asip/mqtt/quirks/closes_when_denied.hpp"
 
 #include <gmock/gmock.h>
 

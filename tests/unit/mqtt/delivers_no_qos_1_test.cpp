@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/mqtt/policy/delivers_no_qos_1.hpp"
+#include "asip/mqtt/quirks/delivers_no_qos_1.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/mqtt/policy/receives_nothing.hpp"
+#include "asip/mqtt/quirks/receives_nothing.hpp"
 
 #include <gtest/gtest.h>
 

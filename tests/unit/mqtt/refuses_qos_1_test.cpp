@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/mqtt/policy/refuses_qos_1.hpp"
+#include "asip/mqtt/quirks/refuses_qos_1.hpp"
 
 #include <gtest/gtest.h>
 

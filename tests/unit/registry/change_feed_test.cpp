@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "asip/bus/catalogue_view.hpp"
+#include "asip/bus/registry/catalogue_view.hpp"
 #include "messages.hpp"
 
 namespace asip::registry {

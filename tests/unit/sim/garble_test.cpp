@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/garble.hpp"
+#include "sim/chip/garble.hpp"
 
 #include <gtest/gtest.h>
 

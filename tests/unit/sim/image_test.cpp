@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/image.hpp"
+#include "sim/chip/image.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/part_plan.hpp"
+#include "sim/wiring/part_plan.hpp"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "monitor.hpp"
-#include "sim/part_context.hpp"
+#include "sim/wiring/part_context.hpp"
 
 namespace asip::sim {
 namespace {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <vector>
+
+#include "agent/program/option_checks.hpp"
+#include "asip/expected.hpp"
+#include "asip/model/description.hpp"
+#include "asip/program/options.hpp"
+
+namespace asip::agent {
+
+/// The options as text, as they are written on the command line, in the environment and in the configuration
+/// file. The values here are the defaults that `--help` shows. Times are texts with a unit: "2s", "20ms".
+struct RawOptions {
+    program::BrokerOptions broker;
+    program::LogOptions log;
+    std::vector<std::string> listen;
+    std::vector<std::string> labels;
+    std::string state_dir;
+    std::string avrdude = "avrdude", firmware_dir = "/usr/share/asip/firmware";
+    std::string listen_silence = "5s", statistics = "15s";
+    std::string reports = "shared", fastest_period = "20ms", resting_period = "0s";
+    std::string name, serial, tcp, services, reset = "if-silent", terminator;
+    std::string topics = "board-side";
+    unsigned baud = 57600;
+    unsigned max_baud = 1'000'000;
+    bool no_step_up = false;
+    bool takeover = false;
+    bool retain_values = false;
+    bool keep_outputs = false;
+    bool checksum = false;
+    int lease = model::kDefaultLeaseSeconds;
+    double patience = 8;
+};
+
+/// Makes all options known to `app` and `settings`, which fill `raw`.
+void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw);
+
+/// The standard models, and those of the folder of --services, where one is given.
+Expected<model::ModelSet> load_models(const std::string& folder);
+
+/// What they mean, without the models; or what is wrong with one of them, by its name.
+Expected<AgentOptions> checked_options(RawOptions raw);
+
+}  // namespace asip::agent

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/bus/json/json_text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "asip/model/json.hpp"
+
+namespace asip::bus {
+namespace {
+
+bool is_plain(unsigned char c) {
+    return c >= 0x20 && c < 0x7F && c != '"' && c != '\\';
+}
+
+}  // namespace
+
+void append_json_text(std::string& out, std::string_view text) {
+    if (!std::all_of(text.begin(), text.end(), is_plain)) {
+        out += model::dump_json(text);
+        return;
+    }
+    out += '"';
+    out += text;
+    out += '"';
+}
+
+void append_json_seconds(std::string& out, double seconds) {
+    const double bounded = std::isfinite(seconds) ? std::clamp(seconds, -kMostSeconds, kMostSeconds) : 0;
+    const auto milliseconds = static_cast<std::int64_t>(bounded * 1000);
+    const auto size = static_cast<std::uint64_t>(milliseconds < 0 ? -milliseconds : milliseconds);
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, size / 1000);
+    if (milliseconds < 0) out += '-';
+    out.append(digits, end.ptr);
+    if (size % 1000 == 0) return;
+    const std::string thousandths = std::to_string(1000 + size % 1000);
+    out += '.';
+    out.append(thousandths, 1, thousandths.find_last_not_of('0'));
+}
+
+}  // namespace asip::bus

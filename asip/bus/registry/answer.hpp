@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/query.hpp"
+#include "asip/expected.hpp"
+
+namespace asip::bus {
+
+/// An answer of a registry to a query or a forget. One that refuses has `refused` and `error` set, and
+/// otherwise only `id` and `registry`.
+struct Answer {
+    std::string id;        ///< of the request
+    std::string registry;  ///< who answers
+    std::string epoch;     ///< differs each time a registry starts counting anew
+    /// The items hold after the change events of `epoch` up to this number. In a burst, of boards whose
+    /// changes wait to be reported, they hold those changes already: their events follow, and say nothing
+    /// new.
+    std::uint64_t seq = 0;
+    bool settling = false;      ///< the registry is still reading what the broker retains: more will come
+    Find find = Find::kBoards;  ///< what the items are, also where there are none
+    std::optional<std::size_t> total;  ///< all matches, where asked for or known anyway
+    std::vector<BoardItem> boards;
+    /// Set: the answer is to a brief query, and `boards` is empty. A registry that does not know brief
+    /// queries answers with `boards`.
+    std::optional<BriefRows> brief;
+    std::vector<ServiceItem> services;
+    std::vector<HistoryItem> history;
+    std::vector<std::string> models;     ///< service models, each a JSON object as text
+    std::vector<std::string> forgotten;  ///< board names
+    std::string cursor;                  ///< for the next page; empty: this was the last
+    /// A word for programs: "invalid", "alive", "unknown-board", "no-history", "too-many"; empty: not
+    /// refused.
+    std::string refused;
+    std::string error;  ///< the reason in a sentence for a person
+
+    bool operator==(const Answer&) const = default;
+};
+
+/// The payload of the answer. What is empty is left out.
+std::string encode(const Answer& answer);
+/// Reads what encode() wrote, by whichever version. Members that are unknown are passed over; a missing one,
+/// or one of another type, is read as empty. Fails when it is not a JSON object of at most 16 MiB, or when
+/// its rows are not those of a brief answer.
+Expected<Answer> parse_answer(std::string_view payload);
+
+/// An answer whose boards or services stay text, for who passes them on: in a tenth of the time.
+struct AnswerLines {
+    Answer answer;      ///< without them
+    std::string lines;  ///< each a JSON object on a line of its own, as it was written
+};
+/// Reads what encode() wrote, as parse_answer() does; of items it is checked that they are JSON objects.
+Expected<AnswerLines> parse_answer_lines(std::string_view payload);
+
+}  // namespace asip::bus

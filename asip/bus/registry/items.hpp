@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "asip/bus/registry/brief.hpp"
+#include "asip/model/labels.hpp"
+#include "asip/text/wall_time.hpp"
+
+/// What answers and change events are made of: one board, service or change. Their `state` is effective: what
+/// was reported AND the lease not run out.
+namespace asip::bus {
+
+/// A service of a board.
+struct ServiceItem {
+    std::string board;
+    std::string state;  ///< effective state of the board
+    std::string name;   ///< on the bus
+    std::string kind;   ///< model name, or the letter where there is no model
+    std::string model;  ///< as the description refers to it ("distance@1"); empty: none, or carried in full
+    std::string id;     ///< the letter; empty for a service of which only the name is published
+    std::string title;
+    std::optional<int> count;   ///< elements
+    std::optional<int> period;  ///< of its auto-event, milliseconds
+    std::string label{};        ///< its friendly name
+
+    bool operator==(const ServiceItem&) const = default;
+};
+
+/// Two agents that both live claim one board name.
+struct Conflict {
+    std::string holder;       ///< session whose description is the catalogue's
+    std::string other;        ///< session that is refused
+    std::string other_agent;  ///< what is known of the other's agent: host and client, for a person
+
+    bool operator==(const Conflict&) const = default;
+};
+
+/// A board. What is unknown is empty.
+struct BoardItem {
+    std::string board;
+    std::string state;        ///< effective
+    std::string reason;       ///< why, a word of model::StateReason; empty: nothing to explain, or not known
+    std::string reported;     ///< the last state that the agent or its will published
+    bool names_only = false;  ///< takes part with the published names only: no description
+    std::string session;      ///< of its description
+    std::uint64_t seq = 0;    ///< of its description
+    double lease = 0;         ///< seconds
+    double age = 0;           ///< seconds since anything was heard from it, when this was written; -1: never
+    text::WallTime first_seen{};
+    text::WallTime last_seen{};
+    text::WallTime since{};  ///< when it came into `state`; empty: not known
+    double state_age = -1;   ///< seconds since then, when this was written; -1: not known
+    std::string chip;
+    std::string sketch;
+    std::string protocol;  ///< "0.4"
+    std::string agent;     ///< host and client of its agent, for a person
+    std::string link;      ///< kind and path of the link, for a person
+    model::Labels labels;  ///< and friendly names
+    std::optional<Conflict> conflict;
+    /// Their `board` and `state` are left out on the wire and filled when parsed.
+    std::vector<ServiceItem> services;
+    /// JSON text of the whole $description as last received, where the query asked for it; else empty.
+    std::string description;
+
+    bool operator==(const BoardItem&) const = default;
+};
+
+/// One change of state, or one command, that a registry with a history has kept.
+struct HistoryItem {
+    std::string board;
+    text::WallTime at{};
+    /// "added", "state", "description", "conflict", "resolved", "forgotten"; "command", "stop", "undone"
+    std::string what;
+    std::string state;   ///< effective state after it; empty for a command
+    std::string was;     ///< before it; empty for other than "state"
+    std::string reason;  ///< a word of model::StateReason; of a command: why it is not "ok", as Reply::reason
+    // Of a command only:
+    std::string by{};       ///< who sent it, as the sender said
+    std::string service{};  ///< empty: raw lines, or the whole board
+    std::string request{};  ///< its beginning
+    std::string status{};   ///< Reply::status in words; "sent": nobody wanted an answer
+    int count = 0;          ///< of commands that differ in their arguments alone, within a second; 0: one
+
+    bool is_command() const { return !by.empty(); }
+
+    bool operator==(const HistoryItem&) const = default;
+};
+
+/// The same boards as rows of a brief answer.
+BriefRows brief_of(std::span<const BoardItem> boards);
+
+/// What stands in "items" of an answer.
+nlohmann::json to_json(const BoardItem& item);
+nlohmann::json to_json(const ServiceItem& item, bool with_board = true);
+nlohmann::json to_json(const HistoryItem& item);
+/// The same as text, appended: in a small part of the time.
+void append_json(std::string& out, const BoardItem& item);
+void append_json(std::string& out, const ServiceItem& item);
+void append_json(std::string& out, const HistoryItem& item);
+
+/// Reads what registries write: a member that is missing or of another type is read as empty.
+BoardItem read_board_item(const nlohmann::json& object);
+ServiceItem read_service_item(const nlohmann::json& object);
+HistoryItem read_history_item(const nlohmann::json& object);
+
+}  // namespace asip::bus

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/bus/request/agent_refusals.hpp"
+#include "asip/expected.hpp"
+#include "asip/mqtt/message.hpp"
+
+namespace asip::bus {
+
+/// Where and under which names the answer to one request goes.
+struct ReplyTo {
+    std::string topic;        ///< empty: no answer is wanted
+    std::string correlation;  ///< MQTT 5 correlation data, sent back as it came
+    std::string id;           ///< the requester's `id`, sent back inside the JSON
+    /// Who asks, as the requester says (a gateway: the name of the token); sent back inside the JSON.
+    std::string by{};
+    bool properties = false;  ///< asked over MQTT 5: the answer may have user properties
+    bool clock = false;       ///< the agent's clock is wanted with the answer
+
+    bool wanted() const { return !topic.empty(); }
+
+    /// What distinguishes this request from others of the same requester: the id, else the correlation data;
+    /// empty when there is neither, and then a repetition cannot be recognised.
+    std::string key() const;
+
+    friend bool operator==(const ReplyTo&, const ReplyTo&) = default;
+};
+
+/// The one final answer to a command.
+struct Reply {
+    enum class Status {
+        /// Executed; `proof` says how that is known, `answer` holds what the board answered, if anything.
+        kOk,
+        /// The board refused: `code` and `error` are from its answer.
+        kError,
+        /// No evidence within the time limit; `reason` may name the cause.
+        kTimeout,
+        /// Never sent to the board: `reason` is a word for programs, `error` a sentence for a person.
+        kRefused,
+    };
+
+    std::string id{};
+    Status status = Status::kOk;
+    std::string proof{};   ///< "fence", or "answer"
+    std::string answer{};  ///< JSON text; empty: none
+    int code = 0;          ///< ASIP error number
+    std::string error{};   ///< for a person
+    std::string reason{};  ///< a word of agent_refusals.hpp
+    std::string by{};      ///< ReplyTo::by
+    std::string clock{};   ///< the agent's clock when it answered: AgentClock::read()
+
+    static Reply ok(std::string proof, std::string answer = {});
+    static Reply board_error(int code, std::string error);
+    /// `reason`: kTimeoutDoubt, kTimeoutNoValue, or none.
+    static Reply timeout(std::string_view reason = {});
+    static Reply refused(std::string reason, std::string error);
+
+    bool succeeded() const { return status == Status::kOk; }
+    friend bool operator==(const Reply&, const Reply&) = default;
+};
+
+/// "ok", "error", "timeout" or "refused". Static storage.
+std::string_view to_string(Reply::Status status);
+
+/// The JSON text of a reply, `{"id":"7","status":"ok","proof":"fence"}`. Bytes of id, error and reason that
+/// are not UTF-8 are replaced; an `answer` that is not JSON becomes a JSON string.
+std::string to_json_text(const Reply& reply);
+
+/// Reads what to_json_text() wrote, by whichever version: unknown members are ignored. Fails with a reason
+/// for anything that is not a JSON object with a known `status`.
+Expected<Reply> parse_reply(std::string_view text);
+
+/// The message that carries `reply` (its id and `by` filled in from `to`) to the topic in `to`, with QoS 1;
+/// nothing when no answer is wanted. Where it may have user properties, the clock is one.
+std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply);
+
+}  // namespace asip::bus

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "asip/bus/request/agent_clock.hpp"
+#include "asip/bus/request/reply_topics.hpp"
+#include "asip/mqtt/message.hpp"
+#include "asip/time.hpp"
+
+namespace asip::bus {
+
+/// Sends requests over MQTT and finds their answers: the ids and the reply topic travel inside the payload,
+/// and over MQTT 5 as properties, too: a bridge between two brokers may speak 3.1.1, and drops those. A
+/// command says when it was sent, by the clock of the agent that gets it, as soon as an answer of that agent
+/// has told the clock. Pure: the caller publishes the request and gives what arrives to take().
+class Requester {
+  public:
+    using OnReply = std::function<void(const mqtt::Message&)>;
+
+    /// The interest in the answers to one request: when it ends, its callback is not called any more. May
+    /// outlive the requester.
+    class [[nodiscard]] Request {
+      public:
+        Request() = default;
+        void reset() { entry_.reset(); }
+        /// The id by which the answer is known; empty: none is awaited.
+        const std::string& id() const;
+
+      private:
+        friend class Requester;
+        struct Entry {
+            std::string id;
+            std::string reply_topic;
+            OnReply on_reply;
+            std::optional<Time> asked;  // of a command: its answer tells the agent's clock
+        };
+        explicit Request(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
+        std::shared_ptr<Entry> entry_;
+    };
+
+    /// `name`: unique among all programs of the bus, because ids begin with it and a repeated id is taken for
+    /// a repeated request. `replies`: of this program alone.
+    Requester(std::string name, ReplyTopics replies) : name_(std::move(name)), replies_(std::move(replies)) {}
+
+    /// Where answers come. Subscribe to its filter() before the first request.
+    const ReplyTopics& replies() const { return replies_; }
+
+    struct More {
+        /// For a board without an agent: over MQTT 5 the payload stays as it is.
+        bool plain = false;
+        /// Of a command: within what time it is to be answered.
+        std::optional<std::chrono::milliseconds> deadline{};
+    };
+
+    /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5.
+    /// A payload that is not a JSON object becomes the member "raw" of one. `on_reply` is called for
+    /// each answer, as several registries may answer one query, until the returned request is destroyed or
+    /// reset. There is no time limit: that is the caller's.
+    Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now = Clock::now()) {
+        return ask(message, v5, std::move(on_reply), now, {});
+    }
+    Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now, const More& more);
+
+    /// Give it every message that arrives. True: it was on a reply topic, and is dealt with. What comes on
+    /// the topic of somebody else than was asked is no answer.
+    bool take(const mqtt::Message& message, Time now = Clock::now());
+
+  private:
+    std::string name_;
+    ReplyTopics replies_;
+    std::size_t last_ = 0;
+    std::map<std::string, std::weak_ptr<Request::Entry>> open_;
+    AgentClocks clocks_;  // by reply topic: of one board each
+};
+
+/// What a request's payload looks like: see Requester::ask. `clock`: empty asks for it; none: it is no
+/// command. A `deadline_ms` that the payload has stays.
+std::string with_reply_members(const std::string& payload, const std::string& reply_to, const std::string& id,
+                               const std::optional<std::string>& clock,
+                               std::optional<std::chrono::milliseconds> deadline = {});
+
+/// Whether an agent executes what comes on this topic, and tells its clock with the answer.
+bool is_command_topic(std::string_view topic);
+/// The clock that came with an answer: a user property, or a member of its JSON; empty: none.
+std::string clock_in(const mqtt::Message& answer);
+
+}  // namespace asip::bus

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "asip/random.hpp"
+#include "asip/time.hpp"
+
+namespace asip::gateway::exports {
+
+/// Which of several gateways exports. The one that does says so every few seconds on a retained topic; when
+/// it falls silent, or the broker says that it is gone, another takes over. Of two that both claim the later
+/// term counts, then the smaller name. Pure.
+class Turn {
+  public:
+    static constexpr Duration kRenewal = std::chrono::seconds(3);
+    static constexpr Duration kStale = std::chrono::seconds(8);
+    static constexpr Duration kSettle = std::chrono::seconds(1);  ///< until what is retained has come
+    static constexpr std::size_t kMaxBytes = 1024;
+
+    /// What the topic says of the gateway that exports, or did.
+    struct Holder {
+        std::string gateway;  ///< unique for each process
+        std::uint64_t term = 0;
+        std::string host;    ///< its machine
+        std::string prefix;  ///< where its documents are
+        friend bool operator==(const Holder&, const Holder&) = default;
+    };
+
+    /// `self.term` is set with each claim.
+    Turn(Holder self, Random random) : self_(std::move(self)), random_(std::move(random)) {}
+
+    /// The topics of lease and state are subscribed to; what is retained follows.
+    void subscribed(Time now);
+    void disconnected() { heard_since_.reset(); }
+    /// A message on the topic of the lease. Returns true when it ends ours.
+    bool said(std::string_view payload, bool retained, Time now);
+    /// A message on the topic of the export's state: "online", or "offline" from the broker or at an end.
+    void state(std::string_view payload, Time now);
+
+    bool active() const { return active_; }
+    /// Whoever holds it, or did last; none: nobody ever did.
+    const std::optional<Holder>& holder() const { return holder_; }
+    /// Whether a holder lives, as far as can be known.
+    bool held(Time now) const;
+    /// Nobody holds it, and it is time to.
+    bool may_claim(Time now) const;
+    /// Which term a claim would have.
+    std::uint64_t next_term() const { return std::max(self_.term, holder_ ? holder_->term : 0) + 1; }
+    /// It is ours; returns what to publish, retained.
+    std::string claim(Time now);
+    /// What to publish now, retained, where it is ours and due.
+    std::optional<std::string> renewal(Time now);
+    /// It is no longer ours: the connection that carries it goes.
+    void release() { active_ = false; }
+    /// The documents are there from now on, and nowhere else. Said with the next renewal.
+    void set_prefix(const std::string& prefix) {
+        if (self_.prefix != prefix) renew_at_ = {};
+        self_.prefix = prefix;
+    }
+
+  private:
+    std::string text() const;
+
+    Holder self_;
+    Random random_;
+    std::optional<Holder> holder_;
+    std::optional<Time> heard_since_;
+    Time last_sign_{};   // of the holder
+    Time not_before_{};  // a claim
+    bool holder_gone_ = false;
+    bool active_ = false;
+    Time renew_at_{};
+};
+
+}  // namespace asip::gateway::exports

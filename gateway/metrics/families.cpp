@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/metrics/families.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "asip/model/json.hpp"
+#include "asip/protocol/body.hpp"
+
+namespace asip::gateway::metrics {
+namespace {
+
+using nlohmann::json;
+using Type = Exposition::Type;
+
+struct Named {
+    std::string name;
+    json stats;
+};
+
+std::vector<Named> parsed(const std::vector<std::pair<std::string, std::string>>& all, std::size_t max) {
+    std::vector<Named> result;
+    for (const auto& [name, text] : all) {
+        if (result.size() == max) break;
+        auto stats = model::parse_json(text);
+        if (stats && stats->is_object()) result.push_back({name, std::move(*stats)});
+    }
+    return result;
+}
+
+const json* at(const json& object, std::string_view path) {
+    const json* found = &object;
+    while (!path.empty()) {
+        const auto dot = std::min(path.find('.'), path.size());
+        if (!found->is_object()) return nullptr;
+        const auto member = found->find(std::string(path.substr(0, dot)));
+        if (member == found->end()) return nullptr;
+        found = &*member;
+        path.remove_prefix(std::min(dot + 1, path.size()));
+    }
+    return found;
+}
+
+/// One number of each, where it is there.
+struct Number {
+    std::string_view path;
+    std::string_view name;
+    Type type;
+    std::string_view unit;
+    std::string_view help;
+};
+
+void numbers(Exposition& out, std::string_view label, const std::vector<Named>& all,
+             const std::vector<Number>& wanted) {
+    for (const auto& [path, name, type, unit, help] : wanted) {
+        bool begun = false;
+        for (const auto& each : all) {
+            const auto* value = at(each.stats, path);
+            if (value == nullptr || !value->is_number()) continue;
+            if (!begun) out.family(name, type, unit, help);
+            begun = true;
+            out.sample({{label, each.name}}, value->get<double>());
+        }
+    }
+}
+
+void directions(Exposition& out, const std::vector<Named>& boards, std::string_view name,
+                std::string_view unit, std::string_view in, std::string_view to, std::string_view help) {
+    out.family(name, Type::kCounter, unit, help);
+    for (const auto& each : boards) {
+        if (const auto* value = at(each.stats, in); value != nullptr && value->is_number())
+            out.sample({{"board", each.name}, {"direction", "in"}}, value->get<double>());
+        if (const auto* value = at(each.stats, to); value != nullptr && value->is_number())
+            out.sample({{"board", each.name}, {"direction", "out"}}, value->get<double>());
+    }
+}
+
+// A map of counters: each member is a value of the label.
+void by_member(Exposition& out, const std::vector<Named>& boards, const char* member, std::string_view name,
+               std::string_view label, std::string_view help) {
+    out.family(name, Type::kCounter, {}, help);
+    for (const auto& each : boards) {
+        const auto* map = at(each.stats, member);
+        if (map == nullptr || !map->is_object()) continue;
+        std::size_t shown = 0;
+        double rest = 0;
+        for (const auto& [key, value] : map->items()) {
+            if (!value.is_number()) continue;
+            if (++shown <= kMaxOutcomes)
+                out.sample({{"board", each.name}, {label, key}}, value.get<double>());
+            else
+                rest += value.get<double>();
+        }
+        if (shown > kMaxOutcomes) out.sample({{"board", each.name}, {label, "other"}}, rest);
+    }
+}
+
+std::vector<double> list(const json* array) {
+    std::vector<double> result;
+    if (array == nullptr || !array->is_array()) return result;
+    for (const auto& value : *array)
+        result.push_back(value.is_number() ? value.get<double>() : 0);
+    return result;
+}
+
+void round_trips(Exposition& out, const std::vector<Named>& boards) {
+    out.family("asip_board_command_duration_seconds", Type::kHistogram, "seconds",
+               "From a command's arrival at the agent to its answer");
+    for (const auto& each : boards) {
+        const auto bounds = list(at(each.stats, "round_trip.le"));
+        const auto buckets = list(at(each.stats, "round_trip.buckets"));
+        const auto* count = at(each.stats, "round_trip.count");
+        const auto* sum = at(each.stats, "round_trip.sum");
+        if (bounds.empty() || bounds.size() != buckets.size() || count == nullptr || !count->is_number() ||
+            sum == nullptr || !sum->is_number())
+            continue;
+        out.histogram({{"board", each.name}}, bounds, buckets, count->get<double>(), sum->get<double>());
+    }
+}
+
+void add_boards(Exposition& out, const std::vector<Named>& boards) {
+    directions(out, boards, "asip_board_line_bytes", "bytes", "line.bytes_in", "line.bytes_out",
+               "Bytes from the board and to it");
+    directions(out, boards, "asip_board_lines", {}, "line.lines_in", "line.lines_out",
+               "Lines from the board and to it");
+    numbers(
+        out, "board", boards,
+        {{"uptime", "asip_board_agent_uptime_seconds", Type::kGauge, "seconds",
+          "Since the agent opened the port first"},
+         {"line.undecoded",
+          "asip_board_undecoded_reports",
+          Type::kCounter,
+          {},
+          "Reports that do not fit their service's model"},
+         {"line.malformed", "asip_board_malformed_lines", Type::kCounter, {}, "Pieces that are no line"},
+         {"line.checksum_errors",
+          "asip_board_checksum_errors",
+          Type::kCounter,
+          {},
+          "Lines with a wrong checksum"},
+         {"line.fence_timeouts",
+          "asip_board_fence_timeouts",
+          Type::kCounter,
+          {},
+          "Questions behind commands that were not answered in time"},
+         {"line.unexplained_errors",
+          "asip_board_unexplained_errors",
+          Type::kCounter,
+          {},
+          "Errors that belong to no command"},
+         {"line.resets", "asip_board_resets", Type::kCounter, {}, "Restarts of the board"},
+         {"line.opened",
+          "asip_board_link_opens",
+          Type::kCounter,
+          {},
+          "How often the way to the board was opened"},
+         {"queue.commands", "asip_board_queued_commands", Type::kGauge, {}, "Commands that wait"},
+         {"holds.active", "asip_board_holds", Type::kGauge, {}, "Held commands in force"},
+         {"holds.expired", "asip_board_expired_holds", Type::kCounter, {}, "Held commands that were undone"},
+         {"stops", "asip_board_stops", Type::kCounter, {}, "How often the board was stopped"},
+         {"bus.connects", "asip_board_broker_connects", Type::kCounter, {}, "Connections to a broker"},
+         {"bus.failures",
+          "asip_board_broker_failures",
+          Type::kCounter,
+          {},
+          "Connections that failed or were lost"},
+         {"bus.published", "asip_board_published_messages", Type::kCounter, {}, "Messages to the broker"},
+         {"bus.received", "asip_board_received_messages", Type::kCounter, {}, "Messages from the broker"},
+         {"bus.dropped_values",
+          "asip_board_dropped_values",
+          Type::kCounter,
+          {},
+          "Values that gave way because the broker was slower"},
+         {"bus.rejected",
+          "asip_board_rejected_messages",
+          Type::kCounter,
+          {},
+          "Messages that the broker refused"}});
+    by_member(out, boards, "errors", "asip_board_errors", "code", "Errors that the board sent");
+    by_member(out, boards, "commands", "asip_board_commands", "outcome", "Commands by what became of them");
+    round_trips(out, boards);
+}
+
+void add_registries(Exposition& out, const std::vector<Named>& registries) {
+    numbers(
+        out, "registry", registries,
+        {{"messages", "asip_registry_messages", Type::kCounter, {}, "Messages that the registry received"},
+         {"events", "asip_registry_events", Type::kCounter, {}, "Changes that it published"},
+         {"queries", "asip_registry_queries", Type::kCounter, {}, "Queries that it answered"},
+         {"connections", "asip_registry_connections", Type::kCounter, {}, "Its connections to a broker"},
+         {"expired", "asip_registry_expired_leases", Type::kCounter, {}, "Leases that ran out"},
+         {"conflicts", "asip_registry_conflicts", Type::kGauge, {}, "Boards that two agents claim"}});
+    out.family("asip_registry_boards", Type::kGauge, {}, "Boards that a registry knows, by state");
+    for (const auto& each : registries) {
+        const auto* states = at(each.stats, "boards");
+        if (states == nullptr || !states->is_object()) continue;
+        for (const auto& [state, count] : states->items()) {
+            if (count.is_number())
+                out.sample({{"registry", each.name}, {"state", state}}, count.get<double>());
+        }
+    }
+}
+
+void add_catalogue(Exposition& out, const Snapshot& snapshot) {
+    out.family("asip_boards", Type::kGauge, {}, "Boards by state");
+    for (const auto& [state, count] : snapshot.boards_by_state)
+        out.sample({{"state", state}}, static_cast<double>(count));
+    out.family("asip_boards_lost", Type::kGauge, {}, "Boards that are lost, by reason");
+    for (const auto& [reason, count] : snapshot.lost_by_reason)
+        out.sample({{"reason", reason}}, static_cast<double>(count));
+    auto kinds = snapshot.services_by_kind;
+    std::sort(kinds.begin(), kinds.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    out.family("asip_services", Type::kGauge, {}, "Services by kind");
+    double rest = 0;
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+        if (i < kMaxKinds)
+            out.sample({{"asip_service", kinds[i].first}}, static_cast<double>(kinds[i].second));
+        else
+            rest += static_cast<double>(kinds[i].second);
+    }
+    if (kinds.size() > kMaxKinds) out.sample({{"asip_service", "other"}}, rest);
+}
+
+void one(Exposition& out, std::string_view name, Type type, std::string_view unit, std::string_view help,
+         double value) {
+    out.family(name, type, unit, help);
+    out.sample({}, value);
+}
+
+void add_gateway(Exposition& out, const Snapshot& s) {
+    out.family("asip_gateway_build", Type::kInfo, {}, "The version that runs");
+    out.sample({{"version", ASIP_VERSION}}, 1);
+    const auto count = [](auto value) { return static_cast<double>(value); };
+    one(out, "asip_gateway_broker_connected", Type::kGauge, {}, "Whether the bus is heard",
+        s.broker_connected);
+    one(out, "asip_gateway_http_requests", Type::kCounter, {}, "Requests", count(s.server.requests));
+    one(out, "asip_gateway_http_broken_requests", Type::kCounter, {}, "Requests that were not HTTP",
+        count(s.server.broken));
+    one(out, "asip_gateway_http_sent_bytes", Type::kCounter, "bytes", "Bytes of answers",
+        count(s.server.sent_bytes));
+    one(out, "asip_gateway_http_connections", Type::kGauge, {}, "Open connections", count(s.server.open));
+    one(out, "asip_gateway_http_accepted_connections", Type::kCounter, {}, "Accepted connections",
+        count(s.server.accepted));
+    one(out, "asip_gateway_http_refused_connections", Type::kCounter, {}, "Connections beyond a limit",
+        count(s.server.turned_away));
+    one(out, "asip_gateway_http_timed_out_connections", Type::kCounter, {},
+        "Connections that were too slow or idle", count(s.server.timed_out));
+    one(out, "asip_gateway_streams", Type::kGauge, {}, "Open streams", count(s.streams));
+    one(out, "asip_gateway_websockets", Type::kGauge, {}, "Open WebSockets", count(s.server.websockets));
+    one(out, "asip_gateway_values", Type::kCounter, {}, "Values received", count(s.values_received));
+    one(out, "asip_gateway_left_out_values", Type::kCounter, {}, "Values that slow readers did not get",
+        count(s.values_skipped));
+    one(out, "asip_gateway_kept_values_bytes", Type::kGauge, "bytes", "Recent values in memory",
+        count(s.values_bytes));
+    one(out, "asip_gateway_last_values_bytes", Type::kGauge, "bytes", "Last value of each event in memory",
+        count(s.last_values_bytes));
+    out.family("asip_gateway_commands", Type::kCounter, {}, "Commands by what became of them");
+    out.sample({{"outcome", "ok"}}, count(s.commands.ok));
+    out.sample({{"outcome", "error"}}, count(s.commands.error));
+    out.sample({{"outcome", "timeout"}}, count(s.commands.timeout));
+    out.sample({{"outcome", "refused"}}, count(s.commands.refused));
+    out.family("asip_gateway_command_duration_seconds", Type::kHistogram, "seconds",
+               "From a command's request to its answer");
+    out.histogram({}, CommandTimes::bounds(), s.durations.buckets(), s.durations.count(), s.durations.sum());
+}
+
+void add_process(Exposition& out, const Snapshot& s) {
+    one(out, "process_cpu_seconds", Type::kCounter, "seconds", "Processor time used", s.processor_seconds);
+    one(out, "process_resident_memory_bytes", Type::kGauge, "bytes", "Memory in use", s.resident_bytes);
+    one(out, "process_open_fds", Type::kGauge, {}, "Open file descriptors", s.open_files);
+    one(out, "process_start_time_seconds", Type::kGauge, "seconds", "Start, in seconds since 1970",
+        s.started_at);
+}
+
+}  // namespace
+
+bool Part::takes(std::string_view board) const {
+    // FNV-1a: the same in each gateway, and after each start.
+    std::uint64_t hash = 0xcbf29ce484222325;
+    for (const char byte : board)
+        hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+    // Names that differ in their last digits differ in few bits until these are mixed (as MurmurHash3 ends).
+    hash = (hash ^ (hash >> 33)) * 0xff51afd7ed558ccd;
+    hash = (hash ^ (hash >> 33)) * 0xc4ceb9fe1a85ec53;
+    return (hash ^ (hash >> 33)) % of == number - 1;
+}
+
+Expected<Part> Part::parse(std::string_view text) {
+    const auto slash = std::min(text.find('/'), text.size());
+    const auto number = protocol::parse_integer(text.substr(0, slash));
+    const auto of = protocol::parse_integer(text.substr(std::min(slash + 1, text.size())));
+    if (!number || !of || *of < 1 || *of > static_cast<std::int64_t>(kMaxParts) || *number < 1 ||
+        *number > *of)
+        return fail("part: must be NUMBER/OF, such as 2/4; at most " + std::to_string(kMaxParts) + " parts");
+    return Part{static_cast<std::size_t>(*number), static_cast<std::size_t>(*of)};
+}
+
+namespace {
+
+void add_leaves(std::vector<ValueSample>& values, ValueSample& sample, const json& value) {
+    if (value.is_number() || value.is_boolean()) {
+        sample.value = value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>();
+        values.push_back(sample);
+        return;
+    }
+    if (!value.is_structured()) return;
+    const auto above = sample.field.size();
+    for (const auto& [key, below] : value.items()) {  // of a list: the places
+        sample.field += (above == 0 ? "" : ".") + key;
+        add_leaves(values, sample, below);
+        sample.field.resize(above);
+    }
+}
+
+void add_value_family(Exposition& out, const Snapshot& snapshot) {
+    out.family("asip_value", Type::kGauge, {}, "What services reported last");
+    for (const auto& [board, service, event, field, value] : snapshot.values)
+        out.sample({{"board", board}, {"asip_service", service}, {"event", event}, {"field", field}}, value);
+    one(out, "asip_gateway_unshown_values", Type::kGauge, {}, "Whether there are more values than are shown",
+        snapshot.values_left_out);
+}
+
+}  // namespace
+
+void add_values(std::vector<ValueSample>& values, const std::string& board, const std::string& service,
+                const std::string& event, const std::string& text) {
+    const auto document = model::parse_json(text);
+    if (!document) return;
+    ValueSample sample{board, service, event, {}, 0};
+    const bool wrapped = document->is_object() && document->size() == 1 && document->contains(event);
+    add_leaves(values, sample, wrapped ? (*document)[event] : *document);
+}
+
+void drop_repeated(std::vector<ValueSample>& values) {
+    const auto place = [](const ValueSample& one) {
+        return std::tie(one.board, one.service, one.event, one.field);
+    };
+    std::stable_sort(values.begin(), values.end(),
+                     [&](const auto& a, const auto& b) { return place(a) < place(b); });
+    values.erase(std::unique(values.begin(), values.end(),
+                             [&](const auto& a, const auto& b) { return place(a) == place(b); }),
+                 values.end());
+}
+
+std::string exposition(const Snapshot& snapshot, Exposition::Format format) {
+    Exposition out(format);
+    if (snapshot.part.is_first()) {
+        add_gateway(out, snapshot);
+        add_catalogue(out, snapshot);
+        add_registries(out, parsed(snapshot.registries, kMaxKinds));
+        add_process(out, snapshot);
+    }
+    add_boards(out, parsed(snapshot.boards, kMaxBoards));
+    one(out, "asip_gateway_unshown_boards", Type::kGauge, {}, "Boards beyond the limit of label values",
+        snapshot.boards.size() > kMaxBoards ? static_cast<double>(snapshot.boards.size() - kMaxBoards) : 0);
+    if (!snapshot.values.empty()) add_value_family(out, snapshot);
+    return out.finish();
+}
+
+}  // namespace asip::gateway::metrics

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "asip/expected.hpp"
+#include "gateway/commands/commands.hpp"
+#include "gateway/http/server.hpp"
+#include "gateway/metrics/command_times.hpp"
+#include "gateway/metrics/metrics_text.hpp"
+
+namespace asip::gateway::metrics {
+
+/// A part of all boards, which stays the same as long as their names do: of several scrapes each takes one.
+struct Part {
+    std::size_t number = 1, of = 1;
+
+    bool is_first() const { return number == 1; }
+    bool takes(std::string_view board) const;
+    /// "2/4". Error: a sentence.
+    static Expected<Part> parse(std::string_view text);
+    static constexpr std::size_t kMaxParts = 100;
+};
+
+/// A number that a service reported last.
+struct ValueSample {
+    std::string board, service, event;
+    std::string field;  ///< below the event: "0", "1.count"; empty: it is one number
+    double value = 0;
+};
+/// Adds each number (a truth value is 1 or 0) of a reported value, JSON; none of what is no JSON.
+void add_values(std::vector<ValueSample>& values, const std::string& board, const std::string& service,
+                const std::string& event, const std::string& json);
+/// Of patterns that mean one service twice: each sample must be there once.
+void drop_repeated(std::vector<ValueSample>& values);
+
+/// All that is shown, as it is at one moment. The caller fills it; of an asker with limited rights only with
+/// what the asker may see.
+struct Snapshot {
+    http::ServerCounters server;
+    Commands::Counters commands;
+    CommandTimes durations;
+    bool broker_connected = false;
+    std::size_t streams = 0;
+    // Of Values: since the start, and what is kept now.
+    std::uint64_t values_received = 0;
+    std::uint64_t values_skipped = 0;  ///< by slow readers
+    std::size_t values_bytes = 0;
+    std::size_t last_values_bytes = 0;
+    std::vector<std::pair<std::string, std::size_t>> boards_by_state;
+    std::vector<std::pair<std::string, std::size_t>> lost_by_reason;  ///< each reason, also where none is
+    std::vector<std::pair<std::string, std::size_t>> services_by_kind;
+    std::vector<std::pair<std::string, std::string>> registries;  ///< id, JSON of its `$stats`
+    std::vector<std::pair<std::string, std::string>> boards;      ///< name, JSON of its `$stats`
+    Part part{};                        ///< what is not of boards stands in the first part alone
+    std::vector<ValueSample> values{};  ///< of services that were asked for
+    bool values_left_out = false;       ///< there are more than are shown
+    // Of the operating system: read_process().
+    double resident_bytes = 0;
+    double processor_seconds = 0;
+    double open_files = 0;
+    double started_at = 0;  ///< seconds since 1970
+};
+
+/// Beyond these many different values of a label the rest is left out, or counted together.
+inline constexpr std::size_t kMaxBoards = 2000;
+inline constexpr std::size_t kMaxValues = 20'000;
+inline constexpr std::size_t kMaxKinds = 100;
+inline constexpr std::size_t kMaxOutcomes = 20;
+
+/// The snapshot as text in one of the two formats. Statistics that are no JSON object, or hold no number
+/// where one is expected, are passed over: agents and registries of other versions write them. Pure.
+std::string exposition(const Snapshot& snapshot, Exposition::Format format);
+
+/// What the operating system counts of this process.
+void read_process(Snapshot& snapshot);
+
+}  // namespace asip::gateway::metrics

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/running_exports.hpp"
+
+#include "asip/program/log.hpp"
+#include "gateway/gateway.hpp"
+
+namespace asip::gateway {
+namespace {
+
+using bus::TopicKind;
+
+}  // namespace
+
+Exports::Exports(boost::asio::io_context& io, const exports::MakeExport& make, mqtt::Options mqtt,
+                 Gateway& gateway)
+    : gateway_(gateway), connection_(io, std::move(mqtt)), export_(make(system_random(), port())) {}
+
+exports::Export::Port Exports::port() {
+    auto port = connection_.port([this]() -> exports::Export& { return *export_; });
+    port.ready = [this] { return gateway_.mirror().ready(); };
+    port.boards = [this] { return gateway_.mirror().board_names(); };
+    port.board = [this](const std::string& name) { return board(name); };
+    port.values = [this](const std::string& board, const std::string& service,
+                         const std::function<void(std::string_view, bool)>& each) {
+        const auto* values = gateway_.mirror().values().find(board, service);
+        if (values == nullptr) return;
+        for (const auto& channel : values->channels)
+            if (!channel.error && channel.cut == 0) each(channel.json(), channel.set);
+    };
+    port.want = [this](const std::string& board, const std::string& service, double hz) {
+        return gateway_.demander().want(board, service, hz);
+    };
+    port.command = [this](const std::string& board, const exports::Request& request,
+                          std::function<void(std::string)> done) {
+        command(board, request, std::move(done));
+    };
+    port.log = [](const std::string& sentence) { program::log::info(sentence); };
+    port.wall_ms = [this] {
+        return std::chrono::duration_cast<std::chrono::milliseconds>(gateway_.now().wall.time_since_epoch())
+            .count();
+    };
+    return port;
+}
+
+std::optional<exports::Export::Present> Exports::board(const std::string& name) {
+    bus::Query query;
+    query.board = name;
+    query.full = true;
+    const auto found = gateway_.mirror().find(query, gateway_.now());
+    if (!found || found->boards.empty()) return std::nullopt;
+    const auto& item = found->boards[0];
+    auto board = gateway_.things().find(item);
+    if (!board) return std::nullopt;
+    return exports::Export::Present{exports::is_there(item.state), std::move(board), item.state,
+                                    item.session};
+}
+
+void Exports::command(const std::string& board, const exports::Request& request,
+                      std::function<void(std::string)> done) {
+    const std::string by(export_->by());
+    if (!gateway_.command_rates().take(by, gateway_.now().time))
+        return done("too many commands; try again in a moment");
+    Commands::Start start;
+    start.session = by;
+    start.by = by;
+    start.client = by;
+    start.target = board + "/" + request.service;
+    start.topic = gateway_.mirror().topics().service_in(board, request.service);
+    start.payload = request.payload;
+    gateway_.command(std::move(start), [done = std::move(done)](const CommandRecord& record) {
+        done(record.reply->succeeded() ? std::string() : sentence_of(*record.reply));
+    });
+}
+
+void Exports::subscribed() {
+    export_->subscribed(gateway_.now().time);
+}
+
+void Exports::changes() {
+    const auto& log = gateway_.mirror().log();
+    const auto now = gateway_.now().time;
+    bool lost = false;
+    while (seen_ < log.last()) {
+        const auto* change = log.change(++seen_);
+        if (change == nullptr)
+            lost = true;
+        else if (!change->board.empty())  // else it is of the gateway itself
+            export_->changed(change->board, now);
+    }
+    if (lost)
+        for (const auto& name : gateway_.mirror().board_names())
+            export_->changed(name, now);
+}
+
+void Exports::message(const mqtt::Message& message) {
+    const auto now = gateway_.now().time;
+    changes();
+    const auto topic = gateway_.mirror().topics().parse(message.topic);
+    if (!topic) return export_->message(message, now);
+    const bool set = topic->kind == TopicKind::kServiceSet;
+    if (set || topic->kind == TopicKind::kServiceOut)
+        export_->value(topic->board, topic->service, message.payload, set, now);
+}
+
+void Exports::tick() {
+    changes();
+    connection_.tidy();
+    export_->tick(gateway_.now().time);
+}
+
+void Exports::stop(Duration limit, std::function<void()> done) {
+    export_->leave();
+    connection_.stop(limit, std::move(done));
+}
+
+}  // namespace asip::gateway

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/chip/chip.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+
+namespace asip::sim {
+namespace {
+
+constexpr std::uint64_t kInterruptEntryCycles = 4;
+constexpr int kSupplyMillivolts = 5000;
+
+void ignore_log(avr_t*, int, const char*, va_list) {}
+
+void sleep_takes_no_time(avr_t*, avr_cycle_count_t) {}
+
+void interrupt_entered(avr_irq_t*, std::uint32_t running, void* param) {
+    if (running != 0) static_cast<avr_t*>(param)->cycle += kInterruptEntryCycles;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Chip>> Chip::create(const BoardKind& kind, std::uint32_t frequency,
+                                             const Image& image) {
+    static std::once_flag logger_set;
+    std::call_once(logger_set, [] { avr_global_logger_set(ignore_log); });
+
+    avr_t* avr = avr_make_mcu_by_name(kind.chip.c_str());
+    if (avr == nullptr) return fail(fmt::format("simavr does not know the chip {}", kind.chip));
+    avr_init(avr);
+    std::unique_ptr<Chip> chip(new Chip(avr));
+    if (image.flash.size() > avr->flashend + std::size_t{1})
+        return fail(fmt::format("the image has {} bytes, the {} of the {} only {}", image.flash.size(),
+                                kind.chip, kind.name, avr->flashend + 1));
+    avr->frequency = frequency;
+    avr->vcc = avr->avcc = avr->aref = kSupplyMillivolts;
+    avr->sleep = sleep_takes_no_time;
+    std::memcpy(avr->flash, image.flash.data(), image.flash.size());
+    avr->codeend = static_cast<std::uint32_t>(image.flash.size());
+    if (!image.eeprom.empty()) chip->set_eeprom(0, image.eeprom);
+    chip->single_step(false);
+    return chip;
+}
+
+Chip::Chip(avr_t* avr) : avr_(avr) {
+    hook_.chip = this;
+    hook_.io.kind = "asip-reset";
+    hook_.io.avr = avr;
+    hook_.io.reset = [](avr_io_t* io) {
+        auto& chip = *reinterpret_cast<ResetHook*>(io)->chip;
+        chip.apply_fixes();
+        if (chip.reset_callback_) chip.reset_callback_();
+    };
+    // Last in the list, so that it comes after the modules' own resets.
+    auto** end = &avr->io_port;
+    while (*end != nullptr)
+        end = &(*end)->next;
+    *end = &hook_.io;
+    count_interrupt_entries();
+    apply_fixes();
+}
+
+Chip::~Chip() {
+    for (auto** io = &avr_->io_port; *io != nullptr; io = &(*io)->next)
+        if (*io == &hook_.io) {
+            *io = nullptr;
+            break;
+        }
+    free_what_terminate_leaves();
+    avr_terminate(avr_);
+    std::free(avr_->irq_pool.irq);
+    std::free(avr_);
+}
+
+void Chip::free_what_terminate_leaves() {
+    for (auto& io : avr_->io) {
+        avr_free_irq(io.irq, AVR_IOMEM_IRQ_ALL + 1);
+        io.irq = nullptr;
+    }
+    for (unsigned i = 0; i < avr_->interrupts.vector_count; ++i)
+        if (auto* vector = avr_->interrupts.vector[i]) avr_free_irq(vector->irq, AVR_INT_IRQ_COUNT);
+    avr_free_irq(avr_->interrupts.irq, AVR_INT_IRQ_COUNT);
+}
+
+void Chip::apply_fixes() {
+    // A reset turns this back on.
+    avr_extint_set_strict_lvl_trig(avr_, EXTINT_IRQ_OUT_INT0, 0);
+    avr_extint_set_strict_lvl_trig(avr_, EXTINT_IRQ_OUT_INT1, 0);
+    for (char name = '0'; name <= '3'; ++name) {
+        std::uint32_t flags = 0;
+        if (uart(name) != nullptr) avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS(name), &flags);
+    }
+}
+
+void Chip::count_interrupt_entries() {
+    for (unsigned i = 0; i < avr_->interrupts.vector_count; ++i)
+        if (auto* vector = avr_->interrupts.vector[i])
+            avr_irq_register_notify(vector->irq + AVR_INT_IRQ_RUNNING, interrupt_entered, avr_);
+}
+
+avr_uart_t* Chip::uart(char name) {
+    for (auto* io = avr_->io_port; io != nullptr; io = io->next) {
+        if (std::strcmp(io->kind, "uart") != 0) continue;
+        auto* port = static_cast<avr_uart_t*>(static_cast<void*>(io));  // begins with the avr_io_t
+        if (port->name == name) return port;
+    }
+    return nullptr;
+}
+
+bool Chip::alive() const {
+    return avr_->state != cpu_Done && avr_->state != cpu_Crashed && avr_->state != cpu_Stopped;
+}
+
+void Chip::cancel_unknown_timers() {
+    for (auto* io = avr_->io_port; io != nullptr; io = io->next) {
+        if (std::strcmp(io->kind, "timer") != 0) continue;
+        auto* timer = static_cast<avr_timer_t*>(static_cast<void*>(io));
+        if (timer->mode.kind != avr_timer_wgm_none) continue;
+        for (auto* slot = avr_->cycle_timers.timer; slot != nullptr;) {
+            auto* next = slot->next;
+            if (slot->param == timer) avr_cycle_timer_cancel(avr_, slot->timer, timer);
+            slot = next;
+        }
+    }
+}
+
+std::vector<std::uint8_t> Chip::eeprom() {
+    std::vector<std::uint8_t> bytes(avr_->e2end + std::size_t{1}, 0xff);
+    avr_eeprom_desc_t all{bytes.data(), 0, static_cast<std::uint32_t>(bytes.size())};
+    avr_ioctl(avr_, AVR_IOCTL_EEPROM_GET, &all);  // its result is always -1
+    return bytes;
+}
+
+void Chip::set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& bytes) {
+    const std::size_t size = avr_->e2end + std::size_t{1};
+    if (offset >= size || bytes.empty()) return;
+    auto copy = bytes;
+    avr_eeprom_desc_t part{copy.data(), static_cast<std::uint16_t>(offset),
+                           static_cast<std::uint32_t>(std::min(copy.size(), size - offset))};
+    avr_ioctl(avr_, AVR_IOCTL_EEPROM_SET, &part);
+}
+
+}  // namespace asip::sim
