@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/answer.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "asip/catalogue/catalogue.hpp"
 #include "bench/catalogue_load.hpp"
 #include "cli/commands/list.hpp"
