@@ -87,6 +87,8 @@ class HostileCompletion : public BusTest, public testing::WithParamInterface<She
                                              "' '" + folder_.file("got") + "'\n");
         fs::permissions(asipctl, fs::perms::owner_all);
         announce_hostile();
+        // Without it each Tab waits for one.
+        EXPECT_TRUE(registry_.wait_for_errors("catalogue is complete")) << registry_.errors();
     }
 
     std::string hostile(std::size_t number) const {
@@ -145,6 +147,7 @@ class HostileCompletion : public BusTest, public testing::WithParamInterface<She
     }
 
     TempDir folder_;
+    ChildProcess registry_{{ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment()};
 };
 
 TEST_P(HostileCompletion, ValueOfALabel_IsInsertedAsItIsAndNothingOfItIsExecuted) {
