@@ -16,7 +16,8 @@ using nlohmann::json;
 // Of the property "Quality".
 constexpr std::int64_t kBad = 0;
 constexpr std::int64_t kGood = 192;
-constexpr int kBoardsAtOnce = 100;  // boards; the rest with the next tick: nothing waits for their births
+constexpr int kBoardsAtOnce = 20;  // births; the rest when these are on their way: a command is not behind
+                                   // all of them
 constexpr const char* kQuality = "Quality";
 constexpr const char* kError = "error";
 
@@ -36,6 +37,12 @@ void SparkplugNode::pump(Time now) {
         dirty_.erase(dirty_.begin());
         update(name, now);
     }
+}
+
+void SparkplugNode::sent(Time now) {
+    if (phase_ != Phase::kActive || dirty_.empty()) return;
+    now_ = now;
+    pump(now);
 }
 
 void SparkplugNode::update(const std::string& name, Time now) {

@@ -57,6 +57,7 @@ class SparkplugNode final : public Export {
     void own_disconnected() override;
     void own_message(const mqtt::Message& message, Time now) override;
     void tick(Time now) override;
+    void sent(Time now) override;
     void leave() override;
     bool active() const override { return phase_ == Phase::kActive; }
     const Turn& turn() const override { return turn_; }

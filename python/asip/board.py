@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import threading
 import time
 from typing import TYPE_CHECKING, Any, Iterator, Mapping
 
@@ -79,6 +80,7 @@ class Board:
         self._followed = False
         self._services: dict[str, Service] = {}
         self._described: tuple[str, int] = ("", -2)
+        self._reading = threading.Lock()
         self._pins: dict[int, Pin] = {}
 
     # State --------------------------------------------------------------------------------------------------------------
@@ -163,8 +165,10 @@ class Board:
         """Services by name."""
         entry = self._entry()
         if entry is not None and (entry.session, entry.seq) != self._described:
-            self._described = (entry.session, entry.seq)
-            self._read_services(entry.description)
+            with self._reading:  # of several threads none sees services that another one is still making
+                if (entry.session, entry.seq) != self._described:
+                    self._read_services(entry.description)
+                    self._described = (entry.session, entry.seq)
         return self._services
 
     def _read_services(self, description: dict[str, Any]) -> None:

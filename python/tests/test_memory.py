@@ -108,6 +108,27 @@ class Commands(Memory):
             self.assertEqual([values[1] for _, _, values in self.commands() if values[0] == servo], list(range(50)))
 
 
+    def test_services_are_whole_for_a_thread_beside_the_one_that_reads_them(self):
+        desk, reads, go, seen = self.desk, threading.Event(), threading.Event(), []
+        desk._described, desk._services = ("", -2), {}
+        read_services = desk._read_services
+
+        def slowly(description):
+            reads.set()
+            go.wait(5)
+            read_services(description)
+        with unittest.mock.patch.object(desk, "_read_services", slowly):
+            threads = [threading.Thread(target=lambda: seen.append(sorted(desk.services))) for _ in range(2)]
+            threads[0].start()
+            reads.wait(5)
+            threads[1].start()
+            threads[1].join(0.05)
+            go.set()
+            for thread in threads:
+                thread.join()
+        self.assertEqual(seen, [["distance", "io", "motors", "servo"]] * 2)
+
+
 class OddInput(Memory):
     """What people type by mistake: each is an error at once that says what is wrong, and nothing is sent."""
 
