@@ -40,14 +40,7 @@ void ExportConnection::connect(exports::Export& of) {
         log::warning("the connection for exports is lost", {{"why", failure.text}});
     };
     handlers.on_message = [&of](const mqtt::Message& message) { of.own_message(message, Clock::now()); };
-    handlers.on_published = [this, &of](const std::string&) {
-        if (!client_ || client_->counters().queued >= kLittle || std::exchange(sent_, true)) return;
-        // Behind all acknowledgements that are there, each of which lets a message go.
-        boost::asio::post(io_, [this, &of] {
-            sent_ = false;
-            of.sent(Clock::now());
-        });
-    };
+    handlers.on_published = [this, &of](const std::string&) { tell_soon(of); };
     handlers.on_publish_denied = [user = options.user](const std::string& topic, const std::string& reason) {
         log::warning(mqtt::denied_text(user, topic, reason, "gateway"));
     };
@@ -60,13 +53,25 @@ void ExportConnection::connect(exports::Export& of) {
     client_->start();
 }
 
+void ExportConnection::tell_soon(exports::Export& of) {
+    if (!client_ || client_->counters().queued >= kLittle || std::exchange(sent_, true)) return;
+    // Behind all acknowledgements that are there, each of which lets a message go.
+    boost::asio::post(io_, [this, &of] {
+        sent_ = false;
+        of.sent(Clock::now());
+    });
+}
+
 exports::Export::Port ExportConnection::port(std::function<exports::Export&()> of) {
     exports::Export::Port port;
-    port.connect = [this, of = std::move(of)] { connect(of()); };
+    port.connect = [this, of] { connect(of()); };
     // It may be in the middle of a handler of that client, which must not end it.
     port.disconnect = [this] { stop(kConnectionEnd, [] {}); };
-    port.publish = [this](mqtt::Message message) {
-        if (client_) client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
+    port.publish = [this, of = std::move(of)](mqtt::Message message) {
+        if (!client_) return;
+        const bool acknowledged = message.qos > 0;
+        client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
+        if (!acknowledged) tell_soon(of());
     };
     port.has_room = [this] {
         if (!client_) return false;

@@ -28,6 +28,7 @@ class ExportConnection {
 
   private:
     void connect(exports::Export& of);
+    void tell_soon(exports::Export& of);  ///< that little waits to be sent, if so
 
     boost::asio::io_context& io_;
     mqtt::Options options_;
