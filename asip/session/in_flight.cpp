@@ -221,13 +221,14 @@ InFlight::Meaning InFlight::on_error(const protocol::ErrorReply& error, bool che
         behind = behind || (!checksums && is_of_syntax(error));
     }
     if (named.empty()) return error_for_value(error);
-    meaning.unexplained = false;
     const Request& first = batch.items[named.front()].request;
     const bool one_client = std::all_of(named.begin(), named.end(), [&](std::size_t i) {
         const Request& request = batch.items[i].request;
         return request.id != 0 && request.client == first.client;
     });
     if (one_client) meaning.owner = first.client;
+    // The board had accepted this before, so the line changed it; a digest would tell what else it changed.
+    meaning.unexplained = first.id == 0 && !batch.fence.verifies;
     if (named.size() == 1) {
         batch.items[named.front()].error.emplace(error.code, std::string(error.text));
         return meaning;

@@ -27,8 +27,9 @@ class InFlight {
         bool is_fence = false;          ///< the answer to a fence of ours, of now or of before
         std::optional<ClientId> owner;  ///< the answer to this client's question, or its error
         bool is_value = false;          ///< a request waits for such an event, or ended before it came
-        bool unexplained = false;       ///< an error that belongs to no request
-        bool contradicts = false;       ///< a fence: the board read something else than what was sent
+        /// An error that belongs to no request, or to one of the session's own that no digest speaks for.
+        bool unexplained = false;
+        bool contradicts = false;  ///< a fence: the board read something else than what was sent
     };
 
     bool empty() const { return batches_.empty(); }

@@ -3,6 +3,7 @@
 //
 // That it can fail was seen before asip/session was mended:
 //   a setting that the line changed while it was restored stays as it is     scenario "reset between"
+//   an error of a setting that is restored is no sign of damage     --pairs, "reset between, ASIP 0.4"
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -114,6 +114,25 @@ TEST_P(EachGeneration, BannerCutInHalf_IsStillARestart) {
     EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3"));
 }
 
+// The board had accepted that setting before: the line changed it, and may have changed what follows.
+TEST_P(EachGeneration, ErrorOfASettingThatIsRestored_PutsWhatIsInFlightInDoubt) {
+    bench.session = Bench::make_session(no_step_up());
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("I,P,13,3");
+    bench.board.replies["I,P,13,3"] = "~I,P,3{INVALID_PIN}";
+    bench.board.misreads["S,W,0,2"] = "S,W,0,0";
+    bench.board.mute = true;
+    bench.say(bench.board.reboot());
+    const auto damaged = bench.request("S,W,0,2");
+    bench.board.mute = false;
+    ASSERT_TRUE(bench.ready_within(5s));
+    bench.pass(1s);
+    ASSERT_NE(bench.end_of(damaged), nullptr);
+    EXPECT_EQ(bench.end_of(damaged)->ending, Ending::kDoubt);
+    EXPECT_EQ(bench.end_of(bench.request("S,W,0,3"))->ending, Ending::kExecuted);
+}
+
 struct RestoredDamaged : testing::Test {
     RestoredDamaged() : bench(no_step_up()) {
         bench.board.verified_fences = true;
