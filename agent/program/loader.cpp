@@ -96,10 +96,10 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
     void read() {
         pipe_.async_read_some(
             boost::asio::buffer(bytes_),
-            [self = shared_from_this()](boost::system::error_code error, std::size_t count) {
+            [self = shared_from_this()](boost::system::error_code error, std::size_t bytes) {
                 if (self->pid_ == 0) return;
                 if (error) return self->reap();
-                self->output_.take({self->bytes_.data(), count});
+                self->output_.take({self->bytes_.data(), bytes});
                 self->tell();
                 self->read();
             });
