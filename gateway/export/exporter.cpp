@@ -326,7 +326,8 @@ void Exporter::tick(Time now) {
     for (auto each = pending_.begin(); each != pending_.end();) {
         const auto found = records_.find(each->first);
         const bool there = found != records_.end() && each->second < found->second.states.size();
-        if (there && found->second.states[each->second].take(now, between_, port_.has_room()))
+        if (there && found->second.states[each->second].take(
+                         now, between_, port_.has_room() && found->second.has_document()))
             publish_state(found->second, each->second);
         if (!there || !found->second.states[each->second].waits())
             each = pending_.erase(each);

@@ -85,6 +85,10 @@ class Exporter final : public Export {
         std::map<std::string, std::string> targets;  // topic -> payload
         std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
         std::vector<bus::Demander::Want> wants;
+
+        /// Values may be sent. Without a document on the broker the next gateway would not know whose they
+        /// are.
+        bool has_document() const { return !document.empty() || !document_due; }
     };
     using Records = std::unordered_map<std::string, Record>;
 

@@ -170,7 +170,7 @@ void Exporter::publish_target(Record& record, const Entity& entity, const std::s
 
 void Exporter::offer(Record& record, std::size_t index, std::string text, Time now) {
     auto& state = record.states[index];
-    if (state.offer(std::move(text), now, between_, port_.has_room()))
+    if (state.offer(std::move(text), now, between_, port_.has_room() && record.has_document()))
         publish_state(record, index);
     else if (state.waits())
         pending_.emplace(record.board->board, index);

@@ -108,6 +108,13 @@ class GatewayExportOfMany : public GatewayExport {
     void announce(const std::string& board) {
         probe_.publish("asip/servicebus/" + board + "/$description", described(board), true);
         probe_.publish("asip/servicebus/" + board + "/$state", "online", true);
+        EXPECT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    }
+    std::string documents() const {
+        std::string all;
+        for (const auto& message : probe_.messages(kDocument))
+            all += message.payload + "\n";
+        return all;
     }
 };
 
@@ -121,7 +128,7 @@ TEST_F(GatewayExportOfMany, GatewayThatIsKilled_IsNotAvailable_AndNothingIsSentT
     EXPECT_TRUE(becomes(kGateway, "offline"));
     auto second = start();
     EXPECT_TRUE(becomes(kGateway, "online"));
-    EXPECT_EQ(probe_.count(kDocument), sent);
+    EXPECT_EQ(probe_.count(kDocument), sent) << documents();
 }
 
 TEST_F(GatewayExportOfMany, OfTwoGateways_OneExports_AndTheOtherFollows) {

@@ -91,9 +91,12 @@ class RandomHistory {
                 if (world_.boards.contains(board))
                     world_.value(board, "distance", "{\"distance\":[" + std::to_string(pick(9)) + ",1,2]}");
                 return;
-            default:
-                return world_.put(
-                    board, exported(static_cast<int>(pick(4)), pick(2) == 0, "N" + std::to_string(pick(3))));
+            default: {
+                // In this order by every compiler, so that a seed is one history.
+                const auto servos = static_cast<int>(pick(4));
+                const bool pin = pick(2) == 0;
+                return world_.put(board, exported(servos, pin, "N" + std::to_string(pick(3))));
+            }
         }
     }
 
