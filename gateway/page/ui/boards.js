@@ -32,10 +32,10 @@ class Boards extends Part {
     this.selection = document.createElement("asip-selection").begin(picked, () => this.pick([...picked], false));
     this.append(h("h1", { class: "hidden" }, "Boards"), this.attention = h("div", { class: "attention", role: "status", hidden: true }), this.toolbar(), this.selection, this.table());
     this.keep_address();
-    this.row_height = parseFloat(getComputedStyle(this).getPropertyValue("--row"));
+    this.row_height = this.styled_row_height();
     this.listen(boards, "change", () => this.refresh());
     this.listen(this.scroll, "scroll", () => this.draw());
-    this.listen(window, "resize", () => this.measure());
+    this.listen(window, "resize", () => this.resized());
     this.listen(document, "visibilitychange", () => this.draw());
     this.listen(status, "change", () => this.allow());
     this.allow();
@@ -121,6 +121,19 @@ class Boards extends Part {
     this.loaded = ends.map(([name, { text }]) => `${name}: ${text}`).join(" ");
     this.shown_attention = undefined;
     if (this.isConnected) this.refresh();
+  }
+
+  styled_row_height() { return parseFloat(getComputedStyle(this).getPropertyValue("--row")); }
+
+  /// A phone that is turned has rows of another height.
+  resized() {
+    const height = this.styled_row_height();
+    if (height === this.row_height) return this.measure();
+    const top = this.scroll.scrollTop / this.row_height;
+    this.row_height = height;
+    for (const [index, row] of this.drawn) row.style.transform = `translateY(${index * height}px)`;
+    this.refresh();
+    this.scroll.scrollTop = top * height;
   }
 
   measure() {

@@ -189,7 +189,7 @@ class Plot extends Part {
     context.textBaseline = "bottom";
     for (const tick of ticks(from / 1000, to / 1000, Math.max(2, this.width / 110))) {
       const x = Math.round(x_of(tick * 1000)) + 0.5;
-      if (x < left + 30 || x > this.width - 24) continue;
+      if (x < left + 30 || x > this.width - 30) continue;
       stroke(context, x, 0, x, this.height - bottom);
       context.fillText(clock_text(tick * 1000), x, this.height - 2);
     }

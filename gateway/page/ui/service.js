@@ -33,7 +33,7 @@ class Service extends Part {
     this.waiting = h("p", { class: "muted note" }, "No value yet.");
     this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", h("small", { class: "muted" })));
     this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), h("div", { class: "commands" }));
-    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], !this.pins && this.adder("controls", (widget) => widget.command)), h("div", { class: "commands" }));
+    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], !this.pins && this.adder("controls", (widget) => widget.command)), this.usual = h("div", { class: "commands" }));
     this.titles[0].id = `service-${this.service.name}`;
     this.show_titles();
     this.hidden = true;
@@ -123,13 +123,15 @@ class Service extends Part {
     const rare = names.filter((name) => this.pins || place_of(this.model, name) === "advanced");
     const forms = (wanted_names) => wanted_names.map((name) => this.forms.get(name));
     const usual = names.filter((name) => !rare.includes(name));
-    this.card.lastChild.replaceChildren(...forms(usual));
+    // Where there is a control, rare commands stand below it; those of a sensor below its values. They are moved
+    // without forms: a form that is moved would be built twice.
+    this.settings.lastChild.replaceChildren();
+    if (this.pins) set_text(this.settings.firstChild, `All commands of ${this.service.name}`);
+    else (usual.length > 0 ? this.card : this).append(this.settings);
+    this.usual.replaceChildren(...forms(usual));
     this.settings.lastChild.replaceChildren(...forms(rare));
     this.card.hidden = usual.length === 0;
     this.settings.hidden = rare.length === 0;
-    // Where there is a control, rare commands stand below it; those of a sensor below its values.
-    if (this.pins) set_text(this.settings.firstChild, `All commands of ${this.service.name}`);
-    else (usual.length > 0 ? this.card : this).append(this.settings);
     if (this.set) this.set_is(this.set);
   }
 
@@ -165,7 +167,7 @@ class Service extends Part {
   /// For those who may not send commands: what others have set.
   show_set() {
     const texts = Object.keys(this.model?.commands ?? {}).map((name) => [name, words_of_set(this.set, this.model, name)]).filter(([, text]) => text);
-    this.card.lastChild.replaceChildren(...texts.map(([name, text]) => h("p", { class: "only-set" }, `${this.model.commands[name].title ?? words(name)}: `, h("strong", {}, text))));
+    this.usual.replaceChildren(...texts.map(([name, text]) => h("p", { class: "only-set" }, `${this.model.commands[name].title ?? words(name)}: `, h("strong", {}, text))));
     this.card.hidden = texts.length === 0;
   }
 
