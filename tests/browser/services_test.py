@@ -25,6 +25,14 @@ class Services(PageTest):
             URL.createObjectURL = (blob) => { blob.text().then(done); return make.call(URL, blob); };
             [...document.querySelectorAll('.plot-tools button')].find((button) => button.textContent === 'CSV').click();""")
 
+    def test_FreshLoad_HasEachFormOnce(self):
+        self.open_board()
+        self.form("servo", "Turn a servo to an angle")
+        labels = self.browser.run(
+            "return [...document.querySelectorAll('form[aria-label]')].map((form) => form.getAttribute('aria-label'))")
+        self.assertGreater(len(labels), 2)
+        self.assertEqual(sorted(labels), sorted(set(labels)))
+
     def test_ServoForm_MovesTheServoAndShowsTheProof(self):
         self.open_board()
         form = self.form("servo", "Turn a servo to an angle")
