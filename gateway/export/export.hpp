@@ -94,7 +94,7 @@ class Export {
     virtual void leave() = 0;
     /// It shows boards now.
     virtual bool active() const = 0;
-    /// Whoever exports, or did.
+    /// Which gateway exports.
     virtual const Turn& turn() const = 0;
     /// Nothing is exported, and all that was is cleared.
     virtual bool finished() const = 0;

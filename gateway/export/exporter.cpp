@@ -304,15 +304,10 @@ void Exporter::become_idle(const std::string& why) {
     port_.disconnect();
 }
 
-bool Exporter::may_clear(Time now) const {
-    const auto& holder = turn_.holder();
-    return turn_.may_claim(now) && (options_.clear_all || (holder && holder->host == options_.host));
-}
-
 void Exporter::tick(Time now) {
     now_ = now;
     if (phase_ == Phase::kIdle && port_.ready() &&
-        (options_.enabled ? turn_.may_claim(now) : may_clear(now))) {
+        (options_.enabled ? turn_.may_claim(now) : turn_.may_clear(options_.clear_all, now))) {
         phase_ = Phase::kConnecting;
         port_.connect();
         return;

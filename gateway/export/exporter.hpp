@@ -117,7 +117,6 @@ class Exporter final : public Export {
     std::string mark() const { return dialect().base() + "/$mark/" + scan_.mark(); }
     std::size_t error_slots() const { return dialect().error_is_retained() ? 1 : 0; }
     std::string state_topic(const Record& record, std::size_t index) const;
-    bool may_clear(Time now) const;
 
     Options options_;
     Duration between_;  // states of one entity

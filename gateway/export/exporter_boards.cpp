@@ -186,20 +186,11 @@ void Exporter::values_of(Record& record, std::string_view service, std::string_v
                          Time now) {
     const auto found = record.by_service.find(service);
     if (found == record.by_service.end()) return;
-    json value;
-    if (!text.empty()) {
-        auto parsed = model::parse_json(text);
-        if (!parsed) return;
-        value = std::move(*parsed);
-    }
-    for (const auto index : found->second) {
-        const auto& entity = record.board->entities[index];
-        if (entity.read.has_value() == set) continue;
-        const auto shown = set ? value_set(entity, value) : value_in(entity, value);
+    for (const auto& [index, value] : shown_values(*record.board, found->second, text, set))
         // What is not known any more is said where something else was said before.
-        if (shown || (set && !record.states[index].sent().empty()))
-            offer(record, index, dialect().state_text(entity, shown.value_or(nullptr)), now);
-    }
+        if (value || !record.states[index].sent().empty())
+            offer(record, index, dialect().state_text(record.board->entities[index], value.value_or(nullptr)),
+                  now);
 }
 
 // --- commands

@@ -180,20 +180,11 @@ std::vector<std::size_t> SparkplugNode::take_values(Record& record, std::string_
     std::vector<std::size_t> result;
     const auto found = record.by_service.find(service);
     if (found == record.by_service.end()) return result;
-    json published;
-    if (!text.empty()) {
-        auto parsed = model::parse_json(text);
-        if (!parsed) return result;
-        published = std::move(*parsed);
-    }
-    for (const auto index : found->second) {
-        const auto& entity = record.board->entities[index];
-        if (entity.read.has_value() == set) continue;
-        const auto shown = set ? value_set(entity, published) : value_in(entity, published);
+    for (const auto& [index, value] : shown_values(*record.board, found->second, text, set)) {
         auto& state = record.states[index];
         // What is not known any more is said where something else was said before.
-        if (!shown && (!set || state.value.sent().empty())) continue;
-        state.value.offer(model::dump_json(shown.value_or(nullptr)), now, between_, false);
+        if (!value && state.value.sent().empty()) continue;
+        state.value.offer(model::dump_json(value.value_or(nullptr)), now, between_, false);
         result.push_back(index);
     }
     return result;

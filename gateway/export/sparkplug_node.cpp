@@ -218,15 +218,10 @@ void SparkplugNode::host_said(const mqtt::Message& message, Time now) {
     connect();
 }
 
-bool SparkplugNode::may_clear(Time now) const {
-    const auto& holder = turn_.holder();
-    return turn_.may_claim(now) && (options_.clear_all || (holder && holder->host == options_.host));
-}
-
 void SparkplugNode::tick(Time now) {
     now_ = now;
     if (phase_ == Phase::kIdle && port_.ready() &&
-        (options_.enabled ? turn_.may_claim(now) : may_clear(now))) {
+        (options_.enabled ? turn_.may_claim(now) : turn_.may_clear(options_.clear_all, now))) {
         next_bd_seq_ = static_cast<unsigned>((turn_.next_term() - 1) % kNumbers);
         return connect();
     }

@@ -121,7 +121,6 @@ class SparkplugNode final : public Export {
     mqtt::Message death_of(unsigned bd_seq) const;
     void retain(const std::string& topic, std::string payload);
     std::uint64_t time_ms() const { return static_cast<std::uint64_t>(port_.wall_ms()); }
-    bool may_clear(Time now) const;
     void log_seldom(std::uint64_t count, const std::string& sentence);
 
     Options options_;

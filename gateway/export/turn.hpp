@@ -42,12 +42,16 @@ class Turn {
     void state(std::string_view payload, Time now);
 
     bool active() const { return active_; }
-    /// Whoever holds it, or did last; none: nobody ever did.
+    /// The gateway that holds it, or did last; none: no gateway ever did.
     const std::optional<Holder>& holder() const { return holder_; }
     /// Whether a holder lives, as far as can be known.
     bool held(Time now) const;
-    /// Nobody holds it, and it is time to.
+    /// No gateway holds it, and it is time to.
     bool may_claim(Time now) const;
+    /// What its last holder left may be cleared: a gateway of this machine, or `any`.
+    bool may_clear(bool any, Time now) const {
+        return may_claim(now) && (any || (holder_ && holder_->host == self_.host));
+    }
     /// Which term a claim would have.
     std::uint64_t next_term() const { return std::max(self_.term, holder_ ? holder_->term : 0) + 1; }
     /// It is ours; returns what to publish, retained.
