@@ -43,7 +43,7 @@ struct Widget {
     nlohmann::json read_set(const nlohmann::json& set) const;
 };
 
-/// A link that shows a dashboard to whoever has it. Of its token only the hash is kept.
+/// A link that shows a dashboard to its holder. Of its token only the hash is kept.
 struct DashboardLink {
     std::string name;
     std::string hash;
