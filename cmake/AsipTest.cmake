@@ -110,6 +110,29 @@ function(asip_add_integration_test name)
   endforeach()
 endfunction()
 
+# asip_install_peer(NAME FIXTURE FOLDER COMMAND...): programs of others, which COMMAND installs into FOLDER of the build folder: once, for
+# all tests that need FIXTURE. What is wrong with them fails here, not in a test that uses them.
+function(asip_install_peer name fixture folder)
+  add_test(NAME ${name}_installed COMMAND ${ARGN} "${PROJECT_BINARY_DIR}/${folder}")
+  asip_test(${name}_installed long TIMEOUT 600 FIXTURES_SETUP ${fixture} COST 100)
+endfunction()
+
+# asip_install_npm_peer(NAME FIXTURE FOLDER): those that package.json beside the CMakeLists.txt names.
+function(asip_install_npm_peer name fixture folder)
+  asip_install_peer(${name} ${fixture} ${folder} ${PROJECT_SOURCE_DIR}/tests/support/install_from_npm ${CMAKE_CURRENT_SOURCE_DIR})
+endfunction()
+
+# asip_add_peer_test(NAME MODULE FIXTURE TIMEOUT [VARIABLE FOLDER]): unit tests in Python with such programs, which find them in VARIABLE.
+function(asip_add_peer_test name module fixture timeout)
+  set(environment "ASIP_BUILD=${PROJECT_BINARY_DIR}" "PYTHONPATH=${PROJECT_SOURCE_DIR}/tests/support")
+  if(ARGC EQUAL 6)
+    list(APPEND environment "${ARGV4}=${PROJECT_BINARY_DIR}/${ARGV5}")
+  endif()
+  add_test(NAME ${name} COMMAND ${ASIP_PYTHON} -B -m unittest -v ${module} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+  asip_test(${name} long TIMEOUT ${timeout} PROCESSORS 2 FIXTURES_REQUIRED ${fixture})
+  set_tests_properties(${name} PROPERTIES ENVIRONMENT "${environment}")
+endfunction()
+
 # A fuzz target: LLVMFuzzerTestOneInput in SOURCES, its committed corpus in CORPUS (a folder). A unit test replays the corpus.
 # Only with ASIP_SANITIZE: it is a libFuzzer program.
 function(asip_add_fuzz_target name)

@@ -8,18 +8,19 @@ import time
 import unittest
 
 from bus import eventually
+from devices import DISTANCE, SERVO, HostTest
 from export_bus import ExportBus, Peer
 
 JARS = os.environ["ASIP_SPARKPLUG_JARS"]
-SERVO = ["desk", "servo-0-angle"]
-DISTANCE = ["desk", "distance-0"]
 
 
 class HostedBus(ExportBus):
     export = ("--sparkplug", "plant", "--sparkplug-host", "scada", "--export-hz", "50")
 
 
-class SparkplugHost(unittest.TestCase):
+class SparkplugHost(HostTest):
+    patience = 60
+
     def setUp(self):
         self.bus = HostedBus()
         self.addCleanup(self.bus.close)
@@ -30,21 +31,6 @@ class SparkplugHost(unittest.TestCase):
     def start_host(self):
         self.host = Peer(pathlib.Path(__file__).with_name("Host.java"), f"tcp://127.0.0.1:{self.bus.broker_port}", "scada",
                          program=("java", "-cp", JARS + "/*"))
-
-    def until(self, condition, what, seconds=60):
-        try:
-            return eventually(condition, what, seconds)
-        except AssertionError:
-            self.fail(f"not {what}: {self.host('seen')}\n{self.bus.logs()}")
-
-    def seen(self):
-        return self.host("seen")
-
-    def devices(self, *names):
-        self.until(lambda: self.seen()["node"] and self.seen()["devices"] == list(names), f"devices {names}")
-
-    def value(self, which, value):
-        self.until(lambda: (self.host("get", which) or {}).get("value") == value, f"{which} = {value}")
 
     def test_BirthsDataAndCommand_InOrder_ThroughSixHundredMessages(self):
         self.value(DISTANCE, 42.0)

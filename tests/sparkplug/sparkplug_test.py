@@ -8,18 +8,17 @@ import unittest
 import urllib.request
 
 from bus import eventually
+from devices import DISTANCE, SERVO, HostTest
 from export_bus import ExportBus, Peer
 
 MODULES = os.environ["ASIP_SPARKPLUG_JS"]
-SERVO = ["desk", "servo-0-angle"]
-DISTANCE = ["desk", "distance-0"]
 
 
 class SparkplugBus(ExportBus):
     export = ("--sparkplug", "plant")
 
 
-class SparkplugDevices(unittest.TestCase):
+class SparkplugDevices(HostTest):
     def setUp(self):
         self.bus = SparkplugBus()
         self.addCleanup(self.bus.close)
@@ -28,20 +27,8 @@ class SparkplugDevices(unittest.TestCase):
         self.host("rebirth")  # it may have come behind the births
         self.devices("desk", "lamp")
 
-    def until(self, condition, what, seconds=30):
-        try:
-            return eventually(condition, what, seconds)
-        except AssertionError:
-            self.fail(f"not {what}: {self.host('seen')} {self.host('faults')}\n{self.bus.logs()}")
-
-    def seen(self):
-        return self.host("seen")
-
-    def devices(self, *names):
-        self.until(lambda: self.seen()["node"] and self.seen()["devices"] == list(names), f"devices {names}")
-
-    def value(self, which, value):
-        self.until(lambda: (self.host("get", which) or {}).get("value") == value, f"{which} = {value}")
+    def explained(self):
+        return f"{self.seen()} {self.host('faults')}"
 
     def test_BoardIsReadAndSet_AndItsMetricFollowsItsProof(self):
         self.value(DISTANCE, 42)
