@@ -33,7 +33,7 @@ class SecuredBus(Bus):
         config = system / "asip-secured.conf"
         # Started by root the broker becomes another user, for whom this folder is closed.
         with open(config, "a") as file:
-            file.write(f"user {pwd.getpwuid(os.getuid()).pw_name}\n")
+            file.write(f"user {pwd.getpwuid(os.getuid()).pw_name}\npersistence_location {system}/\n")
         program = shutil.which("mosquitto", path=os.environ["PATH"] + ":/usr/sbin:/usr/local/sbin")
         self.start("broker", program, "-c", str(config))
         eventually(lambda: can_connect(self.broker_port), "the broker's port")
