@@ -223,20 +223,21 @@ class ClassRoom {
              const std::string& text) {
         const auto seconds =
             seat.began == Time{} ? 0.0 : std::chrono::duration<double>(Clock::now() - seat.began).count();
-        results_[result == "failed" ? "failed" : result].insert(result == "failed" ? port : board);
-        if (result != "failed") results_["failed"].erase(port);
+        const bool has_failed = result == "failed";
+        if (!has_failed) results_["failed"].erase(port);
+        results_[result].insert(has_failed ? port : board);
         if (!options_.output.for_people()) {
             nlohmann::json record{{"board", board},    {"port", seat.link},
                                   {"result", result},  {"sketch", seat.sketch},
                                   {"chip", seat.chip}, {"seconds", std::round(seconds * 10) / 10}};
-            if (result == "failed") record["error"] = text;
+            if (has_failed) record["error"] = text;
             return records_.print(record);
         }
         clear_line();
         environment_.out << fmt::format("{:<20} {:<12} {}", for_terminal(board), result, for_terminal(text));
         if (result == "loaded")
             environment_.out << fmt::format(", {}, {:.0f} s", port_text(seat.link), seconds);
-        if (result == "failed")
+        if (has_failed)
             environment_.out << fmt::format(" ({}). Plug it in again to try again", port_text(seat.link));
         environment_.out << std::endl;
     }
