@@ -33,7 +33,7 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
 
 void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
     describer_.link_opened(std::move(link));
-    // That a port opens says nothing about who is at it.
+    // An open port does not say yet which board is behind it.
     if (found_ || !options_.name.empty()) unreached_.clear();
     statistics_.link_opened(now);
     session::Actions actions;

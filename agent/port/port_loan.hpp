@@ -23,9 +23,9 @@ struct BoardTraits {
 /// Whether both may be one board: chip and stored name are equal where both are known. The sketch may differ.
 bool may_be_same_board(const BoardTraits& a, const BoardTraits& b);
 
-/// Who has the board's port: this agent, or a program that the port was lent to until a time (asipctl flash,
-/// or avrdude on behalf of a request to load firmware). The agent takes the port back when that time is over,
-/// also where the bus is away. Pure: it says in the effects what to do with the port.
+/// The user of the board's port: this agent, or until a certain time a program that borrowed the port
+/// (asipctl flash, or avrdude on behalf of a request to load firmware). The agent takes the port back when
+/// that time is over, also where the bus is away. Pure: it says in the effects what to do with the port.
 class PortLoan {
   public:
     /// While the board is made safe, at most so long.

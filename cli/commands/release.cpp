@@ -101,7 +101,7 @@ Verb release_verb() {
     return {"release", "Makes a board's agent let go of the port, for other programs",
             "Prints the port. Meanwhile the board's state is `updating`, and commands are refused. Its agent "
             "takes\n"
-            "the port back when the time is over, whatever happens to whoever has it.\n"
+            "the port back when the time is over, whatever happens to the program that has it.\n"
             "Examples:\n"
             "  asipctl release uno1 --for 10m\n"
             "  screen \"$(asipctl release uno1)\" 57600; asipctl release uno1 --back",

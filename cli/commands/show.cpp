@@ -102,7 +102,7 @@ std::string on_demand_text(const model::OnDemandInfo& reports) {
            " while nobody subscribes";
 }
 
-/// Who has the board's port, and until when; empty: its agent.
+/// The program that has the board's port, and until when; empty: its agent.
 std::string updating_text(const bus::BoardItem& item) {
     if (item.state != "updating") return {};
     const auto document = model::parse_json(item.description);

@@ -43,7 +43,7 @@ struct ClassOptions {
     LoadOptions load{};
     std::optional<std::string> names;  ///< with {} for the number
     std::string host;                  ///< of the boards; `*`: all
-    std::size_t count = 0;             ///< ends after so many boards that run the firmware; 0: not
+    std::size_t count = 0;             ///< it ends when so many boards run the firmware; 0: at Ctrl-C
     OutputOptions output{};
 };
 int run_class(const ClassOptions& options, Environment& environment);

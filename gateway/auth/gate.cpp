@@ -120,8 +120,8 @@ std::string Gate::cookie_of(const http::Request& request, std::string_view name)
     return {};
 }
 
-// Of the tokens' file, or of a link that is kept with its dashboard. Where that is not there any more, there
-// is nothing to be seen.
+// The rights of a token of the file, or of a dashboard's link. A link gives none once its dashboard is
+// removed.
 Expected<Rights, Denied> Gate::rights_of(std::string_view token, const Instant& now, int status,
                                          const char* fault) const {
     const auto* named = tokens_.find(token);

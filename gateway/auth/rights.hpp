@@ -46,7 +46,7 @@ struct Rights {
     bool may_label() const { return may_stop(); }
     bool may_send_raw() const { return may_stop() && (raw || role == Role::kAdmin); }
     bool may_forget() const { return role == Role::kAdmin && services.empty(); }
-    /// Make, change, share and remove dashboards: who may do so gives others rights of its own.
+    /// Make, change, share and remove dashboards. A shared dashboard gives its viewers rights of its editor.
     bool may_arrange() const { return may_command() && !limited(); }
     /// By the patterns alone: whether anything may be read is the role's to say.
     bool sees_board(std::string_view board) const;
