@@ -7,6 +7,7 @@
 #include "asip/bus/request/reply.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/environment.hpp"
+#include "cli/output.hpp"
 
 namespace asip::cli {
 
