@@ -108,8 +108,9 @@ struct Outcome {
 /// So many clients of one service that has so many values a second.
 Outcome measure(int clients, int per_second, std::chrono::seconds time) {
     MosquittoBroker broker({.extra_lines = {"max_queued_messages 0"}});
-    RunningGateway gateway(broker.address(), {"--max-streams", "20000", "--max-connections", "20000",
-                                              "--max-connections-per-address", "20000"});
+    RunningGateway gateway(broker.address(),
+                           {"--max-streams", "20000", "--max-connections", "20000",
+                            "--max-connections-per-address", "20000", "--max-client-bytes", "4294967296"});
     BusProbe probe(broker.port(), {});
     probe.publish("asip/servicebus/uno1/$description", described("uno1"), true);
     probe.publish("asip/servicebus/uno1/$state", "online", true);

@@ -85,7 +85,7 @@ int main() {
     const auto sub_used = sub.processor_time() - sub_before;
     record.signal(SIGINT);
     record.wait_exit();
-    const auto recorded = lines_with(path, "118");
+    const auto recorded = lines_with(path, ",118");  // no time has a comma
     const auto percent_of = [](std::chrono::milliseconds time) {
         return static_cast<double>(time.count()) / (kSeconds * 1000.0) * 100 / (kRate / 1000.0);
     };

@@ -52,6 +52,7 @@ nlohmann::json items_of(const std::string& payload) {
     for (auto& item : items) {
         item.erase("first_seen");
         item.erase("since");
+        item.erase("state_age");
     }
     return items;
 }
