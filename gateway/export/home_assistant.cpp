@@ -18,6 +18,8 @@ using nlohmann::json;
 constexpr double kSmallestStep = 0.001;  // that Home Assistant takes
 constexpr double kUsualStep = 0.01;
 constexpr double kLargest = 2147483647;
+constexpr std::size_t kUsualBytes = 512;  // of a document
+constexpr std::size_t kUsualBytesOfEntity = 256;
 constexpr std::size_t kMaxDocumentBytes = std::size_t{1} << 20;
 constexpr int kMaxDocumentDepth = 8;
 
@@ -78,13 +80,6 @@ Expected<json> light_value(const Entity& entity, std::string_view payload) {
     return value;
 }
 
-json words_of_options(const Entity& entity) {
-    auto words = json::array();
-    for (const auto& [word, value] : entity.options)
-        words.push_back(word);
-    return words;
-}
-
 void describe_unit(ObjectText& component, const Entity& entity) {
     const auto shown = device_class_of(entity.quantity, entity.unit);
     if (!shown.unit.empty()) component.add("unit_of_meas", shown.unit);
@@ -93,7 +88,7 @@ void describe_unit(ObjectText& component, const Entity& entity) {
 
 void describe_sensor(ObjectText& component, const Entity& entity) {
     if (!entity.options.empty()) {
-        component.add("dev_cla", "enum").add_value("ops", words_of_options(entity));
+        component.add("dev_cla", "enum").add_words("ops", entity.options);
         return;
     }
     describe_unit(component, entity);
@@ -106,11 +101,10 @@ void describe_number(ObjectText& component, const Entity& entity) {
     describe_unit(component, entity);
     const double min = entity.min.value_or(-kLargest - 1);
     const double max = entity.max.value_or(kLargest);
-    component.add_value("min", json_number(min));
-    component.add_value("max", json_number(max > min ? max : min + 1));  // some versions refuse a range of
-                                                                         // one value
-    component.add_value(
-        "step", json_number(std::max(entity.step.value_or(entity.whole ? 1 : kUsualStep), kSmallestStep)));
+    const double step = std::max(entity.step.value_or(entity.whole ? 1 : kUsualStep), kSmallestStep);
+    component.add_number("min", min)
+        .add_number("max", max > min ? max : min + 1)  // some versions refuse a range of one value
+        .add_number("step", step);
 }
 
 }  // namespace
@@ -175,10 +169,9 @@ std::string HomeAssistant::platform(const Entity& entity) const {
     return "sensor";
 }
 
-std::string HomeAssistant::component(const ExportedBoard& board, const std::string& device,
-                                     const Entity& entity) const {
+void HomeAssistant::describe_component(ObjectText& component, const ExportedBoard& board,
+                                       const std::string& device, const Entity& entity) const {
     const auto kind = platform(entity);
-    ObjectText component;
     component.add("p", kind).add("uniq_id", device + "_" + entity.id).add("name", entity.name);
     if (options_.entity_ids) {
         auto id = board.board + "_" + entity.id;
@@ -197,44 +190,34 @@ std::string HomeAssistant::component(const ExportedBoard& board, const std::stri
     } else if (kind == "number") {
         describe_number(component, entity);
     } else if (kind == "text") {
-        component.add_value("max", json(std::min(entity.max_length, kMaxStateBytes)))
+        component.add_number("max", static_cast<double>(std::min(entity.max_length, kMaxStateBytes)))
             .add("pattern", "^[ -~]*$");
     } else if (kind == "select") {
-        component.add_value("ops", words_of_options(entity));
+        component.add_words("ops", entity.options);
     } else if (kind == "light") {
-        component.add("schema", "json").add_value("sup_clrm", json::array({color_mode(entity)}));
+        component.add("schema", "json").add_json("sup_clrm", "[\"" + color_mode(entity) + "\"]");
         if (entity.write) component.add_json("brightness", "true");
     }
-    return component.end();
-}
-
-std::string HomeAssistant::error_component(const ExportedBoard& board, const std::string& device) const {
-    ObjectText component;
-    component.add("p", "sensor")
-        .add("uniq_id", device + "_" + std::string(kLastError))
-        .add("name", "Last error")
-        .add("ent_cat", "diagnostic")
-        .add("stat_t", state(board.board, kLastError));
-    return component.end();
 }
 
 void HomeAssistant::describe_device(ObjectText& document, const ExportedBoard& board,
                                     const std::string& id) const {
-    ObjectText device;
-    device.add_json("ids", "[\"" + id + "\"]")
-        .add("name", board.name.empty() ? board.board : board.name)
-        .add("mf", "ASIP");
-    if (!board.chip.empty()) device.add("mdl", board.chip);
-    if (!board.sketch.empty()) device.add("sw", board.sketch);
-    if (!board.room.empty()) device.add("sa", board.room);
-    ObjectText origin, gateway, itself;
-    origin.add("name", "asip-gateway");
-    if (!options_.version.empty()) origin.add("sw", options_.version);
-    gateway.add("t", gateway_state());
-    itself.add("t", board_state(board.board));
-    document.add_json("dev", device.end())
-        .add_json("o", origin.end())
-        .add_json("avty", "[" + gateway.end() + "," + itself.end() + "]")
+    {
+        auto device = document.object("dev");
+        device.add_json("ids", "[\"" + id + "\"]")
+            .add("name", board.name.empty() ? board.board : board.name)
+            .add("mf", "ASIP");
+        if (!board.chip.empty()) device.add("mdl", board.chip);
+        if (!board.sketch.empty()) device.add("sw", board.sketch);
+        if (!board.room.empty()) device.add("sa", board.room);
+    }
+    {
+        auto origin = document.object("o");
+        origin.add("name", "asip-gateway");
+        if (!options_.version.empty()) origin.add("sw", options_.version);
+    }
+    document
+        .add_json("avty", R"([{"t":")" + gateway_state() + R"("},{"t":")" + board_state(board.board) + "\"}]")
         .add("avty_mode", "all");
 }
 
@@ -251,21 +234,31 @@ HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) 
 
 std::string HomeAssistant::document(const ExportedBoard& board, const Components& removed) const {
     const auto device = device_id(board.board);
-    ObjectText document, all;
-    describe_device(document, board, device);
-    bool settable = false;
-    for (const auto& entity : board.entities) {
-        settable = settable || entity.settable();
-        if (shown(entity) && !removed.contains(entity.id))
-            all.add_json(entity.id, component(board, device, entity));
+    std::string text;
+    text.reserve(kUsualBytes + board.entities.size() * kUsualBytesOfEntity);
+    {
+        ObjectText document(text);
+        describe_device(document, board, device);
+        auto all = document.object("cmps");
+        bool settable = false;
+        for (const auto& entity : board.entities) {
+            settable = settable || entity.settable();
+            if (!shown(entity) || removed.contains(entity.id)) continue;
+            auto component = all.object(entity.id);
+            describe_component(component, board, device, entity);
+        }
+        const std::string error(kLastError);
+        if (settable && !options_.read_only && !removed.contains(error) && board.entity(error) == nullptr)
+            all.object(error)
+                .add("p", "sensor")
+                .add("uniq_id", device + "_" + error)
+                .add("name", "Last error")
+                .add("ent_cat", "diagnostic")
+                .add("stat_t", state(board.board, kLastError));
+        for (const auto& [id, platform] : removed)
+            all.object(id).add("p", platform);
     }
-    const std::string error(kLastError);
-    if (settable && !options_.read_only && !removed.contains(error) && board.entity(error) == nullptr)
-        all.add_json(error, error_component(board, device));
-    for (const auto& [id, platform] : removed)
-        all.add_value(id, json{{"p", platform}});
-    document.add_json("cmps", all.end());
-    return document.end();
+    return text;
 }
 
 HomeAssistant::Components HomeAssistant::components_of(std::string_view document) {

@@ -91,8 +91,8 @@ class HomeAssistant final : public Dialect {
 
   private:
     void describe_device(ObjectText& document, const ExportedBoard& board, const std::string& id) const;
-    std::string component(const ExportedBoard& board, const std::string& device, const Entity& entity) const;
-    std::string error_component(const ExportedBoard& board, const std::string& device) const;
+    void describe_component(ObjectText& component, const ExportedBoard& board, const std::string& device,
+                            const Entity& entity) const;
     std::string platform(const Entity& entity) const;
     bool shown(const Entity& entity) const;
     std::string device_id(std::string_view board) const;

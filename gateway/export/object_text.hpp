@@ -1,32 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "asip/model/json.hpp"
 
 namespace asip::gateway::exports {
 
-/// An object of JSON as text, written member by member. A start beside a thousand boards writes a thousand
-/// documents of a hundred members each; a tree of each would cost several times what its text costs.
+/// An object of JSON, written member by member behind a text that it shares with the objects around and in
+/// it. It ends with its scope. A start beside a thousand boards writes a thousand documents of a hundred
+/// members each; a tree of each would cost several times what its text costs.
 class ObjectText {
   public:
-    /// `name` needs no escapes.
+    explicit ObjectText(std::string& text) : text_(text) { text_ += '{'; }
+    ~ObjectText() { text_ += '}'; }
+    ObjectText(const ObjectText&) = delete;
+    ObjectText& operator=(const ObjectText&) = delete;
+
+    /// `name` needs no escapes; likewise below.
     ObjectText& add(std::string_view name, std::string_view text) {
         begin(name);
-        const bool plain = std::all_of(text.begin(), text.end(),
-                                       [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
-        if (plain)
-            text_.append(1, '"').append(text).append(1, '"');
-        else
-            text_ += model::dump_json(nlohmann::json(text));
+        append(text);
         return *this;
     }
-    ObjectText& add_value(std::string_view name, const nlohmann::json& value) {
-        return add_json(name, model::dump_json(value));
+    /// One that JSON has no number for is null.
+    ObjectText& add_number(std::string_view name, double value) {
+        begin(name);
+        constexpr double kExact = 9e15;
+        char digits[32];
+        if (!std::isfinite(value))
+            text_ += "null";
+        else if (std::floor(value) == value && std::abs(value) < kExact)
+            text_.append(digits,
+                         std::to_chars(digits, std::end(digits), static_cast<std::int64_t>(value)).ptr);
+        else
+            text_.append(digits, std::to_chars(digits, std::end(digits), value).ptr);
+        return *this;
     }
     /// A value that is JSON already.
     ObjectText& add_json(std::string_view name, std::string_view value) {
@@ -34,20 +48,40 @@ class ObjectText {
         text_ += value;
         return *this;
     }
-    bool empty() const { return text_.size() == 1; }
-    /// The whole object. Nothing can be added any more.
-    std::string end() {
-        text_ += '}';
-        return std::move(text_);
+    /// An array of texts: the first of each pair.
+    template <class Pairs>
+    ObjectText& add_words(std::string_view name, const Pairs& pairs) {
+        begin(name);
+        char before = '[';
+        for (const auto& [word, value] : pairs) {
+            text_ += before;
+            append(word);
+            before = ',';
+        }
+        text_ += before == '[' ? "[]" : "]";
+        return *this;
+    }
+    /// A member that is an object; nothing else is added until it ends.
+    ObjectText object(std::string_view name) {
+        begin(name);
+        return ObjectText(text_);
     }
 
   private:
     void begin(std::string_view name) {
-        if (!empty()) text_ += ',';
+        if (text_.back() != '{') text_ += ',';
         text_.append(1, '"').append(name).append("\":");
     }
+    void append(std::string_view text) {
+        const bool plain = std::all_of(text.begin(), text.end(),
+                                       [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
+        if (plain)
+            text_.append(1, '"').append(text).append(1, '"');
+        else
+            text_ += model::dump_json(nlohmann::json(text));
+    }
 
-    std::string text_ = "{";
+    std::string& text_;
 };
 
 }  // namespace asip::gateway::exports
