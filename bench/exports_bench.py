@@ -176,8 +176,11 @@ class BoardAndExports(contextlib.AbstractContextManager):
         self.listener = Listener(self.bus.broker_port, own, *self.shown.values(), DEVICE, "asip/servicebus/desk/$state")
         self.bus.start("agent", "asip-agent", "--tcp", f"127.0.0.1:{self.board.port}", "--name", "desk",
                        "--state-dir", str(self.bus.work / "agent"))
-        self.bus.start_gateway(*ALL, *options)
+        self.started(options)
         time.sleep(8)
+
+    def started(self, options):
+        self.bus.start_gateway(*ALL, *options)
 
     def on_own_topic(self):
         return [(payload.decode(), at) for topic, payload, at in self.listener.messages if topic == self.own]
@@ -196,20 +199,46 @@ class BoardAndExports(contextlib.AbstractContextManager):
         self.bus.close()
 
 
+class BoardAndRelay(BoardAndExports):
+    """In place of the gateway a client that repeats what the board says where Home Assistant would have it."""
+
+    def started(self, options):
+        self.bus.start("relay", "bus_relay", str(self.bus.broker_port), self.own, self.shown["--home-assistant"])
+
+
+DISTANCES = ("asip/desk/distance/out", "distance", "distance-0")
+
+
+def distance_in(text):
+    return json.loads(text)["distance"][0]
+
+
+def say_distances(all_of_it):
+    """Says 300 values. Returns when each was said, and a function: of values that came, how many ms each took, sorted."""
+    said = {}
+    for i in range(1000, 1300):
+        said[i] = all_of_it.board.say(f"@D,e,1,{{{i}}}")
+        time.sleep(0.05)
+    time.sleep(1)
+
+    def ms_after(values, number_of):
+        numbers = ((number_of(text), at) for text, at in values)
+        return sorted((at - said[number]) * 1e3 for number, at in numbers if number in said)
+
+    return said, ms_after
+
+
 def latency():
     print("from a board to its own topic and to that of each dialect, over its own: p50 of 300 values, 20 a second")
-    with BoardAndExports("asip/desk/distance/out", "distance", "distance-0", "--export-hz", "100") as all_of_it:
-        said = {}
-        for i in range(1000, 1300):
-            said[i] = all_of_it.board.say(f"@D,e,1,{{{i}}}")
-            time.sleep(0.05)
-        time.sleep(1)
-
-        def ms_after(values, number_of):
-            numbers = ((number_of(text), at) for text, at in values)
-            return sorted((at - said[number]) * 1e3 for number, at in numbers if number in said)
-
-        own = statistics.median(ms_after(all_of_it.on_own_topic(), lambda text: json.loads(text)["distance"][0]))
+    with BoardAndRelay(*DISTANCES) as all_of_it:
+        _, ms_after = say_distances(all_of_it)
+        own = statistics.median(ms_after(all_of_it.on_own_topic(), distance_in))
+        repeated = statistics.median(ms_after(all_of_it.values("--home-assistant"), distance_in))
+        print(f"  {'a client that repeats it, no gateway':<40} {repeated / own:>10.2f} x")
+        print(f"    {repeated:.3f} ms, its own topic {own:.3f} ms")
+    with BoardAndExports(*DISTANCES, "--export-hz", "100") as all_of_it:
+        said, ms_after = say_distances(all_of_it)
+        own = statistics.median(ms_after(all_of_it.on_own_topic(), distance_in))
         print(f"  {'its own topic':<40} {own:>10.3f} ms")
         for option in DIALECTS:
             # A value that is not known is no number: none of those that were said.
