@@ -331,9 +331,6 @@ void Exporter::tick(Time now) {
     }
     dirty_.merge(later_);
     pump(now);
-    if (sessions_due_ && phase_ == Phase::kActive && options_.enabled && dirty_.empty() &&
-        (sessions_at_ == Time{} || now - sessions_at_ >= kBetweenSessions))
-        show_sessions(now);
 }
 
 void Exporter::leave() {

@@ -37,7 +37,10 @@ void Exporter::pump(Time now) {
         const auto record = records_.find(name);
         if (record != records_.end() && record->second.document_due) later_.insert(name);
     }
-    if (gateway_due_ && dirty_.empty()) show_gateway();
+    if (!dirty_.empty()) return;
+    if (gateway_due_) show_gateway();
+    if (sessions_due_ && (sessions_at_ == Time{} || now - sessions_at_ >= kBetweenSessions))
+        show_sessions(now);
 }
 
 void Exporter::update(const std::string& name, Time now) {
