@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
@@ -18,8 +19,6 @@ using nlohmann::json;
 constexpr double kSmallestStep = 0.001;  // that Home Assistant takes
 constexpr double kUsualStep = 0.01;
 constexpr double kLargest = 2147483647;
-constexpr std::size_t kUsualBytes = 512;  // of a document
-constexpr std::size_t kUsualBytesOfEntity = 256;
 constexpr std::size_t kMaxDocumentBytes = std::size_t{1} << 20;
 constexpr int kMaxDocumentDepth = 8;
 
@@ -88,7 +87,7 @@ void describe_unit(ObjectText& component, const Entity& entity) {
 
 void describe_sensor(ObjectText& component, const Entity& entity) {
     if (!entity.options.empty()) {
-        component.add("dev_cla", "enum").add_words("ops", entity.options);
+        component.add("dev_cla", "enum").add_words("ops", std::views::keys(entity.options));
         return;
     }
     describe_unit(component, entity);
@@ -181,7 +180,7 @@ void HomeAssistant::describe_component(ObjectText& component, const ExportedBoar
                     : '_';
         component.add("def_ent_id", kind + "." + id);
     }
-    if (!entity.default_on) component.add_json("en", "false");
+    if (!entity.default_on) component.add_bool("en", false);
     const auto topic = state(board.board, entity.id);
     if (entity.kind != EntityKind::kButton) component.add("stat_t", topic);
     if (entity.settable() && !options_.read_only) component.add("cmd_t", topic + "/set");
@@ -193,10 +192,10 @@ void HomeAssistant::describe_component(ObjectText& component, const ExportedBoar
         component.add_number("max", static_cast<double>(std::min(entity.max_length, kMaxStateBytes)))
             .add("pattern", "^[ -~]*$");
     } else if (kind == "select") {
-        component.add_words("ops", entity.options);
+        component.add_words("ops", std::views::keys(entity.options));
     } else if (kind == "light") {
         component.add("schema", "json").add_json("sup_clrm", "[\"" + color_mode(entity) + "\"]");
-        if (entity.write) component.add_json("brightness", "true");
+        if (entity.write) component.add_bool("brightness", true);
     }
 }
 
@@ -234,8 +233,7 @@ HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) 
 
 std::string HomeAssistant::document(const ExportedBoard& board, const Components& removed) const {
     const auto device = device_id(board.board);
-    std::string text;
-    text.reserve(kUsualBytes + board.entities.size() * kUsualBytesOfEntity);
+    auto text = room_for(board.entities.size());
     {
         ObjectText document(text);
         describe_device(document, board, device);

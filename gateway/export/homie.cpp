@@ -5,12 +5,14 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/export/entities.hpp"
 #include "gateway/export/home_assistant.hpp"
+#include "gateway/export/object_text.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -20,6 +22,8 @@ using nlohmann::json;
 constexpr const char* kVersion = "5.0";
 constexpr std::int64_t kMaxVersion = std::int64_t{1} << 53;  // of a description; exact in every reader of
                                                              // JSON
+constexpr std::size_t kUsualBytes = 256;                     // of a description
+constexpr std::size_t kUsualBytesOfEntity = 128;
 constexpr std::size_t kMaxDescriptionBytes = std::size_t{1} << 20;
 constexpr int kMaxDescriptionDepth = 12;
 constexpr int kChannels = 3;  // of a colour
@@ -57,19 +61,21 @@ std::string root_of(const std::string& description) {
     return root != document.end() && root->is_string() ? root->get<std::string>() : std::string();
 }
 
-/// `document` with a version that is larger than that of `on_bus`; `on_bus` where both say the same.
-std::string next_version(json document, const std::string& on_bus) {
-    auto old = on_bus.empty() ? json() : document_from(on_bus);
-    std::int64_t version = 0;
-    if (old.is_object()) {
-        if (const auto found = old.find("version"); found != old.end() && found->is_number_integer())
-            version = found->get<std::int64_t>();
-        if (version < 0 || version >= kMaxVersion) version = 0;  // not one of ours
-        old.erase("version");
-        if (old == document) return on_bus;
-    }
-    document["version"] = version + 1;
-    return model::dump_json(document);
+/// Of a description as it is on the bus; 0: none of ours is there.
+std::int64_t version_of(const std::string& description) {
+    const auto document = description.empty() ? json() : document_from(description);
+    const auto found = document.is_object() ? document.find("version") : document.end();
+    if (found == document.end() || !found->is_number_integer()) return 0;
+    const auto version = found->get<std::int64_t>();
+    return version < 0 || version >= kMaxVersion ? 0 : version;
+}
+
+/// What `document` makes for a version larger than that of `on_bus`; `on_bus` where both say the same.
+template <class Document>
+std::string next_version(const Document& document, const std::string& on_bus) {
+    const auto version = version_of(on_bus);
+    if (!on_bus.empty() && document(version) == on_bus) return on_bus;
+    return document(version + 1);
 }
 
 std::string number_text(double value) {
@@ -156,7 +162,7 @@ std::optional<json> light_from(const Entity& entity, std::string_view payload) {
     return value;
 }
 
-void describe_value(json& property, const Entity& entity) {
+void describe_value(ObjectText& property, const Entity& entity) {
     std::string type, format;
     switch (entity.kind) {
         case EntityKind::kBinarySensor:
@@ -166,7 +172,7 @@ void describe_value(json& property, const Entity& entity) {
         case EntityKind::kButton:
             type = "enum";
             format = "press";
-            property["retained"] = false;
+            property.add_bool("retained", false);
             break;
         case EntityKind::kText:
             type = "string";
@@ -193,10 +199,10 @@ void describe_value(json& property, const Entity& entity) {
         type = entity.whole ? "integer" : "float";
         format = format_of_number(entity);
         if (const auto unit = device_class_of(entity.quantity, entity.unit).unit; !unit.empty())
-            property["unit"] = unit;
+            property.add("unit", unit);
     }
-    property["datatype"] = type;
-    if (!format.empty()) property["format"] = format;
+    property.add("datatype", type);
+    if (!format.empty()) property.add("format", format);
 }
 
 }  // namespace
@@ -233,31 +239,54 @@ std::vector<std::string> Homie::ours(const Retained& found, const std::string& p
 }
 
 std::string Homie::gateway_document(const std::vector<std::string>& boards, const std::string& on_bus) const {
-    json document{{"homie", kVersion}, {"name", "ASIP gateway"}, {"type", "asip-gateway"}};
+    std::vector<std::string> children;
     for (const auto& board : boards)
-        document["children"].push_back(id_of(board));
-    return next_version(std::move(document), on_bus);
+        children.push_back(id_of(board));
+    const auto described = [&](std::int64_t version) {
+        std::string text;
+        {
+            ObjectText object(text);
+            object.add("homie", kVersion)
+                .add_json("version", std::to_string(version))
+                .add("name", "ASIP gateway")
+                .add("type", "asip-gateway");
+            if (!children.empty()) object.add_words("children", children);
+        }
+        return text;
+    };
+    return next_version(described, on_bus);
 }
 
-json Homie::property(const Entity& entity) const {
-    json property{{"name", entity.name}, {"settable", settable(entity)}};
-    describe_value(property, entity);
-    return property;
+std::string Homie::document(const ExportedBoard& board, std::int64_t version) const {
+    std::map<std::string, std::vector<const Entity*>> nodes;
+    for (const auto& entity : board.entities)
+        if (entity.kind != EntityKind::kButton || !options_.read_only)
+            nodes[slug_of(entity.service())].push_back(&entity);
+    auto text = room_for(board.entities.size());
+    {
+        ObjectText object(text);
+        object.add("homie", kVersion)
+            .add_json("version", std::to_string(version))
+            .add("name", board.name.empty() ? board.board : board.name)
+            .add("type", "asip-board")
+            .add("root", gateway_id());
+        auto all = object.object("nodes");
+        for (const auto& [id, entities] : nodes) {
+            auto node = all.object(id);
+            node.add("name", entities[0]->service());
+            auto properties = node.object("properties");
+            for (const auto* entity : entities) {
+                auto property = properties.object(entity->id);
+                property.add("name", entity->name).add_bool("settable", settable(*entity));
+                describe_value(property, *entity);
+            }
+        }
+    }
+    return text;
 }
 
 Dialect::Document Homie::next_document(const ExportedBoard& board, const std::string& on_bus) const {
-    json document{{"homie", kVersion},
-                  {"name", board.name.empty() ? board.board : board.name},
-                  {"type", "asip-board"},
-                  {"root", gateway_id()},
-                  {"nodes", json::object()}};
-    for (const auto& entity : board.entities) {
-        if (entity.kind == EntityKind::kButton && options_.read_only) continue;
-        auto& node = document["nodes"][slug_of(entity.service())];
-        if (node.is_null()) node["name"] = entity.service();
-        node["properties"][entity.id] = property(entity);
-    }
-    return {next_version(std::move(document), on_bus), true};
+    return {next_version([&](std::int64_t version) { return document(board, version); }, on_bus), true};
 }
 
 std::string Homie::state_of_board(bool there, std::string_view state) const {

@@ -73,7 +73,7 @@ class Homie final : public Dialect {
     std::string topic(const std::string& id, std::string_view rest) const {
         return options_.domain + "/5/" + id + "/" + std::string(rest);
     }
-    nlohmann::json property(const Entity& entity) const;
+    std::string document(const ExportedBoard& board, std::int64_t version) const;
     bool settable(const Entity& entity) const { return entity.settable() && !options_.read_only; }
 
     Options options_;

@@ -12,6 +12,14 @@
 
 namespace asip::gateway::exports {
 
+/// A text for a document of so many entities, which seldom has to grow.
+inline std::string room_for(std::size_t entities) {
+    constexpr std::size_t kUsualBytes = 512, kUsualBytesOfEntity = 256;
+    std::string text;
+    text.reserve(kUsualBytes + entities * kUsualBytesOfEntity);
+    return text;
+}
+
 /// An object of JSON, written member by member behind a text that it shares with the objects around and in
 /// it. It ends with its scope. A start beside a thousand boards writes a thousand documents of a hundred
 /// members each; a tree of each would cost several times what its text costs.
@@ -48,12 +56,15 @@ class ObjectText {
         text_ += value;
         return *this;
     }
-    /// An array of texts: the first of each pair.
-    template <class Pairs>
-    ObjectText& add_words(std::string_view name, const Pairs& pairs) {
+    ObjectText& add_bool(std::string_view name, bool value) {
+        return add_json(name, value ? "true" : "false");
+    }
+    /// An array of texts.
+    template <class Words>
+    ObjectText& add_words(std::string_view name, const Words& words) {
         begin(name);
         char before = '[';
-        for (const auto& [word, value] : pairs) {
+        for (const auto& word : words) {
             text_ += before;
             append(word);
             before = ',';
