@@ -122,10 +122,11 @@ void Exporter::value(std::string_view board, std::string_view service, std::stri
 
 void Exporter::own_subscribed(Time now) {
     if (phase_ == Phase::kScanning && scan_.runs()) {
-        // Behind all that is retained.
+        // Behind all that is retained: a message of QoS 0 would overtake those of QoS 1 that wait.
         mqtt::Message last;
         last.topic = mark();
         last.payload = "1";
+        last.qos = 1;
         port_.publish(std::move(last));
     }
     if (phase_ != Phase::kConnecting) return;

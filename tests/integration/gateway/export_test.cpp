@@ -147,11 +147,11 @@ TEST_F(GatewayExportOfMany, OfTwoGateways_OneExports_AndTheOtherFollows) {
 }
 
 TEST_F(GatewayExportOfMany, OptionThatIsTakenAway_LeavesNothing) {
-    for (int i = 0; i < 20; ++i)
+    for (int i = 0; i < 300; ++i)
         announce("uno" + std::to_string(i));
     {
         auto gateway = start();
-        ASSERT_TRUE(wait_until([&] { return retained().size() > 40; }));
+        ASSERT_TRUE(wait_until([&] { return retained().size() > 600; }));
         gateway->process().signal(SIGTERM);
         ASSERT_TRUE(becomes(kGateway, "offline"));
     }
