@@ -2,6 +2,7 @@
 #include "asip/catalogue/description_members.hpp"
 
 #include <charconv>
+#include <cstring>
 
 #include "asip/bus/json/json_scanner.hpp"
 
@@ -9,6 +10,13 @@ namespace asip::catalogue {
 namespace {
 
 using bus::JsonScanner;
+
+/// As `==`, with a length that the compiler knows: each description has a dozen keys, each of which is
+/// compared with a dozen names.
+template <std::size_t Size>
+bool is(std::string_view key, const char (&name)[Size]) {
+    return key.size() == Size - 1 && std::memcmp(key.data(), name, Size - 1) == 0;
+}
 
 bool read_structure(JsonScanner& in, std::string_view guess, char open, std::string_view& text) {
     if (in.known_value(guess)) {
@@ -31,13 +39,13 @@ bool read_state(std::string_view text, std::optional<model::SaidState>& state) {
     std::string_view key;
     std::string_view value;
     while (in.next_member(key)) {
-        if (key == "is" || key == "reason") {
+        if (is(key, "is") || is(key, "reason")) {
             if (!in.plain_string(value)) return false;
-            if (key == "is") word = model::board_state_from_text(value);
-            if (key == "reason") said.reason = model::state_reason_from_text(value);
+            if (is(key, "is")) word = model::board_state_from_text(value);
+            if (is(key, "reason")) said.reason = model::state_reason_from_text(value);
         } else {
             if (!in.value(value)) return false;
-            if (key == "age" &&
+            if (is(key, "age") &&
                 !(read_number(value, said.age) && said.age >= 0 && said.age <= model::kMaxStateAgeSeconds))
                 return false;
         }
@@ -65,24 +73,24 @@ bool read_member(JsonScanner& in, std::string_view key, const Guesses& guesses, 
         kState = 2048
     };
     const auto once = [&seen](unsigned bit) { return (seen & bit) == 0 && (seen |= bit) != 0; };
-    if (key == "board") return once(kBoard) && in.plain_string(members.board);
-    if (key == "session") return once(kSession) && in.plain_string(members.session);
-    if (key == "seq") return once(kSeq) && in.unsigned_integer(members.seq);
-    if (key == "lease") return once(kLease) && in.unsigned_integer(members.lease);
-    if (key == "firmware")
+    if (is(key, "board")) return once(kBoard) && in.plain_string(members.board);
+    if (is(key, "session")) return once(kSession) && in.plain_string(members.session);
+    if (is(key, "seq")) return once(kSeq) && in.unsigned_integer(members.seq);
+    if (is(key, "lease")) return once(kLease) && in.unsigned_integer(members.lease);
+    if (is(key, "firmware"))
         return once(kFirmware) && read_structure(in, guesses.firmware, '{', members.firmware);
-    if (key == "pins") return once(kPins) && read_structure(in, guesses.pins, '{', members.pins);
-    if (key == "services")
+    if (is(key, "pins")) return once(kPins) && read_structure(in, guesses.pins, '{', members.pins);
+    if (is(key, "services"))
         return once(kServices) && read_structure(in, guesses.services, '[', members.services);
-    if (key == "agent") return once(kAgent) && read_structure(in, guesses.agent, '{', members.agent);
-    if (key == "link") return once(kLink) && read_structure(in, guesses.link, '{', members.link);
+    if (is(key, "agent")) return once(kAgent) && read_structure(in, guesses.agent, '{', members.agent);
+    if (is(key, "link")) return once(kLink) && read_structure(in, guesses.link, '{', members.link);
     std::string_view value;
     if (!in.value(value)) return false;
-    if (key == "state") return once(kState) && read_state(value, members.state);
-    if (key == "labels" && !once(kLabels)) return false;
-    if (key == "names" && !once(kNames)) return false;
-    if (key == "labels") members.labels = value;
-    if (key == "names") members.names = value;
+    if (is(key, "state")) return once(kState) && read_state(value, members.state);
+    if (is(key, "labels") && !once(kLabels)) return false;
+    if (is(key, "names") && !once(kNames)) return false;
+    if (is(key, "labels")) members.labels = value;
+    if (is(key, "names")) members.names = value;
     if (!members.extra.empty()) members.extra += ',';
     members.extra.append("\"").append(key).append("\":").append(value);
     return true;

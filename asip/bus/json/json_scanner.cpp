@@ -85,7 +85,7 @@ bool JsonScanner::next_member(std::string_view& key) {
     const char* begin = at_;
     if (at_ == end_ || *at_ != '"' || !skip_string()) return false;
     key = raw_key_ = std::string_view(begin + 1, static_cast<std::size_t>(at_ - begin - 2));
-    if (key.find('\\') != std::string_view::npos) {
+    if (escaped_) {
         const auto text = nlohmann::json::parse(begin, at_, nullptr, false);
         if (!text.is_string()) return false;
         key = unescaped_key_ = text.get<std::string>();
@@ -195,6 +195,7 @@ bool JsonScanner::skip_container(char close, int depth) {
 
 bool JsonScanner::skip_string() {
     ++at_;
+    escaped_ = false;
     for (;;) {
         while (at_ != end_ && kSpecial[byte(*at_)] == 0)
             ++at_;
@@ -208,6 +209,7 @@ bool JsonScanner::skip_string() {
             continue;
         }
         if (end_ - at_ < 2) return false;
+        escaped_ = true;
         const char escaped = at_[1];
         if (escaped == 'u') {
             if (end_ - at_ < 6) return false;
@@ -277,7 +279,8 @@ bool JsonScanner::skip_number() {
         while (p != end_ && is_digit(*p))
             ++p;
     }
-    if (p != end_ && (*p == 'e' || *p == 'E')) {
+    const bool scaled = p != end_ && (*p == 'e' || *p == 'E');
+    if (scaled) {
         ++p;
         if (p != end_ && (*p == '+' || *p == '-')) ++p;
         if (p == end_ || !is_digit(*p)) return false;
@@ -287,8 +290,7 @@ bool JsonScanner::skip_number() {
     // Shorter ones without an exponent are always within a double's range. Parsers refuse those beyond it.
     constexpr std::ptrdiff_t kAlwaysFinite = 300;
     const std::string_view number(at_, static_cast<std::size_t>(p - at_));
-    const bool judged = number.size() > kAlwaysFinite || number.find_first_of("eE") != std::string_view::npos;
-    if (judged && !is_finite(number)) return false;
+    if ((scaled || number.size() > kAlwaysFinite) && !is_finite(number)) return false;
     at_ = p;
     return true;
 }

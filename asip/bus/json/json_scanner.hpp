@@ -19,7 +19,7 @@ class JsonScanner {
 
     /// A mark of UTF-8 before the text is skipped.
     explicit JsonScanner(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {
-        if (text.starts_with("\xef\xbb\xbf")) at_ += 3;
+        if (at_ != end_ && *at_ == '\xef' && text.starts_with("\xef\xbb\xbf")) at_ += 3;
     }
 
     /// Consumes the `{` of an object.
@@ -69,6 +69,7 @@ class JsonScanner {
     const char* end_;
     bool first_ = true;
     bool left_ = false;
+    bool escaped_ = false;  // the string that was skipped last has an escape
     std::string_view raw_key_;
     std::string unescaped_key_;
 };
