@@ -39,7 +39,7 @@ struct Announcements {
 
     void log(program::log::Level level, std::string text,
              std::vector<std::pair<std::string, std::string>> fields = {}) {
-        notices.push_back(Notice{level, std::move(text), std::move(fields)});
+        notices.emplace_back(level, std::move(text), std::move(fields));
     }
 };
 

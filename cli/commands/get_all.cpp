@@ -229,13 +229,12 @@ class AllValues {
                 for (const auto& row :
                      each.values.rows(*board.known.description, each.info.name, each.model.get())) {
                     any = true;
-                    const auto age = row.when ? std::optional<std::chrono::duration<double>>(now - *row.when)
-                                              : std::nullopt;
+                    const std::chrono::duration<double> age = row.when ? now - *row.when : Duration{};
                     if (options_.output.for_people()) {
                         table.add(
                             {row.board + "/" + row.service, row.what,
                              options_.raw && row.value.is_number() ? model::dump_json(row.value) : row.text,
-                             age ? text::duration_text(*age) : row.how});
+                             row.when ? text::duration_text(age) : row.how});
                         continue;
                     }
                     json record{{"board", row.board},
@@ -244,7 +243,7 @@ class AllValues {
                                 {"value", row.value},
                                 {"how", row.how}};
                     if (!row.unit.empty()) record["unit"] = row.unit;
-                    if (age) record["age"] = age->count();
+                    if (row.when) record["age"] = age.count();
                     records.print(record);
                 }
         records.finish();
