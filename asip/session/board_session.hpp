@@ -11,7 +11,7 @@
 #include "asip/random.hpp"
 #include "asip/session/action.hpp"
 #include "asip/session/identity.hpp"
-#include "asip/session/refusal.hpp"
+#include "asip/session/submit_refusal.hpp"
 #include "asip/time.hpp"
 
 namespace asip::session {

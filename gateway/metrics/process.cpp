@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "asip/program/process_usage.hpp"
-#include "gateway/metrics/families.hpp"
+#include "gateway/metrics/all_metrics.hpp"
 
 namespace asip::gateway::metrics {
 namespace {

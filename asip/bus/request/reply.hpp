@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/request/agent_refusals.hpp"
+#include "asip/bus/request/refusal_reasons.hpp"
 #include "asip/expected.hpp"
 #include "asip/mqtt/message.hpp"
 
@@ -48,7 +48,7 @@ struct Reply {
     std::string answer{};  ///< JSON text; empty: none
     int code = 0;          ///< ASIP error number
     std::string error{};   ///< for a person
-    std::string reason{};  ///< a word of agent_refusals.hpp
+    std::string reason{};  ///< a word of refusal_reasons.hpp
     std::string by{};      ///< ReplyTo::by
     std::string clock{};   ///< the agent's clock when it answered: AgentClock::read()
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Metrics of more boards than one answer has, and values of services.
-#include "gateway/metrics/families.hpp"
+#include "gateway/metrics/all_metrics.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/session/refusal.hpp"
+#include "asip/session/submit_refusal.hpp"
 
 namespace asip::session {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/metrics/families.hpp"
+#include "gateway/metrics/all_metrics.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -19,7 +19,7 @@ enum class Refusal {
     kTooManyNames,
 };
 
-/// The word of asip/bus/request/agent_refusals.hpp: several causes share one.
+/// The word of asip/bus/request/refusal_reasons.hpp: several causes share one.
 const char* to_string(Refusal refusal);
 
 }  // namespace asip::session

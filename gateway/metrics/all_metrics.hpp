@@ -11,7 +11,7 @@
 #include "gateway/commands/commands.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/metrics/command_times.hpp"
-#include "gateway/metrics/metrics_text.hpp"
+#include "gateway/metrics/prometheus_text.hpp"
 
 namespace asip::gateway::metrics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/metrics/metrics_text.hpp"
+#include "gateway/metrics/prometheus_text.hpp"
 
 #include <array>
 #include <charconv>
