@@ -34,7 +34,7 @@ function sign_in() {
   const token = h("input", { id: "token", type: "password", autocomplete: "current-password", required: true });
   const answer = h("output", { class: "answer refused", "aria-live": "polite" });
   return ["Sign in", h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, "Sign in"),
-    h("p", {}, "This gateway shows its boards to those who have a token. A token is made on the gateway's machine, by"),
+    h("p", {}, "This gateway shows its boards to users who have a token. A token is made on the gateway's machine, by"),
     h("pre", {}, "asip-gateway token ROLE NAME --tokens FILE"),
     h("form", { onsubmit: (event) => { event.preventDefault(); enter(token.value.trim(), answer); } },
       h("label", { for: "token" }, "Token"), " ", token, " ", h("button", { class: "main" }, "Sign in"), h("p", {}, answer)))];
@@ -47,7 +47,7 @@ function decoded(text) {
   try {
     return decodeURIComponent(text);
   } catch {
-    return text; // "%" that somebody typed
+    return text; // "%" that a user typed
   }
 }
 

@@ -95,7 +95,7 @@ class Connection(PageTest):
         self.bus.end("gateway", signal.SIGKILL)
         eventually(lambda: "lost since" in self.browser.text("asip-banner"), "the sign")
         eventually(lambda: "Commands are off" in self.browser.text(".unusable"), "the forms are off")
-        self.browser.run("arguments[0].requestSubmit()", form) # somebody was quicker
+        self.browser.run("arguments[0].requestSubmit()", form) # the user was quicker
         eventually(lambda: "no connection" in form.text, "the refusal")
         self.bus.start_gateway()
         eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)

@@ -119,12 +119,12 @@ class Dashboards(PageTest):
         self.browser.button("Edit").click()
         self.press("Vent: earlier")
         eventually(lambda: [each.get_attribute("aria-label") for each in other.find("asip-widget")][2] == "Vent", "the other browser sees the new order")
-        # Somebody else changes it between what this editor has read and what it sends.
+        # Another user changes it between what this editor has read and what it sends.
         stale = self.ask("GET", "/api/dashboards/greenhouse")
         self.browser.run("const page = document.querySelector('asip-dashboard'); page.unfollow();")
         self.ask("PUT", "/api/dashboards/greenhouse", {"title": "Winter garden", "widgets": stale["widgets"]}, **{"If-Match": "*"})
         self.press("Remove Vent")
-        eventually(lambda: "somebody else changed it" in self.browser.text(".dashboard-editor"), "the conflict is named")
+        eventually(lambda: "another user changed it" in self.browser.text(".dashboard-editor"), "the conflict is named")
         self.assertEqual(len(self.ask("GET", "/api/dashboards/greenhouse")["widgets"]), 6)
         eventually(lambda: "Winter garden" in other.text("h1"), "the other browser sees the new title")
 

@@ -15,7 +15,7 @@ from rig import Browser, PageTest, eventually, free_port, paho_client
 
 
 class HomeUser(PageTest):
-    """Names things, puts them on a dashboard for the phone, and finds the house as it is after somebody else used it."""
+    """Names things, puts them on a dashboard for the phone, and finds the house as it is after another user used it."""
 
     def test_Day_NamesADashboardThePhoneAndABoardThatComesBack(self):
         browser = self.browser

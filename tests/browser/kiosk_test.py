@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page for those who may not do everything: a kiosk's link, in a frame of another site, too; a browser without a token; a viewer;
+"""The page for users who may not do everything: a kiosk's link, in a frame of another site, too; a browser without a token; a viewer;
 an operator. Nothing is shown to them that they may not do."""
 
 import functools

@@ -173,7 +173,7 @@ class PageTest(unittest.TestCase):
             self.assertEqual(errors, [])
 
     def open(self, route="", anew=False):
-        """Shows a screen, built anew. The document stays, as it does for whoever follows links, unless it is asked for `anew`."""
+        """Shows a screen, built anew. The document stays, as it does for a user who follows links, unless it is asked for `anew`."""
         if anew or not self.browser.driver.current_url.startswith(self.bus.url):
             self.browser.driver.get("about:blank")
             self.browser.driver.get(f"{self.bus.url}/#/{route}")

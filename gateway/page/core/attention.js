@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What somebody has to look after: boards that are lost, and boards that were stopped. And a view of the table in an address.
+// What a user has to look after: boards that are lost, and boards that were stopped. And a view of the table in an address.
 import { speaks_no_asip } from "./firmware.js";
 import { plural, reason_text } from "./text.js";
 

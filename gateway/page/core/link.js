@@ -98,7 +98,7 @@ export class Link {
   }
 
   /// Exactly one answer is delivered, whatever happens. Without a connection the command is refused: it must not be sent
-  /// at some later moment when nobody expects it any more.
+  /// at some later moment when the user does not expect it any more.
   command(id, request, now) {
     if (this.state !== "open") {
       this.deliver({ id, status: "refused", reason: "connection", error: "there is no connection to the gateway" });
@@ -135,7 +135,7 @@ export class Link {
   closed(now) {
     if (this.state === "idle" || this.state === "waiting") return;
     for (const [id, { until, held }] of this.commands) {
-      if (held) this.lost(id); // nobody renews it meanwhile
+      if (held) this.lost(id); // it is not renewed meanwhile
       else this.cut.set(id, { until });
     }
     for (const id of this.held) this.deliver({ id, status: "timeout", reason: "connection" });
@@ -147,7 +147,7 @@ export class Link {
     this.set_state("waiting", now);
   }
 
-  /// The network came back, or somebody looks at the page again: tries at once.
+  /// The network came back, or the user looks at the page again: tries at once.
   hurry(now) {
     if (this.state === "waiting") this.connect(now);
     else if (this.state === "open" && this.asked_at === undefined && now - this.heard_at > kAnswerMs) this.ask(now);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values over time, for plots: bounded, oldest first.
 
-/// More values of one event are neither shown nor kept: nobody could read them.
+/// More values of one event are neither shown nor kept: no user could read them.
 export const kMaxNumbers = 256;
 
 function member(key, name, value, field) { return { key, name, value, unit: field?.unit, min: field?.min, max: field?.max }; }

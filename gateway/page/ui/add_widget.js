@@ -18,7 +18,7 @@ export async function offers_of_service(board, service) {
   return all_pin_offers(board, description, value?.set);
 }
 
-/// Adds a widget to a dashboard that may be changed by somebody else at the same moment; `fresh`: to one that is not there yet.
+/// Adds a widget to a dashboard that may be changed by another user at the same moment; `fresh`: to one that is not there yet.
 async function add_to_dashboard(name, title, widget, fresh) {
   for (let i = 0; ; ++i) {
     const found = fresh && i === 0 ? { body: { title, widgets: [] }, tag: undefined } : await request_with_tag(path_of("dashboards", name));

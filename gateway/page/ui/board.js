@@ -126,7 +126,7 @@ class Board extends Part {
     this.tools.replaceChildren(...(tool ? [tool] : []));
   }
 
-  /// Everything that is kept of it on the bus is cleared: nobody does that by one wrong click.
+  /// Everything that is kept of it on the bus is cleared: one wrong click does not do that.
   ask_to_forget() {
     const no = h("button", { onclick: () => this.show_tools() }, "Keep it");
     this.tools.replaceChildren(h("span", {}, `Forget ${this.name}, and clear all that the bus keeps of it?`), " ",

@@ -55,7 +55,7 @@ class Boards extends Part {
     return h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"));
   }
 
-  /// Boards are selected by those who may do something with them.
+  /// Boards are selected by users who may do something with them.
   allow() { this.classList.toggle("picks", status.may_command || status.may_label); }
 
   pick(names, on) {

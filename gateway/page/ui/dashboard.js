@@ -176,7 +176,7 @@ class Dashboard extends Part {
     } catch (problem) {
       this.saving = false;
       this.show_editor();
-      this.tell(problem.status === 412 ? "Not kept: somebody else changed it meanwhile. You see what it is now; try again." : `Not kept: ${problem.message}`);
+      this.tell(problem.status === 412 ? "Not kept: another user changed it meanwhile. You see what it is now; try again." : `Not kept: ${problem.message}`);
     }
   }
 

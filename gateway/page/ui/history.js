@@ -26,14 +26,14 @@ class History extends Part {
     this.note = h("p", { class: "muted", role: "status" });
     this.more = h("button", { hidden: true, onclick: () => this.load(this.cursor) }, "Earlier");
     let typing;
-    this.search = h("input", { type: "search", "aria-label": "Search the history", placeholder: "Search: who, what, which board", oninput: () => {
+    this.search = h("input", { type: "search", "aria-label": "Search the history", placeholder: "Search: user, event, board", oninput: () => {
       clearTimeout(typing);
       typing = setTimeout(() => this.load(), 300);
     } });
     this.append(h("div", { class: "toolbar" }, this.search), this.table, this.note, this.more);
     this.load();
     const again = () => { if (this.isConnected && !document.hidden && !this.paged && this.search.value.trim() === "") this.load(); };
-    this.every(5000, again); // commands are told to nobody but the registry
+    this.every(5000, again); // commands are told to the registry alone
     let timer;
     this.listen(boards, "board", () => {
       timer ??= setTimeout(() => {

@@ -67,7 +67,7 @@ class Status extends EventTarget {
   /// Only what the gateway says: before that, nothing. What its viewer may not do is not shown.
   get may_command() { return this.you.command === true; }
   get may_label() { return this.you.label === true; }
-  /// A stop reaches every service of a board: it is not for those who see some services only.
+  /// A stop reaches every service of a board: it is not for users who see some services only.
   get may_stop() { return this.you.stop === true; }
   get may_forget() { return this.you.forget === true; }
 }

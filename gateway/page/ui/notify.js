@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Notifications of the browser for boards that are lost. Nothing is asked before somebody presses the button.
+// Notifications of the browser for boards that are lost. Nothing is asked before the user presses the button.
 import { Losses } from "../core/attention.js";
 import { h, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";

@@ -14,7 +14,7 @@ const kinds = ["digital", "analog in", "PWM"];
 
 class Pins extends Part {
   /// Call before it is put into the page, and again for a new description. What is on the screen is built anew only where
-  /// the board has other pins: whoever is at a button stays there.
+  /// the board has other pins: a user who is at a button stays there.
   begin(board, description) {
     const pins = pins_of(description);
     const same = this.pins && shape_of(pins) === shape_of(this.pins);
@@ -37,7 +37,7 @@ class Pins extends Part {
     this.build();
   }
 
-  /// What a pin can be set to is shown to those who may set it.
+  /// What a pin can be set to is shown to users who may set it.
   allow() {
     if (this.may_command === status.may_command && this.may_label === status.may_label) return;
     this.may_command = status.may_command;

@@ -7,7 +7,7 @@ import { bus, path_of, request } from "../net/bus.js";
 
 const kHz = 2;
 const kMaxRows = 80;
-const kSettleMs = 250; // rows that pass while somebody scrolls are not asked
+const kSettleMs = 250; // rows that pass while the user scrolls are not asked
 
 let models; // name -> model, or undefined while it is not known; a promise of the names that the gateway has
 async function model_of(name) {

@@ -113,7 +113,7 @@ class Service extends Part {
     set_text(this.waiting, `No value yet.${why}`);
   }
 
-  /// Forms are there for those who may send commands, and go when the right to it ends.
+  /// Forms are there for users who may send commands, and go when the right to it ends.
   show_commands() {
     const wanted = status.may_command && this.model !== undefined;
     if (wanted === this.has_commands) return;
@@ -164,7 +164,7 @@ class Service extends Part {
     if (this.has_commands === false && !this.pins) this.show_set();
   }
 
-  /// For those who may not send commands: what others have set.
+  /// For users who may not send commands: what others have set.
   show_set() {
     const texts = Object.keys(this.model?.commands ?? {}).map((name) => [name, words_of_set(this.set, this.model, name)]).filter(([, text]) => text);
     this.usual.replaceChildren(...texts.map(([name, text]) => h("p", { class: "only-set" }, `${this.model.commands[name].title ?? words(name)}: `, h("strong", {}, text))));

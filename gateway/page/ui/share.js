@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Links that show one dashboard to whoever has them, and nothing else.
+// Links that show one dashboard to each person who has them, and nothing else.
 import { moment_text, time_of } from "../core/text.js";
 import { base, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
@@ -20,7 +20,7 @@ class Share extends Part {
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     this.made = h("p", { class: "made-link", hidden: true });
     this.box = h("details", { ontoggle: () => { if (this.box.open) this.load(); } }, h("summary", {}, "Share"),
-      h("p", { class: "muted" }, "Whoever has the link sees this dashboard, without a token and nothing else: for a screen in the hall, or the phones of a class."),
+      h("p", { class: "muted" }, "A user with the link sees this dashboard, without a token and nothing else: for a screen in the hall, or the phones of a class."),
       h("form", { "aria-label": "Share this dashboard", onsubmit: (event) => { event.preventDefault(); this.make(until.value, control.checked); } },
         h("div", { class: "field" }, h("label", { for: until.id }, "Valid for"), until),
         h("label", { class: "check" }, control, " Its switches, sliders and stops may be used"),

@@ -59,7 +59,7 @@ class Banner extends Part {
   }
 }
 
-/// Stops everything, or the board in its attribute `board`, until somebody resumes it. Nothing is shown to a viewer that may not stop.
+/// Stops everything, or the board in its attribute `board`, until a user resumes it. Nothing is shown to a viewer that may not stop.
 class Stop extends Part {
   shown() {
     const board = this.getAttribute("board");

@@ -38,7 +38,7 @@ class System extends Part {
       ...registries.map((each) => card(`Registry ${each.id}`, [each.state, each.state], [["Since", since_text(each.since)], ...facts_of(each.stats)])),
     ];
     if (registries.length === 0 && !now.you?.limited) cards.push(h("article", { class: "card" }, h("h2", {}, "Registries"), h("p", { class: "muted" }, "None is there. Boards work without one; history needs one.")));
-    // Replaced only where something changed: whoever reads it keeps the place.
+    // Replaced only where something changed: a user who reads it keeps the place.
     const texts = cards.map((each) => each.textContent).join("|");
     if (texts === this.texts) return;
     this.texts = texts;
