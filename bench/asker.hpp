@@ -16,7 +16,7 @@
 
 namespace asip::bench {
 
-/// One who asks a registry, over a connection of its own.
+/// A client that asks a registry, over a connection of its own.
 class Asker {
   public:
     Asker(boost::asio::io_context& io, const test::MosquittoBroker& broker, const std::string& name,

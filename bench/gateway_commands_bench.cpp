@@ -180,7 +180,7 @@ void values_for(Bus& bus, Uno& uno, std::vector<double>& samples) {
     }
 }
 
-/// In turn, not both at once: who handles the one value keeps the other waiting.
+/// In turn, not both at once: a program that handles the one value keeps the other waiting.
 void values(Bus& bus, Uno& uno) {
     HttpConnection http(bus.gateway.port());
     if (http.ask(http_request("POST", "/api/boards/uno1/services/io/commands/mode", R"([2,"input-pullup"])"))

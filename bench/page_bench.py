@@ -76,7 +76,7 @@ def processor_seconds(pid):
 
 
 def private_megabytes(pid):
-    """Memory that a process and all below it share with nobody."""
+    """Memory that a process and all below it share with no other process."""
     total = 0
     for each in processes(pid):
         try:

@@ -7,7 +7,7 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/asip-demo.XXXXXX")
 declare -A pids=()
 declare -a started=()
 
-# Ends what was started, newest first, and waits for each; whoever does not go within three seconds is killed.
+# Ends what was started, newest first, and waits for each; a process that does not end within three seconds is killed.
 clean_up() {
     local i pid tries
     trap - EXIT
@@ -65,7 +65,7 @@ within() { # within SECONDS WHAT COMMAND...: tries until it succeeds
     done
 }
 
-step() { # ASIP_DEMO_PAUSE: seconds before each, for who watches a recording
+step() { # ASIP_DEMO_PAUSE: seconds before each, for viewers of a recording
     sleep "${ASIP_DEMO_PAUSE:-0}"
     if [ -t 1 ]; then printf '\n\033[1m%s\033[0m\n' "$1"; else printf '\n%s\n' "$1"; fi
 }

@@ -5,7 +5,7 @@
 //     two_board_switch BUTTON_BOARD LED_BOARD [BUTTON_PIN [LED_PIN]]
 //     two_board_switch mqtt://broker/uno1 mqtt://broker/uno2 2 13
 //
-// The button connects its pin to ground; the board's own pull-up keeps the pin high while nobody presses it.
+// The button connects its pin to ground; the board's own pull-up keeps the pin high while it is not pressed.
 
 #include "asip/client/board.hpp"
 

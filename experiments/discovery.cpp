@@ -165,7 +165,7 @@ std::vector<Results> discovery(const Setup& setup) {
         .notes = {"boards already run, their agents are started; an agent first looks for the board, steps "
                   "the line up, and asks for 1.3 s whether another agent holds the name",
                   "the papers: boards publish their names themselves and have no retained description, so "
-                  "who comes late sees the others when those announce again",
+                  "a board that comes late sees the others when those announce again",
                   kNotRecorded},
         .pictures = {}};
     Bars bars{"Discovery, median, ms", {}};

@@ -45,7 +45,7 @@ function makeRequest(members, { replyTo, id, timeout, clock, by, hold }) {
   return request;
 }
 
-// Why a command was not executed for certain. `sent`: false, the board has not seen it; true, it refused it; null, nobody knows.
+// Why a command was not executed for certain. `sent`: false, the board has not seen it; true, it refused it; null, that is not known.
 class AsipError extends Error {
   constructor(kind, text, { sent = false, reason, code, board, service } = {}) {
     super(text);

@@ -287,7 +287,7 @@ class Engine:
         broker = self.settings.brokers[self._next % len(self.settings.brokers)]
         with self._lock:
             v5 = self._v5
-        # The identifier on the wire is published nowhere: nobody can take the connection over.
+        # The identifier on the wire is published nowhere: no other client can take the connection over.
         client_id = f"asip-python-{uuid.uuid4().hex}"
         try:
             link: Link = self._new_link(broker, self.settings, client_id, v5, lambda is_v5: self._happened(link, lambda now: self._up(now, is_v5)),

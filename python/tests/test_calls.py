@@ -175,7 +175,7 @@ class Killed(Rig):
         except asip.Error:
             return False
 
-    def test_agent_is_killed(self):  # nobody undoes the hold of a pin then (docs/guarantees.md, "Motors when something dies")
+    def test_agent_is_killed(self):  # no agent undoes the hold of a pin then (docs/guarantees.md, "Motors when something dies")
         self.check(lambda: self.real.end("agent-desk", signal.SIGKILL), lambda: self.real.start_agent("desk"))
 
     def test_broker_is_killed(self):

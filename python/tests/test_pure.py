@@ -362,7 +362,7 @@ class Conversation(unittest.TestCase):
         (renewal,), due = self.session.tick(0.2)
         self.assertEqual(json.loads(renewal.payload)["renew"], "h1")
         self.assertAlmostEqual(due, 0.4)
-        self.assertEqual(self.session.tick(1.3)[0], [])  # nobody feeds it any more
+        self.assertEqual(self.session.tick(1.3)[0], [])  # the program does not feed it any more
         self.session.feed("h1", 1.4)
         self.assertEqual(len(self.session.tick(1.6)[0]), 1)
         told = self.session.message(self.topics.reply("desk"), b'{"id":"h1/renewal","status":"refused","reason":"not-held"}', False, None, 2)

@@ -6,8 +6,8 @@
 namespace cluster {
 namespace {
 
-/// Three nodes, each of which holds all that is stored. Whoever may publish to $JS erases retained messages,
-/// so clients may not.
+/// Three nodes, each of which holds all that is stored. A client that may publish to $JS erases retained
+/// messages, so clients may not.
 class Nats final : public NodeEngine {
   public:
     explicit Nats(const Hosts& hosts) : NodeEngine("nats", 3, hosts), routes_(free_ports(3)) {

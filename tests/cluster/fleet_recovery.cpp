@@ -8,7 +8,7 @@ namespace cluster {
 
 namespace {
 
-// Who loses a connection that is newer than five seconds waits before the next attempt.
+// A program that loses a connection that is newer than five seconds waits before the next attempt.
 constexpr Millis kSettled = 6'000;
 // RabbitMQ needs 10 to 20 s, on a busy machine more; all of its nodes together minutes.
 constexpr Millis kNodeStarts = 180'000;

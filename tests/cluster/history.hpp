@@ -63,7 +63,8 @@ struct Round {
     std::map<std::string, Difference> wrong{};  ///< by registry, where they never agreed
     std::vector<std::size_t> mute{};            ///< boards that executed nothing after `end`
     /// A broker was held by SIGSTOP, or packets of a broker or an agent by the network. When it goes on, what
-    /// waits in sockets is delivered, and nobody can see how old that is; TCP sends again only after seconds.
+    /// waits in sockets is delivered, and no program can see how old that is; TCP sends again only after
+    /// seconds.
     bool messages_held = false;
     /// A broker node was killed, stopped or cut off, and there are others, or what joins them was killed:
     /// what has QoS 0, as events have, is not kept for it by them.

@@ -55,7 +55,7 @@ class NodeEngine : public Engine {
     std::vector<std::unique_ptr<Process>> nodes_;  // before the helpers at the end
 };
 
-/// Nobody's but these tests': free now, and different from each other.
+/// For these tests alone: free now, and different from each other.
 std::vector<std::uint16_t> free_ports(std::size_t count);
 
 std::unique_ptr<Engine> make_mosquitto(const Hosts& hosts);

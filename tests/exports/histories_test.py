@@ -165,7 +165,7 @@ class History:
 
 
 def settled(retained):
-    """What is shown, without how often a document changed, who exports, and states that say only that nothing is known."""
+    """What is shown, without how often a document changed, which gateway exports, and states that say only that nothing is known."""
     shown = {}
     for topic, payload in retained.items():
         if topic.endswith(("/$lease", "/$sessions")) or payload in UNKNOWN:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Each program prints its help into a pipe that nobody reads: it ends by itself, not by SIGPIPE.
+"""Each program prints its help into a pipe that no program reads: it ends by itself, not by SIGPIPE.
 
     closed_pipe.py PROGRAM...
 """

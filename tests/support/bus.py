@@ -47,7 +47,7 @@ def paho_client(**options):
 
 
 def free_port():
-    """None of those that the kernel may give to somebody's connection before it is used."""
+    """None of those that the kernel may give to another connection before it is used."""
     while True:
         with socket.socket() as s, contextlib.suppress(OSError):
             s.bind(("127.0.0.1", random.randrange(10000, 32768)))

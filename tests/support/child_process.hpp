@@ -40,9 +40,9 @@ class ChildProcess {
     std::string output() const;  ///< standard output
     std::string errors() const;  ///< standard error
 
-    /// From now on `callback` gets each line of standard output as it comes, for who needs to know when. It
-    /// is called by another thread, must not call this object, and outlives it or is replaced by an empty
-    /// one.
+    /// From now on `callback` gets each line of standard output as it comes, for a test that needs to know
+    /// when. It is called by another thread, must not call this object, and outlives it or is replaced by an
+    /// empty one.
     void on_output(std::function<void(std::string_view line)> callback);
 
     /// The first line of standard output (or error) that contains a match of the ECMAScript regular
@@ -79,8 +79,8 @@ bool other_programs();
 std::size_t memory_limit(std::size_t bytes);
 std::chrono::milliseconds time_limit(std::chrono::milliseconds time);
 
-/// Which program is started for `program`, and in which environment, as ChildProcess says: for who starts one
-/// in another way.
+/// Which program is started for `program`, and in which environment, as ChildProcess says: for a test that
+/// starts one in another way.
 std::string program_to_start(const std::string& program);
 std::vector<std::string> child_environment(const std::map<std::string, std::string>& added);
 

@@ -25,10 +25,10 @@ class TempDir {
     std::filesystem::path path_;
 };
 
-/// A TCP port of 127.0.0.1 that is free now; none of those that the kernel may give to somebody's connection
+/// A TCP port of 127.0.0.1 that is free now; none of those that the kernel may give to another connection
 /// before it is used.
 std::uint16_t free_port();
-/// Whether somebody accepts TCP connections there.
+/// Whether a program accepts TCP connections there.
 bool accepts(std::uint16_t port);
 
 }  // namespace asip::test

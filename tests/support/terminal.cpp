@@ -121,7 +121,7 @@ struct TerminalProcess::State {
         for (ssize_t size = 0; !stop;) {
             size = read(terminal, buffer, sizeof buffer);
             if (size < 0 && errno == EINTR) continue;
-            // EIO: nobody has the other end open any more.
+            // EIO: no process has the other end open any more.
             if (size <= 0) return;
             const std::lock_guard lock(mutex);
             screen.write({buffer, static_cast<std::size_t>(size)});

@@ -108,7 +108,7 @@ Ledger::Entry* Ledger::waiting_for(const std::string& line) {
 bool Ledger::may_be_own(const std::string& line) const {
     if (line.empty() || line[0] == '#') return true;
     if (line == "I,M" || line == "I,m" || line == "I,p" || line == "I,c") return true;
-    // Analog reports that nobody asked for, and that stopped: with the period that they seemed to have.
+    // Analog reports that no client asked for, and that stopped: with the period that they seemed to have.
     if (line.starts_with("I,A,")) return true;
     return (line.starts_with("I,P,") || is_period(line)) && by_line_.contains(line);
 }

@@ -69,7 +69,7 @@ class Ledger {
     /// A line of the session goes to the line. Returns its number on the wire.
     std::uint32_t wrote(const std::string& line, Micros now);
     void answered(std::size_t command, Answer answer, Micros now);
-    /// The agent ended: what it had not answered nobody will.
+    /// The agent ended: what it had not answered is never answered.
     void session_ended(Micros now);
 
     void board_read(BoardRead read);

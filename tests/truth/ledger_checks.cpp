@@ -137,7 +137,8 @@ void Ledger::check_executed(const Entry& entry, const Answer& answer, Micros now
            false, now);
 }
 
-// Which of two requests that look alike an event answers, nobody can say: it must be younger than the first.
+// No check can say which of two requests that look alike an event answers: it must be younger than the
+// first.
 void Ledger::check_value(const Entry& entry, Micros since, const Answer& answer, Micros now) {
     if (entry.command.answer_tag == 0 || answer.outcome == Outcome::kUnproven) return;
     if (answer.value.empty())

@@ -115,7 +115,7 @@ TEST(AgentClients, AgentStoppedForSixSeconds_LineThatWaitedIsNotExecutedAndTheBo
     client.send("I,P,12,1\nI,P,13,3\nI,d,13,0\n#,N\n");
     ASSERT_TRUE(client.receive("@#,N"));
     client.received.clear();
-    probe.publish("asip/uno1/io/in", "d,13,0");  // nobody wants its proof
+    probe.publish("asip/uno1/io/in", "d,13,0");  // no client wants its proof
     agent.process().signal(SIGSTOP);
     client.send("I,d,13,1\n");
     std::this_thread::sleep_for(6s);

@@ -50,7 +50,7 @@ class ReportsOnDemand : public testing::Test {
     std::unique_ptr<Agent> agent;
 };
 
-// Takes as long as a lease of asipctl: nothing but time shows that nobody renews it.
+// Takes as long as a lease of asipctl: nothing but time shows that no client renews it.
 TEST_F(ReportsOnDemand, RateFollowsTheFastestSubscriber_AndEndsWithTheLease) {
     start_agent();
     ASSERT_TRUE(period_becomes(0)) << agent->process().errors();
@@ -143,7 +143,7 @@ TEST_F(ReportsOnDemand, FloodOfTenThousandDemanders_IsBoundedAndHoldsUpNobody) {
     EXPECT_TRUE(wait_until([&] { return probe.count("asip/servicebus/uno1/$demand/ann/c1") == 1; }));
 }
 
-// Whoever may demand must not stop a board by the name that it gives itself.
+// A client that may demand must not stop a board by the name that it gives itself.
 TEST_F(ReportsOnDemand, DemanderCalledLikeAStop_StopsNothing) {
     start_agent();
     for (int i = 0; i < 300; ++i) {

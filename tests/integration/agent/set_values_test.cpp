@@ -32,7 +32,7 @@ class WhatWasSet : public testing::Test {
     bool says(const std::string& expected) {
         return wait_until([&] { return probe.last(kSet) == expected; });
     }
-    /// What somebody finds who comes now; "" for nothing.
+    /// What a client finds that comes now; "" for nothing.
     std::string stored() {
         BusProbe late(broker.port(), {"asip/uno1/+/set"});
         probe.publish("asip/mark", "", false);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The broker dies while a command waits, or the user ends it: nobody else is blamed, and what cannot be known
-// is not guessed.
+// The broker dies while a command waits, or the user ends it: no other program is blamed, and what cannot be
+// known is not guessed.
 #include <gmock/gmock.h>
 
 #include <csignal>

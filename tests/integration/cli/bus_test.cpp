@@ -115,7 +115,7 @@ TEST_F(BusTest, ListAsJsonLines_HoldsTheRecordsOfTheListAsJson) {
                                                      {"--board", "nosuch"},
                                                      {"--reverse"},
                                                      {"--from-bus"}}) {
-            announce("uno1");  // who does not answer the registry's probe would be lost after 10 s
+            announce("uno1");  // without an answer to the registry's probe it would be lost after 10 s
             std::vector<std::string> words{"list", what};
             words.insert(words.end(), more.begin(), more.end());
             auto as_json = words, as_lines = words;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// CANARY is the name of a file that nobody makes.
+/// CANARY is the name of a file that no program makes.
 const std::vector<std::string> kHostile{"$(touch CANARY)",
                                         "`touch CANARY`",
                                         "${x:=$(touch CANARY)}",

@@ -17,7 +17,7 @@ class ForgedRegistryTest : public BusTest {
   protected:
     using Page = std::function<std::string(int number)>;
 
-    /// asipctl, while somebody who calls himself r1 answers each of its queries.
+    /// asipctl, while a program that calls itself r1 answers each of its queries.
     Finished answered_by(const Page& page, const Words& words) {
         probe_.clear();
         ChildProcess child(program(words), environment());

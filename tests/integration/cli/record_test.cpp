@@ -216,7 +216,7 @@ TEST_F(RecordTest, Replayed_BoardIsAMemberOfTheBus) {
     EXPECT_TRUE(
         wait_until([&] { return asipctl({"list", "--state", "online", "-o", "name"}).output == "uno1\n"; }));
     EXPECT_THAT(asipctl({"show", "uno1"}).output, HasSubstr("replay walk.jsonl"));
-    // As recorded, it is lost now and then: then nobody is asked.
+    // As recorded, it is lost now and then: then no board is asked.
     EXPECT_TRUE(wait_until([&] {
         const auto got = asipctl({"get", "uno1/distance", "--timeout", "20s"});
         return got.status == 0 && got.output.find(" cm") != std::string::npos;

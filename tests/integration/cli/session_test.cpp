@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command waits for ends with the command: late messages reach nobody.
+// What a command waits for ends with the command: late messages reach no handler.
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -88,7 +88,7 @@ std::vector<std::string> pages() {
     return paths;
 }
 
-/// A block of code that no test names would be one that nobody compiles.
+/// A block of code that no test names would be one that no test compiles.
 TEST(DocumentedCode, EachBlock_BelongsToAFileOrATest) {
     std::size_t blocks = 0;
     for (const std::string& path : pages()) {

@@ -86,7 +86,7 @@ std::string text_of(const std::string& file) {
     return text.str();
 }
 
-/// A program of somebody else, with nothing of ours but the topics and the JSON.
+/// A program of another author, with nothing of ours but the topics and the JSON.
 TEST(ExampleLamp, PythonWithPlainMqtt_SwitchesTheLedByTheButton) {
     const MosquittoBroker broker;
     SimulatedBoards boards({"asip_uno_services"});

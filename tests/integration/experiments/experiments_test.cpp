@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small part of each of the papers' experiments, so that they still work when somebody needs them.
+// A small part of each of the papers' experiments, so that they still work when a reader needs them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -116,8 +116,8 @@ TEST_F(GatewayBus, StopHolds_UntilItIsResumed) {
     EXPECT_EQ(post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]").status, 200);
 }
 
-// Who did what: in the envelope, in the answer, on the error topic, in the logs of agent and gateway, and in
-// the registry's history.
+// The sender's name: in the envelope, in the answer, on the error topic, in the logs of agent and gateway,
+// and in the registry's history.
 TEST_F(GatewayBus, NameOfTheToken_GoesWhereTheCommandGoesAndComesBack) {
     const auto file = folder_.file("tokens");
     const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "operator+raw", "anna", "--tokens", file});

@@ -69,7 +69,7 @@ TEST_F(GatewayOpenapi, EachOperationAndStatus_IsAsDocumented) {
     announce(probe, "gone", "offline");
     announce(probe, "lost", "lost");
     announce(probe, "frozen", "online");
-    auto stopped = described("frozen", 2);  // until somebody resumes it, and its agent answers nothing
+    auto stopped = described("frozen", 2);  // until a user resumes it, and its agent answers nothing
     stopped.replace(1, 0, R"("state":{"is":"online","reason":"latched","age":1},)");
     probe.publish("asip/servicebus/frozen/$description", stopped);
     probe.publish("asip/servicebus", "mute");

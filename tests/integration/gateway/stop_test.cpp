@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stop while 10,000 commands wait: how long until whoever pressed the button knows. Real broker, agent and
-// firmware.
+// A stop while 10,000 commands wait: how long until the user who pressed the button knows. Real broker,
+// agent and firmware.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -89,7 +89,7 @@ inline bool becomes(BusProbe& probe, const std::string& board, const std::string
 }
 
 /// Events of one registry that a probe has seen, in order, without the resets: whether the first one is
-/// heard depends on who was connected first.
+/// heard depends on which program was connected first.
 inline std::vector<bus::ChangeEvent> events_of(const BusProbe& probe, const std::string& registry = "r1") {
     std::vector<bus::ChangeEvent> events;
     for (const auto& message : probe.messages("asip/registry/" + registry + "/events")) {

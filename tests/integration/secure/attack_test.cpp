@@ -193,8 +193,8 @@ TEST_F(AttackedBus, Viewer_HasNoBoardForgotten) {
     EXPECT_TRUE(wait_until([&] { return lost().empty(); }));
 }
 
-/// Whoever asks names the topic of the answer, and a message carries no user of the broker. What keeps others
-/// away from it is its last level: random, and read by those alone that are asked.
+/// The client that asks names the topic of the answer, and a message carries no user of the broker. What
+/// keeps others away from it is its last level: random, and read by those alone that are asked.
 TEST_F(AttackedBus, NamesInReplyTopics_AreReadByNobodyElse) {
     auto admin = probe("admin", {"asip/#"});
     auto bob =

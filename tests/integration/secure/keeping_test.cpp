@@ -144,7 +144,8 @@ TEST_F(KeptBus, OptionThatAnActionDoesNotKnow_IsRefusedAndNothingIsDone) {
     }
 }
 
-/// Mosquitto's own limits cannot tell who fills it; it stays, and serves those whose messages still fit.
+/// Mosquitto's own limits cannot tell which user fills it; it stays, and serves those whose messages still
+/// fit.
 TEST_F(KeptBus, BrokerThatAUserFills_StaysBelowItsLimitAndServesTheOthers) {
     const std::string limit = "memory_limit ";
     std::string text = run({"cat", file("mosquitto.conf")}).output;

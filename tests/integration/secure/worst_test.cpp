@@ -72,7 +72,7 @@ class WorstOfEachKind : public RunningBus {
                     wait_until([&] { return probe.connected(); }, 20s);
                     attack.once(probe);
                     if (i == 0) ++begun;
-                    // What waits in the attacker's own memory is sent to nobody.
+                    // What waits in the attacker's own memory is sent to no client.
                     if (i % kAtOnce == kAtOnce - 1)
                         wait_until([&] { return probe.all_acknowledged() || !probe.connected(); }, 20s);
                 }

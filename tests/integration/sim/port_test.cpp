@@ -35,7 +35,7 @@ TEST(Port, ManyBytesAtOnce_AllComeBack) {
 TEST(Port, NothingOpenAtBoot_WhatWasSaidThenIsNotKept) {
     const TempDir folder;
     SimProgram sim(folder, {board_file(folder, "uno.json")});
-    sim.control({"reset"});  // says hello again, to nobody; the answer comes after it was done
+    sim.control({"reset"});  // says hello again, to no reader; the answer comes after it was done
     sim.control({"list"});
     auto client = StreamClient::terminal(sim.port());
     client.write("Ea");

@@ -133,7 +133,7 @@ void Round::pump() {
 void Round::command_over_bus() {
     const auto index = dice_.below(boards_.size());
     Sent sent{.board = boards_[index].get(), .at = now_ms()};
-    // Nobody answers what an agent cannot hear.
+    // What an agent cannot hear is not answered.
     if (!probe_ || (broker_restarted_ && !online(*sent.board))) return;
     std::string line;
     switch (dice_.below(6)) {

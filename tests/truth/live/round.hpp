@@ -46,7 +46,7 @@ struct Sent {
     std::string answer{};
 };
 
-/// A board's agent, or the broker, is not there: what is under way then nobody answers.
+/// A board's agent, or the broker, is not there: what is under way then is not answered.
 struct Downtime {
     const LiveBoard* board;
     std::int64_t from;

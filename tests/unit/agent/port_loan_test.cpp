@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The board's port in other hands: who has it, until when, and what state is told.
+// The board's port in other hands: which user has it, until when, and what state is told.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stop that holds until somebody resumes the board.
+// A stop that holds until a user resumes the board.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

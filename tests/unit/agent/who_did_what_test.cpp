@@ -45,7 +45,7 @@ TEST_F(OnlineBridge, NameInThePropertyOfTheMessage_IsTheOneThatCounts) {
     message.payload = R"({"write":[0,90],"by":"eve"})";
     message.user_properties = {{"by", "anna"}};
     bench.hear(message);
-    bench.pass(5s);  // nobody waits: it is over with the next sign of the board
+    bench.pass(5s);  // no client waits: it is over with the next sign of the board
     ASSERT_EQ(bench.on(kNotes).size(), 1u) << "also where nobody wants an answer";
     EXPECT_EQ(json::parse(bench.on(kNotes)[0])["by"], "anna");
     EXPECT_EQ(json::parse(bench.on(kNotes)[0])["status"], "sent") << "nothing proves that it was executed";

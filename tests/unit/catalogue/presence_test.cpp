@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may say the state of a board, over several leases, renewals and probes.
+// Which program may say the state of a board, over several leases, renewals and probes.
 #include <gmock/gmock.h>
 
 #include "catalogue_bench.hpp"

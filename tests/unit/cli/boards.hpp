@@ -4,7 +4,7 @@
 
 namespace asip::cli {
 
-/// A description as an agent publishes it: three standard services and one that nobody described.
+/// A description as an agent publishes it: three standard services and one without a description.
 inline constexpr const char* kUno1 =
     R"({"board":"uno1","session":"5f3a9c01","seq":3,"lease":60,)"
     R"("firmware":{"protocol":"0.4","chip":"ATmega328P","sketch":"AsipHello","extensions":{"E":1,"I":1}},)"

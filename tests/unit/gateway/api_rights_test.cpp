@@ -47,7 +47,7 @@ TEST_F(OperatorsApi, FloodOfCommands_Is429) {
     EXPECT_EQ(ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]")->status(), 0);
 }
 
-// However many WebSockets somebody opens.
+// However many WebSockets a client opens.
 TEST_F(OperatorsApi, FloodOverTwoWebSockets_IsLimitedAsOne) {
     announce();
     Principal principal;

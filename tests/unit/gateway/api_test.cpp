@@ -98,7 +98,7 @@ TEST_F(ApiTest, Service_CarriesItsModel) {
     EXPECT_EQ(get("/api/models/servo")->body(), service["model"]);
 }
 
-// Each operation of the document, with what nobody would call a board, service, command, model or id.
+// Each operation of the document, with what no user would call a board, service, command, model or id.
 TEST_F(ApiTest, HostileNamesInEveryPath_AreRefusedAndNothingIsSent) {
     announce();
     const std::vector<std::string> hostile{"+",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What somebody with limited rights is told by any resource, page, number and cursor.
+// What a client with limited rights is told by any resource, page, number and cursor.
 #include "api_bench.hpp"
 #include "gateway/auth/secret.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a gateway demands of boards that report on demand, for those who read its streams.
+// What a gateway demands of boards that report on demand, for clients that read its streams.
 #include "api_bench.hpp"
 #include "gateway/api/limits.hpp"
 

@@ -172,7 +172,8 @@ TEST_F(GateTest, TokenChangedOrExpired_ItsStreamsEnd) {
     EXPECT_FALSE(gate.still_admitted(*old, at(10s)));
 }
 
-// A name says nothing: whoever was given the old token, or signed in by it, is not whom the new one is for.
+// A name says nothing: the user who had the old token, or signed in by it, is not the one whom the new one is
+// for.
 TEST_F(GateTest, TokenMadeAnewUnderItsName_RevivesAndKeepsNothingOfTheOldOne) {
     Gate gate = make();
     const auto by_token = gate.admit(get({{"authorization", "Bearer do"}}), at(0ms));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was set in a service, as agents say it, to those who ask the gateway.
+// What was set in a service, as agents say it, to clients that ask the gateway.
 #include "api_bench.hpp"
 #include "gateway/stream/value_feed.hpp"
 

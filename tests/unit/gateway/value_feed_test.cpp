@@ -138,8 +138,8 @@ struct PatternReader {
     }
 };
 
-// Three services, one of which reports for the first time while nobody listens. The connection is cut behind
-// each event in turn, those of the snapshot included.
+// Three services, one of which reports for the first time while no client listens. The connection is cut
+// behind each event in turn, those of the snapshot included.
 TEST_F(ValueFeedTest, PatternCutAtEveryEvent_ResumesEachServiceWithoutGapOrDuplicate) {
     for (int cut = 0; cut <= 24; ++cut) {
         Values values("e1");

@@ -96,7 +96,7 @@ TEST_F(KeptStreamTest, RateIsSetBetweenWhatWasWrittenBeforeAndAfter) {
 }
 
 TEST_F(KeptStreamTest, PortAcceptsNoMoreBytes_IsGivenUpWithBoundedMemoryAndOpenedAgain) {
-    Pty board;  // nobody reads its other end
+    Pty board;  // no program reads its other end
     auto& kept = open(SerialTarget{board.device()});
     ASSERT_TRUE(up());
     const std::string line(50, 'x');

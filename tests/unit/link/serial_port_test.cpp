@@ -140,7 +140,7 @@ TEST(SerialPortErrors, NoPermission_NamesTheGroup) {
     test::TempDir folder;
     const auto file = folder.write("tty", "");
     ASSERT_EQ(chmod(file.c_str(), 0), 0);
-    // Root may open anything; for the moment of opening, be somebody else.
+    // Root may open anything; for the moment of opening, be another user.
     const bool root = geteuid() == 0;
     const bool dropped = root && seteuid(65534) == 0;
     const auto port = open_serial(io, file);

@@ -38,7 +38,7 @@ TEST_F(Log, ControlCharactersFromOutside_StayOnTheLine) {
     EXPECT_THAT(line, testing::HasSubstr("\\x0a"));
 }
 
-/// As whoever reads the log takes a line apart: name=value, a value in quotes up to the next quote that has
+/// As a reader of the log takes a line apart: name=value, a value in quotes up to the next quote that has
 /// no backslash in front.
 std::vector<std::pair<std::string, std::string>> fields_of(const std::string& line) {
     std::vector<std::pair<std::string, std::string>> fields;

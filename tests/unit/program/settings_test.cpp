@@ -287,7 +287,7 @@ class CredentialsDir : public testing::Test {
         folder.write("registry.credentials",
                      "broker = mqtts://hall:8883\nuser = registry\npassword = secret\n");
     }
-    /// Who the service is, with these options and variables.
+    /// The user that the service is, with these options and variables.
     std::string user(const Arguments& arguments, Variables variables = {}) {
         Service service;
         variables.emplace("ASIP_CREDENTIALS_DIR", folder.path().string());

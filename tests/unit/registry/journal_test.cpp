@@ -138,7 +138,7 @@ TEST(Journal, WhatIsNoCommand_LeavesNoRow) {
     const Journal journal({{"uno1", kOnline}});
     Journal::Rows rows;
     const std::string good = command_note("W,0,90");
-    journal.command("uno2", good, wall(1), rows);  // nobody knows it
+    journal.command("uno2", good, wall(1), rows);  // an unknown board
     for (const std::string& bad :
          {std::string(), std::string("[]"), std::string("{"), good + " " + good,
           std::string(5000, ' ') + good, command_note("W", ""), command_note("W", std::string(65, 'a')),

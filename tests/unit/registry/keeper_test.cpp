@@ -186,7 +186,7 @@ TEST(HistoryKeeper, FileIsLockedAtTheStart_WhatItKnowsIsNotAddedAgain) {
         run.pass(2s);
     }
     auto lock = std::make_unique<Lock>(folder.file());
-    // A lock of this kind keeps nobody from reading; a file that must be brought up to date cannot be.
+    // A lock of this kind keeps no program from reading; a file that must be brought up to date cannot be.
     sqlite3* database = nullptr;
     lock.reset();
     ASSERT_EQ(sqlite3_open(folder.file().c_str(), &database), SQLITE_OK);

@@ -106,8 +106,8 @@ class RegistryRun {
 
 const std::string kState = "asip/servicebus/uno1/$state";
 
-/// Whoever reads what a registry publishes for everybody learns nothing of its reply topics: with their names
-/// a viewer could have answers sent there.
+/// A client that reads what a registry publishes for all clients learns nothing of its reply topics: with
+/// their names a viewer could have answers sent there.
 TEST(Registry, RandomLevelsOfItsReplyTopics_ArePublishedNowhere) {
     const HistoryFile file;
     RegistryRun run(file.path(), 0s);

@@ -9,8 +9,8 @@
 namespace asip::session {
 namespace {
 
-// A session calls nobody: it returns what is to be done. So its caller may do anything meanwhile, but what
-// was returned must stay whole.
+// A session calls no function of its caller: it returns what is to be done. So its caller may do anything
+// meanwhile, but what was returned must stay whole.
 struct Lifetime : testing::Test {
     Lifetime() : session(Bench::make_session(no_step_up())) {
         Actions actions;

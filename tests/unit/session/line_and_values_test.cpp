@@ -277,7 +277,7 @@ TEST(BoardSession, ErrorInPlaceOfTheValueBeforeTheFence_EndsTheRequestBehindIt) 
 TEST(BoardSession, BoardReportedBeforeTheSessionWasReady_ReportIsNotTakenForTheValue) {
     Bench bench(no_step_up());
     bench.plug({57600, true});
-    bench.say_line("@D,e,1,{1}");  // somebody before had set a period
+    bench.say_line("@D,e,1,{1}");  // an earlier client had set a period
     ASSERT_TRUE(bench.ready_within());
     bench.board.replies["D,M"] = "@D,e,1,{2}";  // a report on its way
     const auto id = bench.request("D,M", {.answer_tag = 'e'});

@@ -123,7 +123,7 @@ std::shared_ptr<const Dialect> homie(bool elsewhere, bool read_only) {
     return std::make_shared<Homie>(options);
 }
 
-/// What is retained, without who exports and how often a document changed.
+/// What is retained, without which gateway exports and how often a document changed.
 std::map<std::string, std::string> settled(const ExportWorld& world, const Dialect& dialect) {
     auto result = world.retained;
     result.erase(dialect.lease());

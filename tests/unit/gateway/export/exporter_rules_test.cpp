@@ -35,8 +35,8 @@ class ExporterRules : public testing::TestWithParam<DialectRow> {
     }
     std::string distance() const { return topic_of(0); }
     std::string servo() const { return topic_of(1); }
-    /// How often each topic was published, but for the lease and what is published by the broker or says who
-    /// is there.
+    /// How often each topic was published, but for the lease and what is published by the broker or says
+    /// which gateway is there.
     std::map<std::string, std::size_t> sent() const {
         std::map<std::string, std::size_t> result;
         for (const auto& each : world.sent)

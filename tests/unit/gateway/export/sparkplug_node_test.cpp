@@ -357,7 +357,7 @@ TEST_F(SparkplugNodeTest, WhatIsNoCommand_IsCountedAndDropped_AndTheNextOneWorks
     world.ask("DCMD", "/uno1", "", whole(1), 999);
     world.ask("NCMD", "", "Node Control/Reboot", true);
     world.publish(topic, "");
-    world.publish(topic, good, true);  // somebody retained it: it comes again and again
+    world.publish(topic, good, true);  // a client retained it: it comes again and again
     world.retained.erase(topic);
     world.step();
     EXPECT_EQ(world.node(gateway).counters().unknown, 4u);
