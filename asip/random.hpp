@@ -34,7 +34,8 @@ inline std::string random_hex(const Random& random, int digits) {
     return text;
 }
 
-/// The same from the operating system's own generator: nobody can tell them from others that were seen.
+/// The same from the operating system's own generator: no attacker can compute them from others that were
+/// seen.
 inline std::string secret_hex(int digits) {
     return random_hex(
         [device = std::make_shared<std::random_device>()] {

@@ -14,11 +14,11 @@ struct CommandNote {
     std::string_view what;     ///< "command", "stop" or "undone"
     std::string_view service;  ///< empty: raw lines, or the whole board
     std::string_view request;  ///< of a long one the beginning is noted
-    std::string_view by;       ///< who sent it
+    std::string_view by;       ///< its sender
     const bus::Reply& outcome;
     bool proven = true;  ///< false: no answer was wanted, so that no proof was asked for
 };
-/// Notes on `servicebus/BOARD/$commands` who commanded what, behind its answer, for a history. A sender
+/// Notes a command and its sender on `servicebus/BOARD/$commands`, behind its answer, for a history. A sender
 /// without a name is "(unnamed)" there; of its commands those are noted that were proven to be executed.
 void note_command(const Board& board, const CommandNote& note, Effects& out);
 

@@ -22,7 +22,7 @@ struct Failure {
     std::string_view request;  ///< of a long one the beginning is reported
     std::string_view reason;
     std::string_view error;
-    std::string_view by;  ///< who sent it; empty: not known
+    std::string_view by;  ///< its sender; empty: not known
 };
 /// Reports it on the error topic, because its sender wants no answer:
 /// `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.

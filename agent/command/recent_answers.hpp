@@ -24,7 +24,7 @@ class RecentAnswers {
     static constexpr std::size_t kMaxBytes = 2 << 20;
     static constexpr Duration kKept = std::chrono::minutes(1);
 
-    /// What distinguishes a request from others: who sent it where, under which id.
+    /// What distinguishes a request from others: its topic, its sender's reply topic and its id.
     using Key = std::uint64_t;
     static Key key(std::string_view topic, std::string_view reply_topic, std::string_view id);
 

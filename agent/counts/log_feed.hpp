@@ -13,8 +13,8 @@
 namespace asip::agent {
 
 /// Lines of the log as payloads for the bus. Bounded in rate and in memory: kBurst lines at once, then
-/// kPerSecond, and while nobody takes them the newest kMaxKept. What is dropped is counted in the next line
-/// that is kept. Pure.
+/// kPerSecond, and while the agent takes none of them the newest kMaxKept. What is dropped is counted in the
+/// next line that is kept. Pure.
 class LogFeed {
   public:
     static constexpr double kBurst = 50;

@@ -83,7 +83,7 @@ void PortLoan::begin(const bus::ReplyTo& reply, const Lent& board, Time now) {
 }
 
 bus::Reply PortLoan::refusal() const {
-    const auto by = by_.empty() ? "somebody" : by_;
+    const auto by = by_.empty() ? "an unnamed user" : by_;
     return bus::Reply::refused(std::string(bus::kRefusedReleased),
                                load_ ? "firmware is being loaded for " + by
                                      : "the port is released to " + by + " until " + until_text());

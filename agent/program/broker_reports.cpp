@@ -62,16 +62,16 @@ void BrokerReports::announcing_denied() {
     announcing_ = Announcing::kDenied;
     const auto [board, root, user, broker] = agent_();
     if (!denial_.empty() && denial_ != mqtt::kNotAuthorised) {
-        log_.error("the broker refuses the announcement of board " + board + "; nobody will find it",
+        log_.error("the broker refuses the announcement of board " + board + "; no program finds it",
                    {{"why", denial_}, {"broker", broker}});
         return;
     }
     log_.error(
-        "the broker's access control denied announcing board " + board + "; nobody will find it. " +
+        "the broker's access control denied announcing board " + board + "; no program finds it. " +
             (user.empty() ? "A connection without user" : "User " + user) + " must be allowed to write " +
             root + "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
-            "/#. On a secured bus a board's user is called like the board: ask whoever keeps the broker for "
-            "credentials (asipctl secure add board " +
+            "/#. On a secured bus a board's user is called like the board: ask the administrator of "
+            "the broker for credentials (asipctl secure add board " +
             board + ")" + (user.empty() ? "" : ", or call the board " + user + " (--name " + user + ")"),
         {{"user", user}, {"broker", broker}});
 }

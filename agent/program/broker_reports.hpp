@@ -17,7 +17,7 @@ namespace asip::agent {
 /// do. Keeps what has been said; reads no clock.
 class BrokerReports {
   public:
-    /// Who publishes what: for the sentences.
+    /// What the sentences name.
     struct Agent {
         std::string board;
         std::string topic_root;

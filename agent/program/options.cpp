@@ -25,7 +25,7 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
                          ->group("Board"));
     settings.setting(
         app.add_option("--firmware-dir", raw.firmware_dir,
-                       "Folder of the firmware that may be loaded into the board when somebody asks "
+                       "Folder of the firmware that may be loaded into the board when a user asks "
                        "for it: AsipServices-uno.hex, AsipServices-mega.hex")
             ->capture_default_str()
             ->group("Board"));
@@ -83,7 +83,8 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
             ->capture_default_str()
             ->group("Bus"));
     settings.setting(app.add_option("--resting-period", raw.resting_period,
-                                    "With --reports on-demand: period where nobody demands; 0s: no reports")
+                                    "With --reports on-demand: period while no program demands reports; "
+                                    "0s: no reports")
                          ->capture_default_str()
                          ->group("Bus"));
     settings.setting(

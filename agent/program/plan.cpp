@@ -34,7 +34,7 @@ constexpr const char* kExamples =
     "  asip-agent --serial /dev/ttyACM0 --label room=lab,floor=2\n"
     "      Labels by which asipctl and programs choose boards.\n"
     "  asip-agent --serial /dev/ttyACM0 --reports on-demand --resting-period 10s\n"
-    "      Values as often as somebody wants them, and one in 10 s while nobody does.\n"
+    "      Values as often as programs want them, and one in 10 s while no program does.\n"
     "  asip-agent --serial /dev/ttyACM0 --listen 6789\n"
     "      Clients without MQTT may connect to port 6789, with plain lines or Java's writeUTF frames.\n"
     "  asip-agent --config /etc/asip/boards.conf\n"

@@ -25,7 +25,7 @@ class Context {
     /// `board` must outlive it.
     Context(const Board& board, ContextOptions options) : board_(board), options_(std::move(options)) {}
 
-    /// `by`: who sent the request that the line is an error of; empty: not known.
+    /// `by`: the sender of the request that the line is an error of; empty: not known.
     void on_line(const protocol::ParsedLine& line, Effects& out, std::string_view by = {});
 
     /// Events that do not fit the model of their service.

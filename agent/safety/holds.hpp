@@ -29,7 +29,7 @@ class Holds {
         Duration length{};
         Time ends{};
         session::RequestId request = 0;
-        std::string by{};  ///< who sent it; empty: not known
+        std::string by{};  ///< its sender; empty: not known
     };
 
     /// False: there are kMax other holds. To be asked before begin().

@@ -24,7 +24,7 @@ namespace asip::agent {
 /// The request that undoes `request`, by the model of its service; empty where none does or none is known.
 std::string safe_form_of(const session::ServiceTable& services, const protocol::Request& request);
 
-/// Makes the board safe when a hold is not renewed in time, when somebody stops the board, and when the agent
+/// Makes the board safe when a hold is not renewed in time, when a user stops the board, and when the agent
 /// ends. Needs neither bus nor sender for that. It counts on nothing but the board's own confirmation: each
 /// line that makes the board safe is sent again until the board is known to have executed or refused it.
 /// Pure; send() sends what is due.

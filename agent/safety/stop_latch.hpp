@@ -16,7 +16,7 @@ class StopLatch {
   public:
     /// As it was kept. What cannot be read counts as a stop: it may be one.
     void load(Expected<std::optional<model::StopInfo>> kept);
-    /// True: it was not stopped before. Who stopped it first stays.
+    /// True: it was not stopped before. The sender of the first stop stays.
     bool stop(std::string by, std::string why, std::string since);
     /// True: it was stopped.
     bool resume();

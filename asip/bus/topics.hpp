@@ -14,8 +14,8 @@ enum class TopicKind {
     kDescription,      ///< ROOT/servicebus/BOARD/$description
     kStats,            ///< ROOT/servicebus/BOARD/$stats: what its agent counts
     kLog,              ///< ROOT/servicebus/BOARD/$log: what its agent reports to people
-    kCommands,         ///< ROOT/servicebus/BOARD/$commands: who commanded what
-    kDemand,           ///< ROOT/servicebus/BOARD/$demand/USER/CLIENT: who wants its values, and how often
+    kCommands,         ///< ROOT/servicebus/BOARD/$commands: commands and their senders
+    kDemand,           ///< ROOT/servicebus/BOARD/$demand/USER/CLIENT: how often CLIENT wants its values
     kProbe,            ///< ROOT/servicebus/$probe
     kBoardOut,         ///< ROOT/BOARD/out: raw lines
     kBoardIn,          ///< ROOT/BOARD/in: raw lines

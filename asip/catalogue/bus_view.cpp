@@ -26,7 +26,7 @@ bool is_announcement(TopicKind kind) {
            kind == TopicKind::kDescription;
 }
 
-/// Why nobody can use the message; empty where it is only older than what is known.
+/// Why no program can use the message; empty where it is only older than what is known.
 std::string fault_of(const mqtt::Message& message, Refusal refusal) {
     switch (refusal) {
         case Refusal::kBadName:

@@ -181,7 +181,7 @@ class Catalogue {
     /// Boards or services, one page. Fails with a sentence on a cursor or a sort order that is none.
     /// Find::kHistory is not the catalogue's. The answer's seq is set; id, registry and epoch are left to the
     /// caller.
-    /// `view`: whose answer it is; null: of somebody who sees everything. Of a BoardItem its services are
+    /// `view`: whose answer it is; null: of a user who sees everything. Of a BoardItem its services are
     /// left to the caller.
     Expected<bus::Answer> find(const bus::Query& query, Instant now, const View* view = nullptr);
     /// `full`: with its whole description.
@@ -204,7 +204,7 @@ class Catalogue {
     void count_refused(Refusal refusal);
     /// Services now, by kind.
     std::vector<std::pair<std::string, std::size_t>> services_by_kind() const;
-    /// The same of what somebody sees, and boards by state. Where something is hidden it looks at every
+    /// The same of what a user sees, and boards by state. Where something is hidden it looks at every
     /// board.
     std::vector<std::pair<std::string, std::size_t>> services_by_kind(const View& view) const;
     std::array<std::size_t, kStates> boards_by_state(const View& view) const;

@@ -40,7 +40,7 @@ std::string Catalogue::Impl::check() const {
         if (slot_of(b.name) != slot) return b.name + ": not found by its name";
         if (!model::valid_board_name(b.name)) return b.name + ": invalid name";
         if (b.effective != b.reported && b.effective != model::BoardState::kLost)
-            return b.name + ": a state that nobody reported";
+            return b.name + ": a state that no message reported";
         if (b.described == b.session.empty())
             return b.name + ": description without session, or the other way";
         const auto due = wheel_.due(slot);

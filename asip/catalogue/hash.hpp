@@ -31,7 +31,7 @@ constexpr WideProduct multiply(std::uint64_t a, std::uint64_t b) {
 #endif
 }
 
-/// A hash of bytes that strangers choose: who does not know the seed cannot pick texts that collide.
+/// A hash of bytes that strangers choose: a stranger without the seed cannot pick texts that collide.
 inline std::uint64_t hash_bytes(std::string_view text, std::uint64_t seed) {
     const auto mix = [](std::uint64_t a, std::uint64_t b) {
         const auto product = multiply(a, b);

@@ -9,7 +9,7 @@
 namespace asip::catalogue {
 
 /// All boards in the order of their names, and for each a label (a number that orders like its name), so that
-/// every other index compares numbers. New boards are put in place when somebody asks: a hundred thousand at
+/// every other index compares numbers. New boards are put in place when a caller asks: a hundred thousand at
 /// once are sorted once, not one by one.
 class NameOrder {
   public:

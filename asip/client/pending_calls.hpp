@@ -13,8 +13,8 @@
 
 namespace asip::client {
 
-/// Calls under way, each waiting for its one outcome: begin(), then send, then wait() while somebody calls
-/// finish().
+/// Calls under way, each waiting for its one outcome: begin(), then send, then wait() until the
+/// transport calls finish().
 class PendingCalls {
   public:
     using Id = std::uint64_t;

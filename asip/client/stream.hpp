@@ -34,10 +34,10 @@ class Stream {
     /// The same, but kTimeout when none came for `limit`.
     Awaitable<T> next(Duration limit) const { return next_of(state_, Clock::now() + limit); }
 
-    /// How many events were dropped because nobody fetched them.
+    /// How many events were dropped because the program did not fetch them.
     std::uint64_t dropped() const { return state_ ? state_->dropped : 0; }
 
-    // What feeds it. Both do nothing to a stream nobody holds any more.
+    // What feeds it. Both do nothing to a stream that no program holds any more.
     struct State;
     static void push(const std::weak_ptr<State>& state, T value);
     static void close(const std::weak_ptr<State>& state);

@@ -13,7 +13,7 @@
 
 namespace asip::client {
 
-/// How many values a second are wanted by who does not say it.
+/// How many values a second a caller wants that does not say it.
 inline constexpr double kUsualHz = 10;
 
 /// A service a board offers, as far as the caller of Board needs to know it.

@@ -87,8 +87,8 @@ class Port final : public CoreStream<Descriptor, SerialPort> {
     ~Port() override { Port::close(); }
 
     void close() override {
-        // The mark belongs to the terminal, not to us: where somebody else keeps a pseudo-terminal open it
-        // would stay.
+        // The mark belongs to the terminal, not to us: where another program keeps a pseudo-terminal open
+        // it would stay.
         if (socket().is_open()) ioctl(fd(), TIOCNXCL);
         CoreStream::close();
     }

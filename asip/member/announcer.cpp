@@ -263,9 +263,9 @@ void Announcer::challenge(const model::Description& other, const std::string& ho
 void Announcer::tick(Time now, Announcements& out) {
     if (challenge_ && now >= challenge_->ends) {
         out.log(program::log::Level::kWarning,
-                "an announcement of this board came from nobody who lives; putting it right",
+                "an announcement of this board came from no living agent; putting it right",
                 {{"from", challenge_->holder}});
-        // Ours has to be the later session, or nobody believes it.
+        // Ours has to be the later session, or no program believes it.
         session_ = session_behind(challenge_->session, options_.started_unix, random_);
         challenge_.reset();
         retained_until_.reset();

@@ -24,24 +24,24 @@ struct AnnouncerOptions {
     /// Whether the board's name goes out on the topic that all boards share, too. No access rule can tie that
     /// one to its sender: a secured bus denies it.
     bool on_shared_topic = true;
-    /// The name is stored on the board: while that is not there, whoever has it may claim its name.
+    /// The name is stored on the board: while that is not there, an agent that has it may claim its name.
     bool name_of_board = false;
 };
 
 /// Claims a board's name on the bus, announces the board, keeps its lease, answers probes, and puts its
-/// `$state` right when somebody else (a late will) wrote it.
+/// `$state` right when another sender (a late will) wrote it.
 ///
 /// A claim asks whether a living agent holds the name, by a probe, and waits 1.3 s for its announcement. Once
 /// established, an announcement of an older session is a ghost. One of a later session means that the name
-/// was taken over, if its agent answers a probe with another one; a single message that nobody stands behind
-/// is put right.
+/// was taken over, if its agent answers a probe with another one; a single message with no living agent
+/// behind it is put right.
 ///
 /// The description holds the state of the board, why, and for how long. Each change of it is announced at
 /// once: the description first, so that a reader of both learns of it once and with its reason.
 ///
 /// Nothing is announced before the broker granted the subscriptions that commands come by. A lease is renewed
 /// by one message, the description, with QoS 0: it outlives one that is lost. Names are published when
-/// something changed or somebody probed.
+/// something changed or a program probed.
 ///
 /// Where what is retained does not expire, the broker is told to retain the same only once a lease.
 class Announcer {
@@ -54,8 +54,8 @@ class Announcer {
     /// The state of the board from `now` on, and why. Announced at once where established.
     void set_state(model::BoardState state, model::StateReason reason, Time now, Announcements& out);
     model::BoardState state() const { return state_; }
-    /// JSON text that stands in the description as "updating": who has the board's port, and until when.
-    /// Empty: nobody. Announced as describe() is.
+    /// JSON text that stands in the description as "updating": the program that has the board's port, and
+    /// until when. Empty: no other program. Announced as describe() is.
     void set_updating(std::string json);
 
     /// See AnnouncerOptions::on_shared_topic: from now on not.
@@ -90,7 +90,7 @@ class Announcer {
     mqtt::Message will() const;
 
   private:
-    /// An announcement of a later session, which has to show that somebody lives behind it.
+    /// An announcement of a later session, which has to show that a living agent is behind it.
     struct Challenge {
         std::string session;
         std::uint64_t seq = 0;

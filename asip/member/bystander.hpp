@@ -9,7 +9,7 @@
 
 namespace asip::member {
 
-/// What a member of the bus that executes nothing does with commands: it refuses each, so that who sent one
+/// What a member of the bus that executes nothing does with commands: it refuses each, so that its sender
 /// knows. Pure.
 class Bystander {
   public:

@@ -35,7 +35,7 @@ enum class StateReason {
     kReleased,   ///< another program has the port
     kStopped,    ///< the agent ended in order
     kConflict,   ///< two living agents claim the name
-    kLatched,    ///< it is there, and takes no commands until somebody resumes it
+    kLatched,    ///< it is there, and takes no commands until a user resumes it
 };
 
 /// The word on the bus: "unplugged", "silent", "agent-gone", "expired", "released", "stopped", "conflict",

@@ -46,7 +46,7 @@ struct LinkInfo {
     friend bool operator==(const LinkInfo&, const LinkInfo&) = default;
 };
 
-/// Who serves the board.
+/// The agent that serves the board.
 struct AgentInfo {
     std::string version;
     std::string host;    ///< name of its machine
@@ -54,17 +54,17 @@ struct AgentInfo {
     friend bool operator==(const AgentInfo&, const AgentInfo&) = default;
 };
 
-/// Of a board that reports on demand: its values come only while somebody demands them (bus/demand.hpp). In
+/// Of a board that reports on demand: its values come only while a program demands them (bus/demand.hpp). In
 /// milliseconds, 0 to 65535.
 struct OnDemandInfo {
     int fastest = 0;  ///< period that demands can bring a service to
-    int resting = 0;  ///< period where nobody demands; 0: it does not report then
+    int resting = 0;  ///< period while no program demands values; 0: it does not report then
     friend bool operator==(const OnDemandInfo&, const OnDemandInfo&) = default;
 };
 
 /// Of a board that was stopped and takes no commands until it is resumed.
 struct StopInfo {
-    std::string by;     ///< who stopped it, as the sender said
+    std::string by;     ///< the name that the sender of the stop gave
     std::string why;    ///< in the sender's words
     std::string since;  ///< time of day by the agent's clock
     friend bool operator==(const StopInfo&, const StopInfo&) = default;

@@ -20,7 +20,7 @@ bool is_reserved(std::string_view name) {
     return std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end();
 }
 
-// A folder in a path and in a web address: whoever asked for the board would get something else.
+// A folder in a path and in a web address: a program that asked for the board would get something else.
 bool is_folder(std::string_view name) {
     return name == "." || name == "..";
 }

@@ -29,7 +29,7 @@ struct Unsubscribe {
     std::string filter;
 };
 
-/// Send UNSUBSCRIBE of a filter that nobody subscribed to, then call check_sent().
+/// Send UNSUBSCRIBE of a filter that the client never subscribed to, then call check_sent().
 struct Check {};
 
 /// Send the message ClientCore::to_send(), then call publish_sent().

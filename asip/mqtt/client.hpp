@@ -42,8 +42,8 @@ struct ConnectionFailure {
     /// ours: access rules may have denied it.
     unsigned after_sending = 0;
 
-    /// Whether trying this broker again cannot help until somebody changes something: kTls, kBadCredentials
-    /// or kTakenOver, unless it may pass.
+    /// Whether trying this broker again cannot help until a user changes something: kTls, kBadCredentials or
+    /// kTakenOver, unless it may pass.
     bool fatal() const;
 };
 
@@ -143,9 +143,9 @@ class Client {
     void unsubscribe(const std::string& filter);
 
     /// Asks the broker for an answer that comes in order with messages: the broker wrote whatever is received
-    /// behind the answer after this call. (It is the answer to UNSUBSCRIBE of a filter that nobody subscribed
-    /// to.) `answered` is called once, or never if the connection ends before. False: not connected, or the
-    /// check before has no answer yet.
+    /// behind the answer after this call. (It is the answer to UNSUBSCRIBE of a filter that the client never
+    /// subscribed to.) `answered` is called once, or never if the connection ends before. False: not
+    /// connected, or the check before has no answer yet.
     bool check(std::function<void()> answered);
 
     /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the

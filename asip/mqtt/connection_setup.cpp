@@ -19,7 +19,7 @@ int Connection::configure() {
     // Without it a QoS 1 round trip waits for a delayed acknowledgement: 44 ms instead of 0.09.
     mosquitto_int_option(m, MOSQ_OPT_TCP_NODELAY, 1);
     // Else libmosquitto writes each packet at once, and acknowledges a message before it hands it out:
-    // whoever waits for what the message says would wait for that, too. See write_out().
+    // a program that waits for what the message says would wait for that, too. See write_out().
     mosquitto_threaded_set(m, true);
     if (!options_.user.empty()) {
         mosquitto_username_pw_set(m, options_.user.c_str(), or_null(options_.password));

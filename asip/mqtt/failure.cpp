@@ -34,11 +34,11 @@ std::string words(int code) {
 }
 
 std::string user_named(const std::string& user) {
-    return user.empty() ? "whoever has no user" : "user " + user;
+    return user.empty() ? "a connection without user" : "user " + user;
 }
 
 std::string who_may_grant(const std::string& role) {
-    return "; whoever keeps the broker can give credentials that may: asipctl secure add " + role;
+    return "; the administrator of the broker can give credentials that may: asipctl secure add " + role;
 }
 
 }  // namespace
@@ -104,13 +104,13 @@ ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, cons
     }
     const std::string whom =
         options.user.empty()
-            ? "a connection without user; ask whoever keeps the broker for credentials (asipctl secure "
-              "add) and give them by --credentials"
+            ? "a connection without user; ask the administrator of the broker for credentials "
+              "(asipctl secure add) and give them by --credentials"
         : connack_code == MQTT_RC_BANNED
             ? "user \"" + options.user + "\": banned"
             : "user \"" + options.user +
-                  "\"; check user and password, or ask whoever keeps the broker for new "
-                  "ones (asipctl secure)";
+                  "\"; check user and password, or ask the administrator of the broker for "
+                  "new ones (asipctl secure)";
     return {Kind::kBadCredentials, broker, connack_code, broker.describe() + " refused " + whom};
 }
 

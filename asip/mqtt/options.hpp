@@ -43,8 +43,8 @@ struct Options {
     std::vector<BrokerAddress> brokers{BrokerAddress{}};  ///< at least one; tried in turn
     /// The name of this client, unique for each process; empty: made up. The name is published, in reply
     /// topics for example. Brokers end the older of two connections with the same identifier. The identifier
-    /// that a broker sees is therefore the name with 64 random bits behind it, which nobody publishes. Where
-    /// there are several brokers, the bits are others on each connection (see Identifier).
+    /// that a broker sees is therefore the name with 64 random bits behind it, which no program publishes.
+    /// Where there are several brokers, the bits are others on each connection (see Identifier).
     std::string client_id;
     std::string user;
     std::string password;
@@ -72,9 +72,9 @@ struct Options {
     /// dropped and the next broker tried. Zero: left to the keep-alive.
     Duration unreceived_timeout = std::chrono::seconds(5);
     /// The broker delivers no larger packets to us (MQTT 5; on 3.1.1 only the broker's own limit holds). This
-    /// bounds our memory against everybody who may publish. It must be clearly above the limit of the broker,
-    /// 1 MiB in our configurations: Mosquitto takes a message that is too large for a subscriber, and never
-    /// frees the place that this message has among the 20 of QoS 1 that may be on their way to the
+    /// bounds our memory against every client that may publish. It must be clearly above the limit of the
+    /// broker, 1 MiB in our configurations: Mosquitto takes a message that is too large for a subscriber, and
+    /// never frees the place that this message has among the 20 of QoS 1 that may be on their way to the
     /// subscriber. 0: no limit.
     std::uint32_t max_packet_bytes = kMaxPacketBytes;
     /// How often this client looks whether the broker still delivers messages of QoS 1 (MQTT 5, see
@@ -98,7 +98,7 @@ struct Options {
     /// libmosquitto's own log goes to Handlers::on_debug, too. It costs some 1,500 instructions a packet.
     bool packet_log = false;
 
-    /// Whether the broker knows who we are, and may have rules for us.
+    /// Whether the broker knows our user, and may have rules for it.
     bool has_user() const { return !user.empty() || !cert_file.empty(); }
 
     std::optional<Message> will;  ///< published by the broker when the connection is lost

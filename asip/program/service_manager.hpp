@@ -7,7 +7,7 @@ namespace asip::program {
 /// Whether the program was started by a service manager that wants to be told (systemd, Type=notify).
 bool has_service_manager();
 
-/// Whether the program was started to serve without anybody at a terminal who sees it end: by systemd, or as
+/// Whether the program was started to serve without a person at a terminal who sees it end: by systemd, or as
 /// the first process of a container. Then it does not end over what may pass.
 bool supervised();
 

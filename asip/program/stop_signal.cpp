@@ -17,7 +17,7 @@ struct StopSignal::State : std::enable_shared_from_this<State> {
         if (hangup_stops) signals.add(SIGHUP);
     }
 
-    /// The second SIGHUP may come as late as this, when nobody waits for signals any more.
+    /// The second SIGHUP may come as late as this, when no handler waits for signals any more.
     ~State() {
         if (!asked || !hangup_stops) return;
         sigset_t hangup, before;

@@ -18,7 +18,7 @@ bool ignored(int signal);
 /// io_context busy until cancelled or destroyed.
 class StopSignal {
   public:
-    enum class Hangup { kStops, kElsewhere };  ///< who handles SIGHUP; nobody where it is ignored
+    enum class Hangup { kStops, kElsewhere };  ///< what handles SIGHUP; nothing where it is ignored
 
     StopSignal(boost::asio::io_context& io, std::function<void(int signal)> stop,
                Hangup hangup = Hangup::kStops);

@@ -12,7 +12,7 @@
 
 namespace asip::protocol {
 
-/// A name that somebody gave, fit to be shown: characters of UTF-8 stay, what is none becomes `?`, and so do
+/// A name that a user gave, fit to be shown: characters of UTF-8 stay, what is none becomes `?`, and so do
 /// control characters.
 std::string readable_name(std::string_view name);
 

@@ -16,7 +16,7 @@ namespace asip::session {
 
 /// Names one submitted request; not used twice by one session, never 0.
 using RequestId = std::uint64_t;
-/// Whoever sends requests; chosen by the caller. Requests of one client keep their order.
+/// A sender of requests; the caller chooses the number. Requests of one client keep their order.
 using ClientId = std::uint64_t;
 /// Whether an event of the right service and tag can be the answer to a request; one that cannot is damaged.
 using AnswerCheck = std::function<bool(const protocol::Event&)>;

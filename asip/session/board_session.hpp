@@ -55,7 +55,7 @@ inline constexpr Duration kDefaultDeadline = std::chrono::seconds(5);
 inline constexpr Duration kDefaultAnswerTime = std::chrono::seconds(1);
 
 struct RequestOptions {
-    /// Who sends it. Clients are served in turn; of one client each request comes after the one before.
+    /// Its sender. Clients are served in turn; of one client each request comes after the one before.
     ClientId client = 0;
     /// It ends at this time at the latest, and is not sent later. None: kDefaultDeadline from now.
     std::optional<Time> deadline{};

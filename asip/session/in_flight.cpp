@@ -169,7 +169,7 @@ void InFlight::finish(Batch batch, bool missing, Time now, std::vector<RequestEn
     bytes_ -= batch.bytes;
     for (Item& item : batch.items) {
         if (item.ended) {
-            // It was executed after its end. Nobody is told, but what it set holds.
+            // It was executed after its end. No client is told, but what it set holds.
             if (missing || item.doubted || item.suspected || item.error) continue;
             item.request.id = 0;
             ended.push_back({std::move(item.request), Ending::kExecuted});

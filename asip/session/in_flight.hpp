@@ -18,7 +18,7 @@ namespace asip::session {
 /// executed and wait for their value. Decides how each ends.
 ///
 /// An error of the board names one request of a batch: they differ in service or tag. Requests of one client
-/// need not differ where nobody wants their proof, or where the fence is a verified one: the digest tells
+/// need not differ where it wants no proof, or where the fence is a verified one: the digest tells
 /// which of them had an error.
 class InFlight {
   public:
@@ -62,12 +62,12 @@ class InFlight {
     bool turns_reports_off(char service) const;
     /// Then the board has sent what others asked for that ended without it, as far as fences show until then
     /// that it does not stand still (see_again()): one behind that moment shows that it does not come any
-    /// more. Time::min(): nobody did.
+    /// more. Time::min(): no other request did.
     Time owed_until(const Request& next, Time now) const;
     /// When the next fence is to be sent so that it shows that.
     Time see_again() const { return last_back_ + longest_gap() / 2; }
-    /// The same where one is to be sent though nobody waits; Time::max(): none is. A client that has little
-    /// time would never wait for it.
+    /// The same where one is to be sent though no client waits; Time::max(): none is. A client that has
+    /// little time would never wait for it.
     Time look_at() const;
     void looked();
     /// Whether the value of such a request was seen to take longer than its fence.
@@ -101,7 +101,7 @@ class InFlight {
 
     /// Ends everything: in doubt, or as timed out.
     void end_all(Ending ending, std::vector<RequestEnd>& ended);
-    /// The board restarted: it sends nothing any more that somebody asked for before.
+    /// The board restarted: it sends nothing any more that a client asked for before.
     void forget_owed() { owed_.clear(); }
 
     /// Not after the moment when one of the above changes something.
@@ -120,7 +120,7 @@ class InFlight {
         bool asked = false;  // a question whose answer has not come
         bool doubted = false;
         std::uint64_t number = 0;   // in the order of sending
-        bool follows_owed = false;  // an event of that tag may come that somebody before it asked for
+        bool follows_owed = false;  // an event of that tag may come that a request before it asked for
         // Or one of reports. Only those behind its fence count
         bool behind_fence = false;
         bool has_value = false;

@@ -292,7 +292,7 @@ std::optional<Time> Machine::next_deadline() const {
     return std::min(deadline, std::visit([&](const auto& state) { return this->deadline(state); }, state_));
 }
 
-// Nobody listened: that nothing was heard says nothing.
+// The program did not listen: that it heard nothing says nothing.
 void Machine::not_watched(Time since, Time now) {
     const auto later = [&](Time time) { return std::min(now, time + (now - since)); };
     last_byte_ = later(last_byte_);

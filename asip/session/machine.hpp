@@ -130,7 +130,7 @@ class Machine {
         Time reported{};  // the last report
         Duration patience{};
         bool pending = false;  // it is being set
-        Duration gap{};        // between reports that nobody asked for, on average
+        Duration gap{};        // between reports that no request asked for, on average
         int gaps = 0;
     };
     void note_renewed(char service);

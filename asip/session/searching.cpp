@@ -35,7 +35,7 @@ void Machine::on_error(Searching& state, const protocol::ErrorReply& error, std:
                        Actions& out) {
     state.search.heard();
     if (error.code != static_cast<int>(protocol::ErrorCode::kBadChecksum) || checksums_seen_) return;
-    // Left with checksums on by somebody before us.
+    // A program before us left checksums on.
     checksums_seen_ = true;
     auto lines = wire_.switching_lines(false);
     lines.emplace_back(protocol::kAskInfo);

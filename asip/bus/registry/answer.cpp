@@ -56,7 +56,7 @@ std::string encode_models(const json& envelope, const std::vector<std::string>& 
     return text;
 }
 
-/// One line, whoever wrote it.
+/// One line, whatever program wrote it.
 bool append_line(std::string_view object, std::string& lines) {
     if (object.front() != '{') return false;
     const bool one_line = object.find('\n') == object.npos && object.find('\r') == object.npos;

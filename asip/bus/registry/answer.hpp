@@ -17,7 +17,7 @@ namespace asip::bus {
 /// otherwise only `id` and `registry`.
 struct Answer {
     std::string id;        ///< of the request
-    std::string registry;  ///< who answers
+    std::string registry;  ///< the one that answers
     std::string epoch;     ///< differs each time a registry starts counting anew
     /// The items hold after the change events of `epoch` up to this number. In a burst, of boards whose
     /// changes wait to be reported, they hold those changes already: their events follow, and say nothing
@@ -50,7 +50,7 @@ std::string encode(const Answer& answer);
 /// its rows are not those of a brief answer.
 Expected<Answer> parse_answer(std::string_view payload);
 
-/// An answer whose boards or services stay text, for who passes them on: in a tenth of the time.
+/// An answer whose boards or services stay text, for a program that passes them on: in a tenth of the time.
 struct AnswerLines {
     Answer answer;      ///< without them
     std::string lines;  ///< each a JSON object on a line of its own, as it was written

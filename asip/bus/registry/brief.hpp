@@ -16,8 +16,8 @@
 /// CONFLICT may be missing: false. So may both REASON (of the state) and FOR (seconds it has been in it).
 namespace asip::bus {
 
-/// One row. The members are those of BoardItem. The texts belong to the BriefRows it is in, or to who made
-/// it.
+/// One row. The members are those of BoardItem. The texts belong to the BriefRows it is in, or to the
+/// caller that made it.
 struct BriefBoard {
     std::string_view board;
     std::string_view state;  ///< effective

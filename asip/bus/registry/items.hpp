@@ -80,10 +80,10 @@ struct HistoryItem {
     std::string was;     ///< before it; empty for other than "state"
     std::string reason;  ///< a word of model::StateReason; of a command: why it is not "ok", as Reply::reason
     // Of a command only:
-    std::string by{};       ///< who sent it, as the sender said
+    std::string by{};       ///< the name that its sender gave
     std::string service{};  ///< empty: raw lines, or the whole board
     std::string request{};  ///< its beginning
-    std::string status{};   ///< Reply::status in words; "sent": nobody wanted an answer
+    std::string status{};   ///< Reply::status in words; "sent": its sender wanted no answer
     int count = 0;          ///< of commands that differ in their arguments alone, within a second; 0: one
 
     bool is_command() const { return !by.empty(); }

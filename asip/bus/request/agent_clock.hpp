@@ -14,8 +14,8 @@ namespace asip::bus {
 /// The name of a reading, as MQTT 5 user property and as member of requests and answers.
 inline constexpr std::string_view kClockName = "clock";
 
-/// The clock by which an agent counts deadlines, for those who ask: a command that says when it was sent, by
-/// the clock of the agent that gets it, is never executed late, however long brokers held it and whatever
+/// The clock by which an agent counts deadlines, for programs that ask: a command that says when it was sent,
+/// by the clock of the agent that gets it, is never executed late, however long brokers held it and whatever
 /// the clocks of the machines say. A reading is text, `1f3c09aa-123456`: which start of which agent (random),
 /// and milliseconds.
 class AgentClock {

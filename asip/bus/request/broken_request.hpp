@@ -5,7 +5,7 @@
 
 namespace asip::bus {
 
-/// What can be read of a request that is no JSON, so that whoever sent it gets the refusal.
+/// What can be read of a request that is no JSON, so that its sender gets the refusal.
 struct BrokenRequest {
     /// An object: of `reply_to`, `id` and `by` what stands before the fault.
     nlohmann::json members = nlohmann::json::object();

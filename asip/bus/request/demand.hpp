@@ -16,10 +16,10 @@ inline constexpr std::size_t kMaxDemandedServices = 32;
 inline constexpr std::chrono::seconds kMaxDemandLease{300};
 inline constexpr std::chrono::seconds kDemandLease{15};
 
-/// Values a second that are demanded by who does not say how many.
+/// Values a second of a demand that does not say how many.
 inline constexpr double kUsualHz = 10;
 
-/// The values of one board that somebody wants, as long as the lease runs: a message on
+/// The values of one board that a program wants, as long as the lease runs: a message on
 /// ROOT/servicebus/BOARD/$demand/USER/CLIENT. It replaces the one before from there.
 struct Demand {
     /// Names of services, patterns allowed (`*`, `?`), and how many values a second are enough, above 0.

@@ -14,7 +14,7 @@
 /// The answer has all of them as they are then; its proof says that they are on the disk.
 namespace asip::bus {
 
-/// Its payload, with who asks.
+/// Its payload, with its sender's name.
 std::string encode(const model::LabelChange& change, const std::string& by);
 /// Whether a request of a board is one of these.
 bool is_label_request(const nlohmann::json& object);

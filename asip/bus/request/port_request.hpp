@@ -30,7 +30,7 @@ struct PortRequest {
     friend bool operator==(const PortRequest&, const PortRequest&) = default;
 };
 
-/// Its payload, with who asks (PortRequest of another `by` are refused while it is released).
+/// Its payload, with its sender's name (PortRequest of another `by` are refused while it is released).
 std::string encode(const PortRequest& request, const std::string& by);
 /// Whether a request of a board is one of these.
 bool is_port_request(const nlohmann::json& object);

@@ -15,7 +15,7 @@ struct ReplyTo {
     std::string topic;        ///< empty: no answer is wanted
     std::string correlation;  ///< MQTT 5 correlation data, sent back as it came
     std::string id;           ///< the requester's `id`, sent back inside the JSON
-    /// Who asks, as the requester says (a gateway: the name of the token); sent back inside the JSON.
+    /// The requester's name, as it says itself (a gateway: the name of the token); sent back inside the JSON.
     std::string by{};
     bool properties = false;  ///< asked over MQTT 5: the answer may have user properties
     bool clock = false;       ///< the agent's clock is wanted with the answer

@@ -12,9 +12,9 @@ std::string user_level(std::string_view user);
 
 /// Where the answers to one program's requests come: ROOT/reply/USER/ASKED/CLIENT. USER is the program's user
 /// of the broker, ASKED the board that is asked or `registry`, CLIENT what no other program has. So the
-/// broker's access rules can keep others from reading an answer (by USER), and from giving one for somebody
-/// else (by ASKED). Where the broker has
-/// no users, answers go to any topic that a request names; else see may_answer_on().
+/// broker's access rules can keep others from reading an answer (by USER), and from giving one for
+/// another answerer (by ASKED). Where the broker has no users, answers go to any topic that a request names;
+/// else see may_answer_on().
 class ReplyTopics {
   public:
     /// `user` becomes user_level(). `client`: one or more levels that are valid in a topic.
@@ -29,7 +29,7 @@ class ReplyTopics {
     std::string filter() const { return of("+"); }
     /// Where the answer to a request on `request_topic` comes.
     std::string to(std::string_view request_topic) const;
-    /// A topic that the program itself writes and reads, and nobody else.
+    /// A topic that only the program itself writes and reads.
     std::string own() const { return of("$self"); }
     /// Of all programs of this user: own() without CLIENT.
     std::string own_of_all() const { return prefix_ + "$self"; }
@@ -48,7 +48,7 @@ class ReplyTopics {
 
 /// Whether `answerer`, a board or `registry`, answers on this topic where the broker knows its users:
 /// ROOT/reply/USER/ANSWERER/CLIENT. The rules of the broker let an answerer write more than that, values of
-/// its board for example, and the one who asks names the topic.
+/// its board for example, and the requester names the topic.
 bool may_answer_on(std::string_view topic, const Topics& topics, std::string_view answerer);
 
 }  // namespace asip::bus

@@ -20,7 +20,7 @@ inline constexpr int kMaxJsonDepth = 16;                ///< of objects and arra
 inline constexpr std::size_t kMaxRequestIdBytes = 128;
 inline constexpr std::size_t kMaxCorrelationBytes = 256;
 inline constexpr std::size_t kMaxReplyTopicBytes = 512;
-inline constexpr std::size_t kMaxByBytes = 64;  ///< of who asks; of a longer name the beginning counts
+inline constexpr std::size_t kMaxByBytes = 64;  ///< of the sender; of a longer name the beginning counts
 /// The shortest and the longest `deadline_ms`: within what time a command is to be answered.
 inline constexpr std::chrono::milliseconds kMinDeadline{50};
 inline constexpr std::chrono::milliseconds kMaxDeadline{60'000};

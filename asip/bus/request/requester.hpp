@@ -69,7 +69,7 @@ class Requester {
     Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now, const More& more);
 
     /// Give it every message that arrives. True: it was on a reply topic, and is dealt with. What comes on
-    /// the topic of somebody else than was asked is no answer.
+    /// the topic of another answerer than was asked is no answer.
     bool take(const mqtt::Message& message, Time now = Clock::now());
 
   private:
