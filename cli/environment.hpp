@@ -38,8 +38,8 @@ inline tl::unexpected<Failure> failure(int status, std::string text) {
     return tl::unexpected<Failure>(Failure{status, std::move(text)});
 }
 
-/// Ctrl-C, or the end of who reads the output, while something was asked or looked for: nothing is known of
-/// it.
+/// Ctrl-C, or the end of the program that reads the output, while something was asked or looked for:
+/// nothing is known of it.
 constexpr std::string_view kInterrupted = "interrupted";
 inline tl::unexpected<Failure> interrupted() {
     return failure(program::kExitFailure, std::string(kInterrupted));
@@ -67,7 +67,7 @@ struct Environment {
 
     /// Service models; the standard ones are read when first asked for, which `asipctl list` never does.
     const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }
-    /// All that may be typed, for who reads lines: the verbs and their options.
+    /// All that may be typed, for a reader of lines: the verbs and their options.
     const CLI::App* command_line = nullptr;
     /// What `asipctl VERB --help` prints (without a verb: `asipctl --help`), or the nearest verb.
     std::function<Outcome<std::string>(const std::string& verb)> help{};
@@ -79,7 +79,7 @@ struct Environment {
     bool output_ended() const;
     /// `asipctl: TEXT` on standard error.
     void note(const std::string& text) const;
-    /// The same, and the status to end with. Nobody is told that he himself has stopped reading.
+    /// The same, and the status to end with. A reader that has stopped reading is not told so.
     int fail_with(const Failure& failure) const;
 };
 

@@ -37,7 +37,7 @@ inline constexpr std::chrono::milliseconds kAnswerTime{500};
 Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& session,
                               const BoardCommand& command);
 
-/// Who runs asipctl, for requests that say by whom they are: the user of the broker, else the login name.
+/// The user of asipctl, for requests that name their sender: the user of the broker, else the login name.
 std::string who_asks(const Environment& environment);
 
 /// What an answer means for the exit status: 0, 1 (refused by the agent or the board) or 4 (the board was
@@ -50,7 +50,7 @@ std::string explain(const bus::Reply& reply);
 /// The same as a failure of the command; `where` stands before it: `desk: `.
 Failure failure_of(const bus::Reply& reply, const std::string& where);
 
-/// Why a board has no answer to show: nobody gave one.
+/// Why a board has no answer to show: none came.
 inline constexpr std::string_view kNoAnswer = "no-answer";
 
 /// Answers for a board that was not asked: the broker denies writing to its topic; it is lost, and `so` (for

@@ -58,8 +58,8 @@ class BusSession {
     /// lives.
     Request ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0,
                 bool plain = false);
-    /// The same for a command: nobody delivers it any more when `--timeout` is over, and the agent takes that
-    /// for its deadline (MQTT 5; in whole seconds).
+    /// The same for a command: no broker delivers it any more when `--timeout` is over, and the agent takes
+    /// that for its deadline (MQTT 5; in whole seconds).
     Request command(const std::string& topic, const std::string& payload, OnMessage on_reply,
                     bool plain = false);
 
@@ -111,8 +111,8 @@ class BusSession {
     /// From now on `q` on the terminal ends it, too.
     void end_at_q();
 
-    /// From now on the user is told at once of each subscription that the broker refuses: for who listens for
-    /// long.
+    /// From now on the user is told at once of each subscription that the broker refuses: for a command
+    /// that listens for long.
     void tell_refused_subscriptions();
     /// Called instead of telling the user when an established connection is lost or back.
     void on_connection_change(std::function<void(bool connected, const std::string& why)> handler);

@@ -97,7 +97,7 @@ class Flasher {
             return failure(
                 program::kExitNoAnswer,
                 "no description of " + board_ +
-                    " came in time, so nobody knows its port; try again, or with a longer --timeout");
+                    " came in time, so its port is not known; try again, or with a longer --timeout");
         if (board->description->link.kind != "serial")
             return failure(program::kExitFailure,
                            board_ + " is not at a serial port; only such a board can be flashed");

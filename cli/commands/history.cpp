@@ -74,7 +74,7 @@ Run declare_history(Declaration& verb) {
 }  // namespace
 
 Verb history_verb() {
-    return {"history", "When boards came, left and changed, and who commanded what, oldest first",
+    return {"history", "When boards came, left and changed, and which user sent which command, oldest first",
             "From a registry that keeps a history: asip-registry --history FILE.\n"
             "Examples:\n"
             "  asipctl history uno1\n"

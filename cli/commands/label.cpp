@@ -171,7 +171,7 @@ class Labeller {
             [this](const Asked& one) {
                 return one.reply || session_.denied(environment_.topics.board_in(one.board));
             });
-        // Whoever asks for boards next finds them by their new labels.
+        // The next program that asks for boards finds them by their new labels.
         session_.run_until(
             [this] {
                 return std::all_of(asked_.begin(), asked_.end(), [](const Asked& one) {
@@ -198,7 +198,7 @@ class Labeller {
                 if (reply->succeeded() && reply->proof != bus::kProofKept)
                     reply = bus::Reply::refused(
                         std::string(bus::kRefusedNotKept),
-                        "who answers for this board keeps no labels: it is no asip-agent");
+                        "the program that answers for this board keeps no labels: it is no asip-agent");
                 asked.reply = std::move(*reply);
                 const auto answer = model::parse_json(asked.reply->answer).value_or(nlohmann::json::object());
                 asked.now = labels_of(answer);
@@ -253,7 +253,7 @@ class Labeller {
     std::string why_not(const Asked& asked, const bus::Reply& reply) const {
         if (!asked.reply && reply.status == bus::Reply::Status::kTimeout)
             return session_
-                .unanswered("nobody answered within " + std::to_string(environment_.timeout.count()) +
+                .unanswered("no agent answered within " + std::to_string(environment_.timeout.count()) +
                             " ms; is the board's agent running? Try: asipctl doctor")
                 .text;
         return reply.error.empty() ? explain(reply) : reply.error;

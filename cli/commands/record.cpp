@@ -27,8 +27,8 @@ struct RecordOptions {
     OutputOptions output{};
 };
 
-/// Filters for all that boards say and are asked. What commands are answered is not among it: answers go to
-/// whoever asked.
+/// Filters for all that boards say and are asked. What commands are answered is not among it: an answer
+/// goes to its requester.
 std::set<std::string> recorded_filters(const bus::Topics& topics, const std::vector<Target>& targets) {
     std::set<std::string> filters{topics.board_names()};
     for (const auto& target : targets) {

@@ -84,10 +84,11 @@ Outcome<mqtt::Options> connection_of(const std::string& name, const ReplayOption
     program::BrokerOptions own;
     const auto file = std::filesystem::path(options.credentials_dir) / (name + ".credentials");
     if (std::error_code error; !std::filesystem::exists(file, error))
-        return failure(program::kExitUsage,
-                       file.string() +
-                           " does not exist; who keeps the broker makes it: asipctl secure add board " +
-                           name + ", or leave this board out");
+        return failure(
+            program::kExitUsage,
+            file.string() +
+                " does not exist; the administrator of the broker makes it: asipctl secure add board " +
+                name + ", or leave this board out");
     if (const auto taken = program::take_credentials(own, file.string()); !taken)
         return failure(program::kExitUsage, taken.error());
     auto result = program::mqtt_options(own, "asipctl");
@@ -101,8 +102,8 @@ Outcome<mqtt::Options> connection_of(const std::string& name, const ReplayOption
 std::string denied_board(const std::string& user, const std::string& name) {
     return "the broker's access rules deny " + (user.empty() ? "users without a name" : "user " + user) +
            " to speak for board " + name +
-           ": a recorded board needs credentials as every board does. Who keeps "
-           "the broker makes them: asipctl secure add board " +
+           ": a recorded board needs credentials as every board does. The "
+           "administrator of the broker makes them: asipctl secure add board " +
            name + "; then --credentials " + name +
            ".credentials, or --credentials-dir FOLDER for several boards";
 }

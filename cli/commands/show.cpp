@@ -99,7 +99,7 @@ std::string pin_name(const model::Description& description, std::size_t pin) {
 std::string on_demand_text(const model::OnDemandInfo& reports) {
     return "on demand, every " + std::to_string(reports.fastest) + " ms at the fastest; " +
            (reports.resting == 0 ? std::string("none") : "every " + std::to_string(reports.resting) + " ms") +
-           " while nobody subscribes";
+           " while no program subscribes";
 }
 
 /// The program that has the board's port, and until when; empty: its agent.
@@ -290,7 +290,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
     if (board.description && board.description->stopped) {
         const auto& stop = *board.description->stopped;
         text += labelled("STOPPED",
-                         "by " + (stop.by.empty() ? std::string("somebody") : stop.by) +
+                         "by " + (stop.by.empty() ? std::string("an unnamed user") : stop.by) +
                              (stop.why.empty() ? "" : ": " + stop.why) + "; asipctl resume " + item.board,
                          colour, Colour::kRed);
     }
@@ -345,7 +345,7 @@ int run_show(const ShowOptions& options, Environment& environment) {
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     auto board = source.board_in_full(target->board);
     if (!board) return environment.fail_with(board.error());
-    // Who has its port stands in what its agent announced, not in a registry's answer.
+    // What its agent announced names the program that has its port; a registry's answer does not.
     if (board->item.state == "updating") {
         if (auto retained = source.retained_board(target->board))
             board->item.description = std::move(retained->item.description);

@@ -163,7 +163,7 @@ class Stopper {
     std::string why_not(const bus::Reply& reply) const {
         if (reply.reason == kNoAnswer)
             return session_
-                .unanswered("nobody answered within " + std::to_string(environment_.timeout.count()) +
+                .unanswered("no agent answered within " + std::to_string(environment_.timeout.count()) +
                             " ms; is the board's agent running? Try: asipctl doctor")
                 .text;
         return reply.error.empty() ? explain(reply) : reply.error;

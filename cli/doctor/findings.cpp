@@ -107,8 +107,8 @@ Findings check_broker(const Observations& seen) {
         result.push_back(std::move(finding));
     if (seen.open == true) {
         const std::string what =
-            "the bus is open: whoever reaches the broker may read everything and command "
-            "every board";
+            "the bus is open: every program that reaches the broker may read everything and "
+            "command every board";
         const std::string advice = "on the broker's machine: asipctl secure init; see asipctl secure --help";
         result.push_back(seen.loopback ? note(what, advice) : problem(what, advice));
     } else if (seen.open == false) {
@@ -205,7 +205,7 @@ Findings check_states(const Observations& seen) {
     for (const auto& [topic, reason] : seen.bad_documents) {
         if (!seen.topics.parse(topic)) continue;  // its name is the fault: check_names
         result.push_back(problem(topic + " cannot be read: " + reason,
-                                 "who publishes it? Clear it: asipctl prune --only documents"));
+                                 "which program publishes it? Clear it: asipctl prune --only documents"));
     }
     return result;
 }
@@ -291,7 +291,7 @@ Findings check_machine(const Machine& machine) {
             note("brltty is installed here: it takes serial converters that look like a Braille display "
                  "(CH340, CP210x, "
                  "FTDI), so that their port vanishes or is in use",
-                 "who needs no Braille display: sudo apt remove brltty; else: sudo ln -s /dev/null "
+                 "without a Braille display: sudo apt remove brltty; with one: sudo ln -s /dev/null "
                  "/etc/udev/rules.d/85-brltty.rules (the name as in /usr/lib/udev/rules.d)"));
     }
     if (machine.modem_manager && !machine.udev_rule) {

@@ -59,7 +59,7 @@ std::string head_of(const std::string& line) {
     return line.substr(0, first == std::string::npos ? 1 : line.find(',', first + 1));
 }
 
-/// `field` in a report whose service nobody described.
+/// `field` in a report whose service has no description.
 std::optional<DecodedEvent> selected_by_path(const Json& document, const std::string& field) {
     const auto* at = member_at(document, dotted(field));
     if (at == nullptr) return std::nullopt;

@@ -29,7 +29,7 @@ std::string time(const json& document, const char* path) {
     return value.is_number() ? text::duration_text(std::chrono::duration<double>(value.get<double>())) : "-";
 }
 
-/// Those that somebody wanted executed, and those of them that were not, or of which nobody knows.
+/// Those that were to be executed, and those of them that were not, or of which no program knows.
 std::pair<double, double> commands(const json& document) {
     double all = 0;
     double failed = 0;

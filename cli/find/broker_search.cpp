@@ -170,7 +170,7 @@ std::vector<AnnouncedBroker> receive(int descriptor, std::uint16_t id) {
 std::vector<std::uint8_t> broker_question(std::uint16_t id) {
     const auto high = static_cast<std::uint8_t>(id >> 8U);
     const auto low = static_cast<std::uint8_t>(id & 0xffU);
-    // One question: who is a PTR of _mqtt._tcp.local in class IN?
+    // One question: which name is a PTR of _mqtt._tcp.local in class IN?
     return {high, low, 0,   0,   0,   1,   0, 0,   0,   0,   0,   0,   5, '_', 'm', 'q', 't',
             't',  4,   '_', 't', 'c', 'p', 5, 'l', 'o', 'c', 'a', 'l', 0, 0,   12,  0,   1};
 }

@@ -54,9 +54,9 @@ class Profiles {
 };
 
 /// `arguments` with the options of the named bus that counts in front: that of `--context`, else of
-/// ASIP_CONTEXT, else the current one. Whoever names a broker, credentials or a configuration file otherwise
-/// (on the command line, or in the environment where `--context` is not given) uses none of it: a password
-/// goes to no other broker. Fails where a bus is named that there is not.
+/// ASIP_CONTEXT, else the current one. A user who names a broker, credentials or a configuration file
+/// otherwise (on the command line, or in the environment where `--context` is not given) uses none of it: a
+/// password goes to no other broker. Fails where a bus is named that there is not.
 Expected<std::vector<std::string>> with_profile(std::vector<std::string> arguments,
                                                 const Profiles::Variables& variables);
 

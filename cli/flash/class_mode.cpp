@@ -98,7 +98,7 @@ class ClassRoom {
                 seat.progress = Load::progress(message.payload);
                 return;
             }
-            // The same agent: it is the board that was seen already, unless somebody unplugged it.
+            // The same agent: it is the board that was seen already, unless a user unplugged it.
             const bool away =
                 description->state && description->state->reason == model::StateReason::kUnplugged;
             if (away) seats_.erase(found);
@@ -184,7 +184,7 @@ class ClassRoom {
                                        });
     }
 
-    // Its agent asks a board who it is when it opens the port.
+    // Its agent asks a board for its name when it opens the port.
     void named(const std::string& port, Seat& seat) {
         if (!seat.named->succeeded())
             return failed(port, seat, "it is loaded, but keeps no name: " + explain(*seat.named));

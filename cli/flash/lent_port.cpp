@@ -27,7 +27,7 @@ Outcome<KnownBoard> find_board_with_agent(BoardSource& source, const std::string
     auto board = source.board(name);
     if (board && board->item.state == "offline")
         return failure(program::kExitFailure,
-                       name + " is offline: its agent has ended, and nobody has its port");
+                       name + " is offline: its agent has ended, and no program has its port");
     return board;
 }
 
@@ -42,7 +42,7 @@ Outcome<std::string> LentPort::ask(const bus::PortRequest& request, std::chrono:
     const auto topic = environment_.topics.board_in(board_);
     const auto text = bus::encode(request, by_);
     const auto take = [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); };
-    // A port is not released when nobody waits for it any more; it is taken back however late that comes.
+    // A port is not released when no command waits for it any more; it is taken back however late that comes.
     const auto asked = request.what == bus::PortRequest::What::kRelease ? session_.command(topic, text, take)
                                                                         : session_.ask(topic, text, take, 1);
     session_.run_until([&reply] { return reply.has_value(); }, Clock::now() + patience);

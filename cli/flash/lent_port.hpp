@@ -37,7 +37,7 @@ class LentPort {
   public:
     LentPort(const Environment& environment, BusSession& session, std::string board);
 
-    /// Fails with kExitFailure (somebody else has it) or kExitNoAnswer. Again: prolongs it.
+    /// Fails with kExitFailure (another program has it) or kExitNoAnswer. Again: prolongs it.
     Outcome<ReleasedPort> release(std::chrono::seconds time);
     /// Prolongs it without waiting for the answer.
     void prolong(std::chrono::seconds time);

@@ -52,7 +52,7 @@ class RunningProgram {
     int pid_;
 };
 
-/// The port's lock, as agents take it: as long as somebody has it, no agent opens the port. Programs started
+/// The port's lock, as agents take it: as long as a program has it, no agent opens the port. Programs started
 /// meanwhile inherit it, so that it outlives this one.
 class PortLock {
   public:

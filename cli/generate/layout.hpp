@@ -14,7 +14,7 @@ namespace asip::generate {
 /// null where there is none.
 const model::Field* element_argument(const model::ServiceModel& model, const model::CommandModel& command);
 
-/// How many elements a board is made with unless somebody says: as many as the examples show, 1 to 16.
+/// How many elements a board is made with unless the user says: as many as the examples show, 1 to 16.
 std::size_t elements_in_examples(const model::ServiceModel& model);
 
 /// Whole numbers that a field may have, both included.

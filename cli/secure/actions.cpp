@@ -77,7 +77,7 @@ std::string in_folder(const SecureOptions& options) {
     return options.folder.empty() ? "" : " --dir " + options.folder;
 }
 
-/// `taken`: the bus is new, and somebody listens at its port.
+/// `taken`: the bus is new, and a program listens at its port.
 void next_after_init(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
                      bool taken, SecureReport& report) {
     if (keeps_services(options, folder.path(), bus)) {

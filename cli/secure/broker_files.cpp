@@ -104,8 +104,8 @@ Outcome<void> ensure_authority(const SecureFolder& folder, SecureReport& report)
         return tl::unexpected(done.error());
     report.did("made",
                key ? "certificate of the authority, for the key that was there"
-                   : "authority, whose key signs the broker (back it up, give it "
-                     "to nobody)",
+                   : "authority, whose key signs the broker (back it up, never "
+                     "give it away)",
                key ? folder.authority() : folder.authority_key());
     return {};
 }

@@ -99,8 +99,8 @@ std::string rule_lines(const SecuredBus& bus) {
 std::string broker_configuration(const BrokerPlaces& places) {
     std::string text =
         "# Mosquitto for boards and programs on several machines: TLS, a password for everybody, and rules "
-        "of who\n"
-        "# may do what. asipctl secure makes the files named here.\n"
+        "of what\n"
+        "# each user may do. asipctl secure makes the files named here.\n"
         "\n"
         "per_listener_settings false\n"
         "allow_anonymous false\n"
@@ -129,7 +129,7 @@ std::string broker_configuration(const BrokerPlaces& places) {
     if (!places.pid_file.empty()) text += "pid_file " + places.pid_file + "\n";
     text +=
         "\n"
-        "# Whoever may publish can make the broker keep messages. The machine stays usable: beyond this "
+        "# A publisher can make the broker keep messages. The machine stays usable: beyond this "
         "limit "
         "the broker\n# refuses. Programs of ASIP leave no session behind; that of another program is kept "
         "for an "
@@ -158,7 +158,7 @@ std::string credentials_text(const SecuredBus& bus, const SecuredUser& user, con
     std::string brokers;
     for (const auto& host : bus.hosts)
         brokers += (brokers.empty() ? "" : ",") + mqtt::BrokerAddress{host, bus.port, true}.describe();
-    std::string text = "# Who has this file is " + user.name +
+    std::string text = "# A program with this file is " + user.name +
                        " on the bus: keep it secret.\nrole = " + std::string(name_of(user.role)) +
                        "\nbroker = " + brokers + "\nuser = " + user.name + "\npassword = " + password +
                        "\ntopic-root = " + bus.topic_root + "\n";

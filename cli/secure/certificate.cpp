@@ -65,7 +65,7 @@ bool add_extension(X509* certificate, X509* issuer, int kind, const std::string&
     return extension && X509_add_ext(certificate, extension.get(), -1) == 1;
 }
 
-/// Numbers that nobody foresees, 127 bits: positive in any encoding.
+/// Numbers that no attacker foresees, 127 bits: positive in any encoding.
 bool set_serial(X509* certificate) {
     auto bytes = random_bytes(kSerialBytes);
     bytes[0] = static_cast<char>(bytes[0] & 0x7f);

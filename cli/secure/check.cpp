@@ -43,7 +43,7 @@ class Checker {
             const auto colour = found == wanted            ? Colour::kGreen
                                 : found == Found::kUnknown ? Colour::kYellow
                                                            : Colour::kRed;
-            table_.add({trial.user.empty() ? "(nobody)" : trial.user, role, trial.what,
+            table_.add({trial.user.empty() ? "(no user)" : trial.user, role, trial.what,
                         std::string(name_of(wanted)), Cell(std::string(name_of(found)), colour)});
         } else {
             records_.print({{"name", trial.user},

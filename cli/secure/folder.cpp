@@ -22,8 +22,9 @@ namespace fs = std::filesystem;
 Failure cannot(const std::string& what, const fs::path& path) {
     const int error = errno;
     const bool denied = error == EACCES || error == EPERM;
-    return {program::kExitFailure, "cannot " + what + " " + path.string() + ": " + std::strerror(error) +
-                                       (denied ? "; whoever made this bus has to do that (root: sudo)" : "")};
+    return {program::kExitFailure,
+            "cannot " + what + " " + path.string() + ": " + std::strerror(error) +
+                (denied ? "; the user who made this bus has to do that (root: sudo)" : "")};
 }
 
 /// The user that Mosquitto becomes when root starts it.
@@ -60,8 +61,8 @@ class File {
     int number_;
 };
 
-/// Makes the folder unless it exists, and opens it. One of somebody else, or in which others may write, could
-/// be exchanged under our hands for one that leads elsewhere.
+/// Makes the folder unless it exists, and opens it. A folder of another user, or one in which others may
+/// write, could be exchanged under our hands for one that leads elsewhere.
 Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const passwd* also_of = nullptr) {
     if (::mkdir(path.c_str(), mode) != 0 && errno != EEXIST)
         return tl::unexpected(cannot("make the folder", path));
@@ -81,7 +82,7 @@ Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const pass
     return folder.release();
 }
 
-/// One that nobody else looks into.
+/// One that no other user looks into.
 Outcome<void> private_folder(const fs::path& path, const passwd* owner = nullptr) {
     const auto folder = own_folder(path, 0700, O_NOFOLLOW, owner);
     if (!folder) return tl::unexpected(folder.error());
@@ -106,7 +107,7 @@ void remove_unfinished(const fs::path& folder) {
     }
 }
 
-/// Whether those who should, and nobody else, can read the file.
+/// Whether the users who should, and no others, can read the file.
 bool has_mode(const fs::path& file, mode_t mode) {
     struct stat status{};
     return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && (status.st_mode & 0777) == mode;

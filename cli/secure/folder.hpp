@@ -13,8 +13,8 @@
 namespace asip::cli {
 
 /// The folder in which `asipctl secure` keeps a bus. Secrets are readable by their owner alone: what the
-/// broker reads (`broker/`) belongs, where root made it, to the user `mosquitto`, all else to whoever made
-/// it. Files are replaced whole, so that a broker that reads them meanwhile sees the old or the new one.
+/// broker reads (`broker/`) belongs, where root made it, to the user `mosquitto`, all else to the user who
+/// made it. Files are replaced whole, so that a broker that reads them meanwhile sees the old or the new one.
 class SecureFolder {
   public:
     using Path = std::filesystem::path;

@@ -36,7 +36,7 @@ std::vector<std::string> left_by(const bus::Topics& topics, const std::vector<st
     for (const auto& topic : retained) {
         const bool of_board =
             std::any_of(own.begin(), own.end(), [&](const auto& parent) { return is_below(topic, parent); });
-        // ROOT/servicebus/BOARD/$demand/USER/CLIENT, ROOT/reply/WHO ASKED/BOARD/CLIENT
+        // ROOT/servicebus/BOARD/$demand/USER/CLIENT, ROOT/reply/USER/BOARD/CLIENT
         const bool demanded = topic.find("/$demand/" + user + "/") != std::string::npos;
         const auto answers = root + "/reply/";
         const bool answered =
@@ -105,7 +105,7 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
         if (unnamed.empty()) continue;
         report.next(
             "the broker keeps " + unnamed + "; " + name +
-                " may have left them, and no topic says it: look at them, and clear what nobody needs",
+                " may have left them, and no topic says it: look at them, and clear what no program needs",
             as_admin + " prune --dry-run");
         if (unnamed.find("export") != std::string::npos)
             report.next("what a gateway exported is cleared by",

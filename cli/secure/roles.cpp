@@ -153,14 +153,15 @@ std::string explain_user_name(std::string_view name, Role role) {
 
 std::string access_rules(const std::string& root, const std::vector<RoleOfUser>& users) {
     std::string text =
-        "# Who may do what on the bus, made by asipctl secure. `pattern` lines hold for every user, %u being "
-        "the\n"
-        "# user's name; lines below `user NAME` hold for that user besides. What no line allows is refused.\n"
+        "# What each user may do on the bus, made by asipctl secure. `pattern` lines hold for every user, %u "
+        "being\n"
+        "# the user's name; lines below `user NAME` hold for that user besides. What no line allows is "
+        "refused.\n"
         "\n"
         "# An agent's user is called as its board is: user greenhouse speaks for board greenhouse and no "
         "other.\n"
         "# Everybody probes, and reads the answers to questions of their own: " +
-        root + "/reply/WHO ASKED/WHO ANSWERS/... Names\n# of boards on " + root +
+        root + "/reply/USER/ANSWERER/... Names\n# of boards on " + root +
         "/servicebus itself are for a bus without rules: no line could tie them to their sender.\n";
     for (const auto& rule : topic_rules())
         text += lines_for(rule, rule.board, root, {});

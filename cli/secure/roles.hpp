@@ -29,7 +29,7 @@ struct RoleOfUser {
 };
 
 /// Why this name cannot be one of a user with this role; empty: it can. Names are those of boards, and
-/// `registry` is left to registries: rules for boards are written for whoever is called like the board.
+/// `registry` is left to registries: rules for boards are written for the user called like the board.
 std::string explain_user_name(std::string_view name, Role role);
 
 /// The access rules for Mosquitto (its `acl_file`) of all users, below the topic root `root`. A board needs

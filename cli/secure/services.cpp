@@ -189,7 +189,7 @@ Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& 
             report.next("let it read the change", "systemctl restart " + unit);
             continue;
         }
-        // What somebody has switched off stays off.
+        // What an administrator has switched off stays off.
         const auto wanted = run_and_wait({"systemctl", "is-enabled", "--quiet", unit});
         if (unit != "mosquitto" && wanted && *wanted != 0) continue;
         if (auto done = restart(unit, report); !done) return done;
@@ -200,7 +200,7 @@ Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& 
 void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
     const auto home = program::environment_variable("HOME").value_or("");
     struct stat status{};
-    // The home of somebody else, after `su`, is theirs to write.
+    // After `su` the home may be that of another user, who alone writes it.
     if (home.empty() || ::stat(home.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return;
     auto profiles = Profiles::of_user(program::environment_variable);
     if (!profiles || !profiles->current().empty() || profiles->find(kProfile)) return;

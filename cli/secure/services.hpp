@@ -40,7 +40,7 @@ Outcome<Names> refresh_services(const SecureFolder& folder, const SecuredBus& bu
 /// users. Where no systemd runs, the commands are reported.
 Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& report);
 
-/// What asipctl does where nobody says otherwise, for root: asks this bus as its administrator. Keeps a
+/// What asipctl does where the user says nothing else, for root: asks this bus as its administrator. Keeps a
 /// choice that was made before.
 void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report);
 

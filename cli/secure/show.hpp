@@ -4,7 +4,7 @@
 
 namespace asip::cli {
 
-/// Prints who may do what, and until when the broker's certificate is valid.
+/// Prints what each user may do, and until when the broker's certificate is valid.
 Outcome<void> secure_show(const SecureOptions& options, Environment& environment);
 
 }  // namespace asip::cli

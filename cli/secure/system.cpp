@@ -50,10 +50,11 @@ Outcome<bool> agreed(const SecureOptions& options, const fs::path& folder, const
     }
     if (options.yes || !is_system_broker(folder, bus) || fs::exists(bus.configuration)) return true;
     if (!environment.terminal() || ::isatty(STDIN_FILENO) == 0) {
-        return failure(program::kExitUsage, plan +
-                                                "This changes the system, and nobody is here to be asked. "
-                                                "--yes: do it; --dry-run: only say it; --dir DIR: a bus in a "
-                                                "folder of its own");
+        return failure(program::kExitUsage,
+                       plan +
+                           "This changes the system, and there is no terminal to ask at. "
+                           "--yes: do it; --dry-run: only say it; --dir DIR: a bus in a "
+                           "folder of its own");
     }
     environment.out << plan << "`asipctl secure undo` takes it back. Continue? [y/N] " << std::flush;
     std::string answer;

@@ -11,8 +11,9 @@ namespace asip::cli {
 std::vector<std::string> plan_of(const SecureOptions& options, const std::filesystem::path& folder,
                                  const SecuredBus& bus);
 
-/// Says what `init` will do where that changes the system, and asks. Fails where nobody can be asked. Nothing
-/// is asked for a bus of its own folder, and for one whose broker has its configuration already. False: no.
+/// Says what `init` will do where that changes the system, and asks. Fails where no user can be asked.
+/// Nothing is asked for a bus of its own folder, and for one whose broker has its configuration already.
+/// False: no.
 Outcome<bool> agreed(const SecureOptions& options, const std::filesystem::path& folder, const SecuredBus& bus,
                      const Environment& environment);
 

@@ -230,7 +230,7 @@ std::vector<TopicRule> all_rules() {
                          asks,
                          {kReadOwn, kWriteRegistry},
                          kQueue,
-                         "each reader: answers that nobody asked for are dropped",
+                         "each reader: answers that it did not ask for are dropped",
                          "-"});
     for (auto& rule : exported())
         rules.push_back(std::move(rule));

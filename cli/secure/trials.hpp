@@ -19,7 +19,7 @@ struct Trial {
 };
 
 /// The trials of one user. `stranger` is the name of a board that does not exist: whatever is published for
-/// it harms nobody.
+/// it harms no board.
 std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, const std::string& stranger);
 
 }  // namespace asip::cli

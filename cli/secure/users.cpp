@@ -75,7 +75,7 @@ Outcome<void> check_known(const SecuredBus& bus, const std::string& name) {
     for (const auto& user : bus.users)
         names.push_back(user.name);
     return failure(program::kExitFailure,
-                   "nobody on this bus is called " + name + text::did_you_mean(name, names));
+                   "no user on this bus is called " + name + text::did_you_mean(name, names));
 }
 
 Outcome<void> renew_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name,

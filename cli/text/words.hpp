@@ -13,7 +13,7 @@ inline std::string counted(std::size_t count, const std::string& noun) {
     return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// How often something happened, by what somebody says: without its fraction, from 0 to 1e18.
+/// How often something happened, as another program says: without its fraction, from 0 to 1e18.
 inline std::string count_text(double count) {
     return std::to_string(static_cast<std::uint64_t>(std::clamp(count, 0.0, 1e18)));
 }

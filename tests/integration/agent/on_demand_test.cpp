@@ -99,8 +99,9 @@ TEST_F(ReportsOnDemand, PlainClients_GetTheRestingPeriod_AndPeopleSeeIt) {
     auto fast = subscriber("1000");
     ASSERT_TRUE(period_becomes(100));
     const auto shown = run({ASIP_PROGRAMS "/asipctl", "show", "uno1", "--broker", broker.address()});
-    EXPECT_THAT(shown.output,
-                HasSubstr("on demand, every 100 ms at the fastest; every 400 ms while nobody subscribes"));
+    EXPECT_THAT(
+        shown.output,
+        HasSubstr("on demand, every 100 ms at the fastest; every 400 ms while no program subscribes"));
     ASSERT_TRUE(probe.request("asip/uno1/distance/in", R"({"report":50})"));
     EXPECT_TRUE(period_becomes(50)) << "a command is not bound by the options";
     const auto nonsense =

@@ -61,7 +61,7 @@ TEST_F(WalkOnSecuredBus, ViewerWhoCommands_IsToldWhoWhatAndWhoMayGrantIt) {
     const auto stop = asipctl("bob", {"stop", "uno"});
     EXPECT_EQ(stop.status, 1) << stop.errors;
     EXPECT_THAT(stop.errors, HasSubstr("does not let user bob write to asip/uno/$stop"));
-    EXPECT_THAT(stop.errors, Not(HasSubstr("nobody answered")));
+    EXPECT_THAT(stop.errors, Not(HasSubstr("no agent answered")));
 }
 
 TEST_F(WalkOnSecuredBus, ViewerWhoSubscribes_MayDemandValues_InItsOwnNameOnly) {
