@@ -137,7 +137,7 @@ void Application::read_tokens(bool first) {
     const auto written = std::filesystem::last_write_time(options_.tokens, error);
     if (!first && !error) {
         if (tokens_read_ == written) return;
-        if (std::exchange(tokens_seen_, written) != written) return;  // whoever writes it now may not be done
+        if (std::exchange(tokens_seen_, written) != written) return;  // its writer may not be done
     }
     auto tokens = Tokens::read(options_.tokens);
     if (!tokens) {

@@ -18,7 +18,7 @@
 namespace asip::gateway {
 
 /// The program: a gateway with its server, its two connections to the bus (one for stops alone) and its
-/// clock, on one thread. It logs; what it is made of does not, but for who did what.
+/// clock, on one thread. It logs; what it is made of does not, but for what clients did.
 class Application {
   public:
     /// Throws std::runtime_error where an address, a certificate, the tokens or a model cannot be used.

@@ -16,7 +16,7 @@ constexpr std::size_t kMaxRequestShown = 200;
 constexpr std::size_t kMaxToLog = 64;
 constexpr std::size_t kBytesOfQuestion = 16 * 1024;  // to a registry, with what its answer needs at least
 
-// Who did what. A renewal is a sign of life, many times a second.
+// A command and its sender. A renewal is a sign of life, many times a second.
 void log_command(const CommandRecord& record) {
     if (record.renewal) return;
     const auto& reply = *record.reply;
@@ -40,7 +40,7 @@ Mirror::Options mirror_options(const GatewayOptions& options, catalogue::UnitsOf
 
 }  // namespace
 
-/// Somebody who waits for the next value of a service.
+/// A client that waits for the next value of a service.
 struct Gateway::Wait final : OpenStream {
     Wait(Gateway& gateway, const http::Reply& to, Principal principal, std::string client)
         : OpenStream(std::move(principal), std::move(client)), streams(gateway.streams_), reply(to) {
@@ -93,7 +93,7 @@ Gateway::~Gateway() {
     log_commands();
 }
 
-// A log takes as long as the answer did: whoever waits for that may wait for the same processor.
+// A log takes as long as the answer did: a client that waits for that may wait for the same processor.
 void Gateway::finished(const CommandRecord& record, Duration time) {
     if (!record.late) durations_.add(std::chrono::duration<double>(time).count());
     to_log_.push_back(&record);
@@ -254,7 +254,7 @@ void Gateway::wait_for_value(std::unique_ptr<Feed> feed, Duration limit, const h
     wait->feed->wake = [this, waiting = wait.get()] { waiting->ready = wait_ready_ = true; };
 }
 
-// `all`: also those that nobody waits for any more, or whose time or right is over.
+// `all`: also those that no client waits for any more, or whose time or right is over.
 void Gateway::finish_waits(bool all) {
     wait_ready_ = false;
     const auto time = now().time;

@@ -36,10 +36,10 @@ struct GatewayOptions {
     std::string base_path;                               ///< of a proxy, "/asip"; empty: none
     Duration forget_after = std::chrono::hours(7 * 24);  ///< a board that is not alive; as a registry's
     ValueLimits values;
-    Gate::Options gate;                                ///< who is ours, and what may be done without a token
-    double commands_per_second = 50;                   ///< of one name; bursts of twice as many
-    std::size_t streams_per_client = 64;               ///< waits for a value among them
-    std::size_t subscriptions = 256;                   ///< of one WebSocket
+    Gate::Options gate;                   ///< which requests are ours, and what may be done without a token
+    double commands_per_second = 50;      ///< of one name; bursts of twice as many
+    std::size_t streams_per_client = 64;  ///< waits for a value among them
+    std::size_t subscriptions = 256;      ///< of one WebSocket
     std::size_t client_bytes = std::size_t{32} << 20;  ///< all that one client may have kept: Budget
     std::size_t socket_bytes = 96 * 1024;  ///< what a WebSocket takes of that: its message and buffers
     bool page = true;
@@ -88,7 +88,7 @@ class Gateway {
     void subscribed();
     /// The connection is lost: what is known is still served, and said to be old (status, streams).
     void disconnected();
-    /// The program ends: nothing is demanded any more, and nobody waits for an answer.
+    /// The program ends: nothing is demanded any more, and no client waits for an answer.
     void leave();
     /// Any message of the bus. What is none of the gateway's is passed over.
     void message(const mqtt::Message& message);
@@ -129,7 +129,7 @@ class Gateway {
                       std::string topic = {});
     /// Waits for the next value of a service, at most `limit`. A wait is a stream of its client: it is
     /// counted as one, and ends when the connection or the right to it does. `done` is called once, with true
-    /// when the right was taken back, and not at all where nobody waits for the reply any more.
+    /// when the right was taken back, and not at all where no client waits for the reply any more.
     void wait_for_value(std::unique_ptr<Feed> feed, Duration limit, const http::Reply& reply,
                         const Principal& principal, const std::string& client,
                         std::function<void(bool revoked)> done);

@@ -5,8 +5,8 @@
 
 namespace asip::gateway {
 
-/// The two clocks at one moment: one to measure with, one to show. Whoever sets the machine's clock changes
-/// the second only.
+/// The two clocks at one moment: one to measure with, one to show. A change of the machine's clock
+/// changes the second only.
 struct Instant {
     Time time{};            ///< steady
     text::WallTime wall{};  ///< of day

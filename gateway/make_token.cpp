@@ -29,7 +29,7 @@ int refuse(const std::string& text) {
     return program::kExitUsage;
 }
 
-// Who may read a new file: its owner alone. Made by root it belongs to the group of the service, too, which
+// The owner alone may read a new file. Made by root it belongs to the group of the service, too, which
 // runs as a user of its own; a file that was there keeps its owner and its rights.
 struct Owner {
     uid_t user = geteuid();
@@ -57,8 +57,8 @@ bool write_whole(int file, std::string_view text) {
     return true;
 }
 
-// Written beside it and renamed: who reads the file meanwhile, finds the old one or the new one, whole. The
-// rights are set before anything is in it.
+// Written beside it and renamed: a program that reads the file meanwhile finds the old one or the new one,
+// whole. The rights are set before anything is in it.
 bool replace(const std::string& path, const std::string& text) {
     const auto target = std::filesystem::weakly_canonical(path).string();  // a link stays one
     const auto owner = owner_of(target);

@@ -28,7 +28,7 @@ constexpr const char* kExamples =
     "  asip-gateway token operator anna --tokens /etc/asip/tokens\n"
     "      Makes a token, prints it once and keeps its hash in the file.\n"
     "  asip-gateway --http 0.0.0.0:8443 --tokens /etc/asip/tokens --http-cert site.pem --http-key site.key\n"
-    "      For the whole network, over TLS, for those who have a token.\n"
+    "      For the whole network, over TLS, for users who have a token.\n"
     "  asip-gateway --home-assistant\n"
     "      Also shows every board to Home Assistant on the same broker.\n"
     "  asip-gateway clean home-assistant\n"
@@ -67,9 +67,8 @@ void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--allow-origin", raw.origins, "Origins of pages elsewhere that may call the API")
             ->delimiter(','));
     add(app.add_option("--base-path", raw.base_path, "Path below which a proxy serves it, such as /asip"));
-    add(app.add_flag(
-        "--trusted-proxy", raw.trusted_proxy,
-        "Connections from this machine are a proxy's: its clients are who X-Forwarded-For says"));
+    add(app.add_flag("--trusted-proxy", raw.trusted_proxy,
+                     "Connections from this machine are a proxy's: X-Forwarded-For names its clients"));
     add(app.add_option("--http-cert", raw.cert, "TLS: certificate chain, PEM"));
     add(app.add_option("--http-key", raw.key, "TLS: private key, PEM"));
 }
@@ -176,8 +175,8 @@ Expected<void> check_access(ProgramOptions& options, const std::string& anonymou
     const bool everywhere = !std::all_of(options.addresses.begin(), options.addresses.end(), is_local);
     if (everywhere && options.tokens.empty() && anonymous == "none") {
         return fail(
-            "--http is an address that others can reach; choose who may do what: --tokens FILE (make tokens "
-            "with asip-gateway token ROLE NAME), or --anonymous viewer or operator for everybody");
+            "--http is an address that others can reach; choose what each user may do: --tokens FILE (make "
+            "tokens with asip-gateway token ROLE NAME), or --anonymous viewer or operator for everybody");
     }
     auto& gate = options.gateway.gate;
     if (anonymous != "none") {

@@ -25,7 +25,7 @@ class Rates {
         bucket.left -= 1;
         return true;
     }
-    /// Forgets who has done nothing for a while.
+    /// Forgets clients that have done nothing for a while.
     void expire(Time now) {
         std::erase_if(buckets_,
                       [&](const auto& each) { return now - each.second.at > std::chrono::minutes(1); });

@@ -35,7 +35,7 @@ class Commander {
     void start();
     /// Sends no more; answers that are under way are still counted.
     void stop() { timer_.cancel(), stopped_ = true; }
-    /// No answer is awaited any more. For who waits for that after stop().
+    /// No answer is awaited any more. For a caller that waits for that after stop().
     bool idle(Time now);
     CommandTally tally() const;
 

@@ -33,7 +33,7 @@ class Queries {
     void start();
     /// Asks no more; answers that are under way are still counted.
     void stop() { timer_.cancel(), stopped_ = true; }
-    /// No answer is awaited any more. For who waits for that after stop().
+    /// No answer is awaited any more. For a caller that waits for that after stop().
     bool idle(Time now);
     QueryTally tally() const;
 

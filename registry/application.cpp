@@ -152,7 +152,8 @@ void Application::notify() {
             notices->failed(Clock::now());
             if (!std::exchange(notify_fault_logged_, true))
                 log::warning(
-                    "nobody can be told of lost boards now; it is tried again, with what happens meanwhile",
+                    "no notice of lost boards can be delivered now; it is tried again, with what happens "
+                    "meanwhile",
                     {{"address", webhook_->shown()}, {"why", why}});
             return;
         }

@@ -182,7 +182,7 @@ bool FirstState::goes_on(const bus::AnswerLines& page) {
     return answer.epoch == epoch_;
 }
 
-// Names ascend, so that pages come to an end, whoever writes them.
+// Names ascend, so that pages come to an end, whatever registry writes them.
 bool FirstState::take(std::string_view lines) {
     while (!lines.empty()) {
         const auto end = lines.find('\n');

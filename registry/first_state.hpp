@@ -16,8 +16,8 @@ namespace asip::registry {
 
 /// How a registry gets, on each connection, what was there before: all that the broker retains below the
 /// service bus; or, where other registries have many boards already, the pages of one of them. A broker
-/// queues everything that it retains in one go and serves nobody else meanwhile (Mosquitto 2.0: 8 us a
-/// board), while a registry answers others between two pages.
+/// queues everything that it retains in one go and serves no other client meanwhile (Mosquitto 2.0: 8 us
+/// a board), while a registry answers others between two pages.
 ///
 /// What a registry tells of its boards is taken as the retained messages would be, by the same rules, and
 /// whatever goes wrong leads back to those. Pure: messages and time in, messages and announcements out.
@@ -30,8 +30,8 @@ class FirstState {
     /// Where the mark behind what is retained is lost, the state is taken for whole when no retained message
     /// has come for this time.
     static constexpr Duration kRetainedTime = std::chrono::seconds(15);
-    /// Of a page: so small that its reader, and who asks the other registry meanwhile, wait for
-    /// milliseconds.
+    /// Of a page: so small that its reader, and programs that ask the other registry meanwhile,
+    /// wait for milliseconds.
     static constexpr std::size_t kPage = 50;
 
     /// What the first state needs of its registry.

@@ -34,7 +34,7 @@ class LossNotices {
     void delivered(Time now);
     /// It is tried again later, with what happened meanwhile.
     void failed(Time now);
-    /// Nobody takes it: it is not tried again.
+    /// No receiver takes it: it is not tried again.
     void refused(Time now) { delivered(now); }
 
   private:

@@ -21,7 +21,7 @@ class NamesOnlyBoards {
     static constexpr Duration kQuestionTime = std::chrono::seconds(2);
     static constexpr int kQuestions = 3;
     /// Questions at a time, and those of them with a probe; the others wait. Thousands of boards that join at
-    /// once are better left to say who they are.
+    /// once are better left to announce themselves.
     static constexpr std::size_t kMaxOpen = 200;
     static constexpr std::size_t kMaxProbes = 10;
     /// Beyond this many such boards the traffic of all boards is subscribed to, until half as many are left.

@@ -41,7 +41,7 @@ class QueryEndpoint {
         bus::ReplyTo reply;
         Queries::Request request;
     };
-    /// None: nobody is to be answered, or was already.
+    /// None: no requester is to be answered, or it was answered already.
     std::optional<Question> read(const mqtt::Message& message);
     void publish(bus::Answer answer, const bus::ReplyTo& reply);
 

@@ -17,7 +17,7 @@ constexpr Duration kStall = std::chrono::seconds(2);
 // Another registry with the same id that answers within this time of the start was there first.
 constexpr Duration kStartTime = std::chrono::seconds(5);
 constexpr Duration kIdentityLogInterval = std::chrono::minutes(1);
-constexpr std::size_t kMaxDeniedLogged = 16;  // topics; answers go wherever somebody wants
+constexpr std::size_t kMaxDeniedLogged = 16;  // topics; answers go wherever a requester wants
 constexpr Duration kStateRepeat = std::chrono::seconds(1);
 
 }  // namespace

@@ -18,7 +18,7 @@ struct Call {
     const http::Request& request;
     http::Reply reply;
     Principal principal;
-    http::Peer peer;  ///< behind a trusted proxy its client, else who is connected
+    http::Peer peer;  ///< behind a trusted proxy its client, else the connected program
     const Route& route;
     std::map<std::string, std::string, std::less<>> path;  ///< "board" -> "uno1"
 
@@ -27,7 +27,7 @@ struct Call {
     const std::string& service() const { return path.find("service")->second; }
     Instant now() const { return gateway.now(); }
     bool sees(std::string_view board) const { return principal.rights.sees_board(board); }
-    /// Who is served, for limits: the name of the token, else the address (of IPv6 its network).
+    /// The client that is served, for limits: the name of the token, else the address (of IPv6 its network).
     std::string client() const;
     /// What is held for it, beyond what is sent at once.
     Budget::Part part() const { return gateway.budget().part(client()); }
@@ -36,7 +36,7 @@ struct Call {
 /// application/problem+json (RFC 9457).
 http::Response problem(int status, const std::string& detail);
 http::Response problem(int status, const std::string& detail, nlohmann::json members);
-/// Of one asker: a cache may keep it for nobody else.
+/// Of one asker: a cache may keep it for no other.
 http::Response json_response(const nlohmann::json& body, int status = 200);
 http::Response text_response(std::string json_text, int status = 200);
 

@@ -371,7 +371,7 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
     if (is_renewal(gateway, *board, service_name, request))
         return renew(gateway, principal, client, session_name(gateway, session), text, id, request, answer);
     json payload = request;
-    // Who asks, and where the answer goes, is ours to say.
+    // The gateway itself names the sender, and where the answer goes.
     for (const char* member : {"command", "id", "deadline_ms", "by", "reply_to"})
         payload.erase(member);
     Commands::Start start;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `/?code=CODE`: a code becomes a cookie. A page of another site can lead a browser here with a code of its
-// own, so that its user goes on as somebody else: none of another site is followed, and no session that is
+// own, so that its user goes on as another user: none of another site is followed, and no session that is
 // valid is replaced without a question.
 #include "gateway/api/routes.hpp"
 

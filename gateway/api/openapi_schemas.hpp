@@ -124,7 +124,7 @@ inline constexpr std::string_view kComponents = R"json({
     "title": {"type": "string", "maxLength": 100},
     "widgets": {"type": "array", "maxItems": 48, "items": {"$ref": "#/components/schemas/Widget"}},
     "name": {"type": "string", "readOnly": true}, "by": {"type": "string", "readOnly": true}, "changed": {"type": "string", "readOnly": true},
-    "links": {"type": "array", "readOnly": true, "description": "For those who may change it", "items": {"$ref": "#/components/schemas/Link"}}}},
+    "links": {"type": "array", "readOnly": true, "description": "For users who may change it", "items": {"$ref": "#/components/schemas/Link"}}}},
   "Dashboards": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"type": "object",
     "required": ["name", "title", "widgets"], "properties": {"name": {"type": "string"}, "title": {"type": "string"},
       "widgets": {"type": "integer"}, "by": {"type": "string"}, "changed": {"type": "string"}}}}}},

@@ -113,7 +113,7 @@ std::vector<Parameter> history_parameters() {
 }
 
 // A row: method, path, id, what it does, what it needs; its parameters, the schema of its body; its answers;
-// who serves it.
+// the function that serves it.
 // clang-format off
 std::vector<Route> make_routes() {
     return {
@@ -131,7 +131,7 @@ std::vector<Route> make_routes() {
         {"POST", "/api/boards/{board}/labels", "labelBoard", "Set labels of a board, and friendly names of its services and pins; its agent keeps them", Need::kLabel, {kDeadline}, "LabelChange", label_answers(), post_labels},
         {"POST", "/api/boards/{board}/load", "loadBoard", "Let the agent of a board load firmware of its machine into it; how far it is stands in the board's description", Need::kLabel, {kDeadline}, "Load", load_answers(), post_load},
         {"GET", "/api/commands/{id}", "getCommand", "What became of a command of yours; kept for a minute", Need::kCommand, {}, "", {{200, "The command, with its answer if there is one", "Command"}, kNotFound}, get_command},
-        {"POST", "/api/commands/{id}/renew", "renewCommand", "Go on holding a command that was sent with `hold_ms`", Need::kCommand, {kHold}, "", {{200, "Held for another while", "CommandAnswer"}, fault(404, "No command of yours has this id"), fault(409, "It is not held: `not-held`"), kNotReady, fault(504, "Nobody answered")}, post_renew},
+        {"POST", "/api/commands/{id}/renew", "renewCommand", "Go on holding a command that was sent with `hold_ms`", Need::kCommand, {kHold}, "", {{200, "Held for another while", "CommandAnswer"}, fault(404, "No command of yours has this id"), fault(409, "It is not held: `not-held`"), kNotReady, fault(504, "No agent answered")}, post_renew},
         {"POST", "/api/boards/{board}/stop", "stopBoard", "Bring everything on a board into its safe state, ahead of all that waits, and keep it stopped until it is resumed", Need::kStop, {kOnce, kWhy}, "", {{200, "Stopped", "Stopped"}, {207, "The board did not confirm it in time", "Stopped"}, kNotFound, kNotReady}, post_stop_board},
         {"POST", "/api/stop", "stopAll", "The same on every board", Need::kStop, {kOnce, kWhy}, "", {{200, "All of them are stopped", "Stopped"}, {207, "Some did not confirm it in time", "Stopped"}, kNotReady}, post_stop},
         {"POST", "/api/boards/{board}/resume", "resumeBoard", "Let a board that was stopped take commands again", Need::kStop, {}, "", {{200, "Resumed", "Stopped"}, {207, "Its agent did not answer in time", "Stopped"}, kNotFound, kNotReady}, post_resume_board},

@@ -8,7 +8,7 @@
 
 namespace asip::gateway::api {
 
-/// What somebody needs to be allowed to. That an answer holds only what they may see is the operation's own
+/// The right that a client needs. That an answer holds only what the client may see is the operation's own
 /// duty: see limits.hpp.
 /// kShown: to read something, of the own dashboard if nothing else; kUse: to use a control of a dashboard;
 /// kArrange: to make and share dashboards.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A request to its route: who may, which parameters, what every response carries.
+// A request to its route: its rights, its parameters, what every response carries.
 #include <algorithm>
 #include <set>
 
@@ -278,7 +278,7 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
                   route,
                   parameters_of(pattern, request.segments)};
         route.serve(call);
-        return log_change(call);  // behind the answer: nobody waits for the log
+        return log_change(call);  // behind the answer: no client waits for the log
     }
     if (!methods.empty()) {
         methods += ", OPTIONS";

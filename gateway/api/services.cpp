@@ -159,7 +159,7 @@ void get_values(Call& call) {
 
 namespace {
 
-/// The models that somebody may read: with limited rights those of the services that are seen.
+/// The models that a client may read: with limited rights those of the services that are seen.
 std::vector<model::ModelPtr> models_for(const Call& call) {
     auto models = call.gateway.models().all();
     const auto& rights = call.principal.rights;

@@ -75,8 +75,8 @@ void get_readyz(Call& call) {
     send_json(call, {{"status", "ok"}});
 }
 
-// A code for whoever asks, with the same rights: `asipctl open` puts it behind the page's address. A session
-// that made codes could go on for ever, under cookies that no log-out ends.
+// A code for the client that asks, with the same rights: `asipctl open` puts it behind the page's address. A
+// session that made codes could go on for ever, under cookies that no log-out ends.
 void post_code(Call& call) {
     if (call.principal.kind == Principal::Kind::kSession)
         return send_problem(

@@ -154,7 +154,7 @@ Expected<Principal, Denied> Gate::who(const http::Request& request, const Instan
         return Unexpected<Denied>(
             Denied{403,
                    "this request came through a proxy on this machine, and asip-gateway was not told of one: "
-                   "whoever the proxy serves would have the rights of this machine; start it with "
+                   "every client of the proxy would have the rights of this machine; start it with "
                    "--trusted-proxy"});
     if (request.peer.loopback && options_.loopback.role != Role::kNone)
         return Principal{options_.loopback, Principal::Kind::kLoopback};

@@ -12,7 +12,7 @@
 
 namespace asip::gateway {
 
-/// Who asks: what may be done, and by what that is known.
+/// The client that asks: what it may do, and by what that is known.
 struct Principal {
     Rights rights;
     enum class Kind { kAnonymous, kLoopback, kToken, kSession } kind = Kind::kAnonymous;
@@ -25,17 +25,17 @@ struct Denied {
     std::string text;
 };
 
-/// Decides who a request comes from and whether it may be served at all: before anything of it is looked at.
-/// Whether its route may be used by them is the API's to say (Need). Pure: time is passed in.
+/// Decides which client a request comes from and whether it may be served at all: before anything of it is
+/// looked at. Whether the client may use its route is the API's to say (Need). Pure: time is passed in.
 class Gate {
   public:
     struct Options {
         std::vector<std::string> hosts;            ///< names that are ours, in lower case, without port
         std::vector<std::string> allowed_origins;  ///< of pages elsewhere that may call the API
-        Rights loopback;   ///< of whoever connects over the loopback interface without a token
-        Rights anonymous;  ///< of everybody else without a token
+        Rights loopback;   ///< of a client that connects over the loopback interface without a token
+        Rights anonymous;  ///< of every other client without a token
         std::string cookie = "asip";
-        /// Connections from this machine are a proxy's: its clients are who X-Forwarded-For says, nobody is
+        /// Connections from this machine are a proxy's: X-Forwarded-For names its clients, no client is
         /// "this machine", and TLS may end at the proxy, so origins of either scheme are ours.
         bool behind_proxy = false;
     };
@@ -55,25 +55,26 @@ class Gate {
     void set_shared(Shared shared) { shared_ = std::move(shared); }
 
     /// In place of those of before; log-ins by tokens that are gone or changed end. Ask still_admitted() of
-    /// whoever was admitted by them.
+    /// each client that was admitted by them.
     void set_tokens(Tokens tokens);
     const Tokens& tokens() const { return tokens_; }
     Logins& logins() { return logins_; }
     const Options& options() const { return options_; }
 
-    /// Who is at the other end of a request: behind a proxy its client, by the last element of
+    /// The other end of a request: behind a proxy its client, by the last element of
     /// X-Forwarded-For (else of Forwarded) and X-Forwarded-Proto, which the proxy itself wrote. A client that
     /// comes past the proxy is not believed.
     http::Peer peer_of(const http::Request& request) const;
     /// By, in this order: a token (one that is not known is refused, whatever else there is), a cookie (one
     /// that is not known is as none), being on this machine, and being anybody. 421: another host's request;
-    /// 403: a page of another site, or a proxy that nobody was told of; 415: a change that is not JSON; 401.
+    /// 403: a page of another site, or a proxy that the gateway was not told of; 415: a change that is not
+    /// JSON; 401.
     Expected<Principal, Denied> admit(const http::Request& request, const Instant& now) const;
     /// The same for what is below `/kiosk/TOKEN/`: the token of a kiosk, and nothing else that the request
     /// brings, decides what it may; it may read only, unless it may use the controls of its dashboard.
     Expected<Principal, Denied> admit_link(const http::Request& request, std::string_view token,
                                            const Instant& now) const;
-    /// Whether somebody admitted earlier still is: for open streams. A token that was changed or replaced
+    /// Whether a client admitted earlier still is: for open streams. A token that was changed or replaced
     /// ends them, and so does the end of the session.
     bool still_admitted(const Principal& principal, const Instant& now) const;
     /// The value of our cookie; empty: none.

@@ -13,7 +13,7 @@
 namespace asip::gateway {
 
 /// One-time codes that turn into cookies. Pure: time and randomness are passed in; secrets are kept as
-/// hashes. Limits are of each name, so that nobody uses up the places of others: there are as many names as
+/// hashes. Limits are of each name, so that no name uses up the places of others: there are as many names as
 /// tokens, and two more ("loopback", "anonymous").
 class Logins {
   public:

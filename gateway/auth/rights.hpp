@@ -10,7 +10,7 @@
 
 namespace asip::gateway {
 
-/// What somebody may do at most; each role may all that the ones before it may, but that a kiosk is shown
+/// What a client may do at most; each role may all that the ones before it may, but that a kiosk is shown
 /// what its token names only.
 enum class Role {
     kNone,      ///< nothing
@@ -21,7 +21,7 @@ enum class Role {
 };
 std::string_view to_string(Role role);
 
-/// What somebody may do, and under which name it is logged. A value: whether it is still in force is
+/// What a client may do, and under which name it is logged. A value: whether it is still in force is
 /// Gate::still_admitted()'s to say.
 struct Rights {
     Role role = Role::kNone;
@@ -42,7 +42,7 @@ struct Rights {
     /// A stop, a resume and a raw line reach every service of a board, and a board is forgotten as a whole:
     /// none of them is for rights on some services only.
     bool may_stop() const { return may_command() && services.empty(); }
-    /// Labels and friendly names; those of a service may be read by everybody who sees the board.
+    /// Labels and friendly names; those of a service may be read by every client that sees the board.
     bool may_label() const { return may_stop(); }
     bool may_send_raw() const { return may_stop() && (raw || role == Role::kAdmin); }
     bool may_forget() const { return role == Role::kAdmin && services.empty(); }

@@ -13,7 +13,7 @@ using Secrets = std::function<std::string(std::size_t bytes)>;
 /// Of the operating system's cryptographic generator. Throws std::runtime_error when it fails.
 std::string random_secret(std::size_t bytes);
 
-/// SHA-256 as 64 hexadecimal digits. Enough for secrets of 256 random bits, which nobody can guess.
+/// SHA-256 as 64 hexadecimal digits. Enough for secrets of 256 random bits, which no attacker can guess.
 std::string hash_of(std::string_view secret);
 
 /// Takes as long for equal texts as for any others of one length.

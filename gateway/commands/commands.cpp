@@ -30,7 +30,7 @@ bool was_refused(const CommandRecord& record) {
 }  // namespace
 
 std::size_t Commands::bytes_of(const Start& start) {
-    constexpr std::size_t kBytesOfRecord = sizeof(Entry) + 512;  // with its key, its topics and who waits
+    constexpr std::size_t kBytesOfRecord = sizeof(Entry) + 512;  // with its key, its topics and its waiters
     return kBytesOfRecord + start.payload.capacity() + start.target.capacity() + start.by.capacity();
 }
 

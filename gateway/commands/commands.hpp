@@ -20,7 +20,7 @@ namespace asip::gateway {
 /// A command on its way and what became of it.
 struct CommandRecord {
     std::string id;       ///< of the client; made up where it gave none
-    std::string by;       ///< who sent it
+    std::string by;       ///< its sender
     std::string target;   ///< "uno1/servo", or "uno1" for raw lines
     std::string request;  ///< the payload without `deadline_ms`
     Instant sent;
@@ -79,7 +79,7 @@ class Commands {
     bool take(const mqtt::Message& message, const Instant& now);
     /// Call a few times a second: deadlines pass, and what was answered a minute ago is forgotten.
     void tick(const Instant& now);
-    /// This program ends: whoever waits is answered, as far as is known.
+    /// This program ends: every client that waits is answered, as far as is known.
     void leave(const Instant& now);
     /// Null: not known, or longer ago than a minute.
     const CommandRecord* find(std::string_view session, std::string_view id) const;
@@ -114,7 +114,7 @@ class Commands {
     Entries entries_;
     Due due_;
     std::uint64_t made_up_ = 0;
-    bus::AgentClocks clocks_;  // by reply topic of nobody's session: of one board each
+    bus::AgentClocks clocks_;  // by reply topic without a session: of one board each
     Counters counters_;
 };
 

@@ -47,7 +47,7 @@ struct Widget {
 struct DashboardLink {
     std::string name;
     std::string hash;
-    std::string by;  ///< who made it
+    std::string by;  ///< the user who made it
     bool control = false;
     std::optional<text::WallTime> until;
 };
@@ -62,13 +62,13 @@ struct Dashboard {
     std::string title;
     std::vector<Widget> widgets;
     std::vector<DashboardLink> links;
-    std::string by, changed;  ///< who changed it last, and when
+    std::string by, changed;  ///< the user who changed it last, and when
 
     const Widget* widget(std::string_view id) const;
     const DashboardLink* link(std::string_view name) const;
     /// In the order of the widgets.
     std::vector<std::string> boards() const;
-    /// Whether somebody with these rights sees all of it; `name`: its own.
+    /// Whether a client with these rights sees all of it; `name`: its own.
     bool seen_by(const Rights& rights, std::string_view name) const;
 };
 
@@ -88,7 +88,7 @@ std::string kept_text(const Dashboard& dashboard);
 nlohmann::json to_json(const Dashboard& dashboard);
 /// Of title and widgets: another one for whatever an editor changes.
 std::string etag_of(const Dashboard& dashboard);
-/// What somebody with this link may do.
+/// What a client with this link may do.
 Rights rights_of(const std::string& dashboard, const DashboardLink& link);
 
 }  // namespace asip::gateway

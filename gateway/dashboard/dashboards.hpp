@@ -52,7 +52,7 @@ class Dashboards {
     /// Goes up with every change.
     std::uint64_t version() const { return version_; }
 
-    /// What somebody may do with a link whose token has this hash.
+    /// What a client may do with a link whose token has this hash.
     std::optional<Rights> link_of(std::string_view hash) const;
     /// Whether a link still gives these rights.
     bool holds(const Rights& rights) const;

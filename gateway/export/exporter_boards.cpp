@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boards, their values and commands for them; when there is a connection and who exports: exporter.cpp.
+// Boards, their values and commands for them; when there is a connection and which gateway exports:
+// exporter.cpp.
 #include <nlohmann/json.hpp>
 #include <utility>
 

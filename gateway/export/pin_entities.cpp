@@ -95,7 +95,7 @@ std::vector<Entity> pin_entities(const model::Description& description, const mo
         const auto mode = mode_of(pins, pin);
         if (mode == PinMode::kUnallocated && !entity.name.empty() &&
             ((at(pins.capabilities, pin, '1') - '0') & protocol::kCapabilityDigital) != 0) {
-            // It has a name, so it is used, and nothing says for what: hidden until somebody wants it.
+            // It has a name, so it is used, and nothing says for what: hidden until a user wants it.
             make_switch(entity, io.name, static_cast<double>(pin));
             entity.before = Call{io.name, "mode", {static_cast<double>(pin), kOutput}, "mode", true};
             entity.default_on = false;

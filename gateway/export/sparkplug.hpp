@@ -26,7 +26,7 @@ class Sparkplug {
         std::string root = "asip";
         std::string group;
         std::string edge = "asip";
-        std::string host;        ///< whose presence is waited for; empty: nobody's
+        std::string host;        ///< the host that is waited for; empty: none
         std::string version;     ///< of the gateway
         bool read_only = false;  ///< nothing can be set
     };

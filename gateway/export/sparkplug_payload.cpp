@@ -161,7 +161,7 @@ class Reader {
                 rest_.remove_prefix(*value);
                 break;
             default:
-                return std::nullopt;  // groups: nobody writes them any more
+                return std::nullopt;  // groups: no program writes them any more
         }
         if (!value) return std::nullopt;
         field.value = *value;

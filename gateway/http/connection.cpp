@@ -178,7 +178,7 @@ void Connection::handle() {
     ++number_;
     shared_->handler(*request_, Reply(weak_from_this(), number_));
     request_.reset();
-    // Not before: a WebSocket takes the socket over, and must find nobody reading.
+    // Not before: a WebSocket takes the socket over, and must find no read under way.
     if (phase_ == Phase::kHandling || phase_ == Phase::kStreaming) read();
 }
 

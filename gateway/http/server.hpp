@@ -52,7 +52,7 @@ class Channel {
     std::function<void()> wake = [] {};
 };
 
-/// Whoever waits for the answer to a request: a connection, or a test.
+/// What waits for the answer to a request: a connection, or a test.
 class Responder {
   public:
     virtual ~Responder() = default;
@@ -94,7 +94,7 @@ class Reply {
     void websocket(std::unique_ptr<Channel> channel) const {
         if (const auto responder = responder_.lock()) responder->upgrade(number_, std::move(channel));
     }
-    /// Nobody waits for an answer any more: it was given, or the client closed the connection.
+    /// No client waits for an answer any more: it was given, or the client closed the connection.
     bool gone() const {
         const auto responder = responder_.lock();
         return !responder || !responder->waits_for(number_);

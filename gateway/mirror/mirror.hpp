@@ -72,10 +72,10 @@ class Mirror {
     Instant connected_since() const { return since_; }
 
     std::optional<bus::BoardItem> board(std::string_view name, const Instant& now) const;
-    /// The same for whoever needs only its state and services: its times may be those of an earlier call.
-    /// Null: not known.
+    /// The same for a caller that needs only its state and services: its times may be those of an earlier
+    /// call. Null: not known.
     std::shared_ptr<const bus::BoardItem> known(const std::string& name, const Instant& now);
-    /// `view`: of the asker; null: of somebody who sees everything.
+    /// `view`: of the asker; null: of a user who sees everything.
     Expected<bus::Answer> find(const bus::Query& query, const Instant& now,
                                const catalogue::View* view = nullptr);
     std::vector<std::string> board_names() const;
@@ -118,7 +118,7 @@ class Mirror {
     ChangeLog log_;
     Values values_;
     catalogue::Catalogue catalogue_;
-    // Boards as they were made for somebody, until they change: that costs more than a command.
+    // Boards as they were made for a caller, until they change: that costs more than a command.
     std::map<std::string, std::shared_ptr<const bus::BoardItem>> known_;
     std::map<std::string, RegistryInfo> registries_;
     std::map<std::string, BoardStats> board_stats_;

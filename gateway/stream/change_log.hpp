@@ -13,9 +13,9 @@ namespace asip::gateway {
 
 class ChangeFeed;
 
-/// The last changes of the catalogue, for those who follow it and those who come back to it: as many as fit
-/// into `max_bytes`, the oldest go first. Feeds refer to it and may outlive it: then they give nothing more.
-/// Pure.
+/// The last changes of the catalogue, for clients that follow it and clients that come back to it: as many
+/// as fit into `max_bytes`, the oldest go first. Feeds refer to it and may outlive it: then they give nothing
+/// more. Pure.
 class ChangeLog {
   public:
     struct Change {

@@ -212,7 +212,7 @@ void ValueFeed::read_service(ServiceValues& service, Reading& reading, const Ins
     if (reading.sent == service.last) reading.resumed = false;
 }
 
-// The last one carries the place: whoever is cut off before it resumes in front of all of them.
+// The last one carries the place: a client that is cut off before it resumes in front of all of them.
 void ValueFeed::newest_of_each(ServiceValues& service, Reading& reading) {
     std::vector<const ChannelValue*> changed;
     for (const auto& channel : service.channels) {

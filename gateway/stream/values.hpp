@@ -51,7 +51,7 @@ struct ChannelValue {
     void tidy();
 
   private:
-    /// Until somebody asks: a reader that keeps up never does.
+    /// Until a reader asks: one that keeps up never does.
     static constexpr std::size_t kMaxPartsBytes = 512;
     void put_together() const;
 

@@ -106,7 +106,8 @@ TEST_F(NotifyTest, ReceiverThatIsAwayOrRefusesOrHangs_IsTriedAgainAndHoldsNothin
     EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(5));
     say(1, 2, "lost");
     hook.reset();
-    ASSERT_TRUE(registry_->wait_for_errors("nobody can be told of lost boards now")) << registry_->errors();
+    ASSERT_TRUE(registry_->wait_for_errors("no notice of lost boards can be delivered now"))
+        << registry_->errors();
     EXPECT_THAT(registry_->errors(), HasSubstr("address=http://127.0.0.1:" + port_));
     hook = receiver({"--port", port_, "--answers", "503,204"});
     ASSERT_TRUE(wait_until([&] { return bodies(*hook).size() == 2; })) << registry_->errors();
