@@ -7,7 +7,7 @@
 //
 // A,M, G,M and H,M measure once, A,A,ms, G,A,ms and H,A,ms periodically. @A,e,3,{x,y,z} and @G,e,3,{x,y,z}
 // are the chip's numbers, @H,e,4,{x,y,z,degrees} adds the direction in which the field points, 0 to 359. On
-// an AVR nobody waits for the chip. A chip that is missing is error 8, pins in use elsewhere 9.
+// an AVR the sketch does not wait for the chip. A chip that is missing is error 8, pins in use elsewhere 9.
 #pragma once
 
 #include "Asip.h"

@@ -5,8 +5,8 @@
 //
 // P,M measures once, P,A,ms periodically; both are answered by @P,e,3,{1013.25,21.50,0.00}: hectopascals
 // (millibars), degrees Celsius, and the metres above sea level that would have this pressure in the standard
-// atmosphere. A measurement takes 40 ms, in which nobody waits. A chip that is missing is error 8, pins in
-// use elsewhere 9.
+// atmosphere. A measurement takes 40 ms; the sketch does not wait for it. A chip that is missing is error 8,
+// pins in use elsewhere 9.
 #pragma once
 
 #include "Asip.h"

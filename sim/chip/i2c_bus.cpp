@@ -123,7 +123,7 @@ void I2cBus::begin(Step step, double bits) {
 }
 
 void I2cBus::on_alarm() {
-    // A bus that is held low by somebody is waited for, for ever.
+    // The chip waits for a bus that a device holds low, for ever.
     if (is_stuck())
         return alarm_.at(clock_.cycle() +
                          static_cast<std::uint64_t>(kLookAgainUs * clock_.avr().frequency / 1e6));

@@ -21,7 +21,7 @@ constexpr auto kMaxLag = 200ms;
 // A board that catches up hears and answers its host on the way: a turn of the whole lag takes half a second
 // where others have the processor.
 constexpr auto kMaxTurn = 2ms;
-// Who has just sent something waits for the answer, and more may come.
+// A host that has just sent something waits for the answer, and more may come.
 constexpr auto kBusy = 5ms;
 constexpr auto kHousekeeping = 1s;
 
@@ -96,8 +96,8 @@ bool AvrBoard::has_room() const {
 void AvrBoard::receive_from_ports(bool pty_readable) {
     if (!has_room()) return;
     if (pty_in_use_ && pty_readable) {
-        // Who changes the rate waits until the bytes before it have left: those that are here are of the new
-        // one.
+        // A host that changes the rate waits until the bytes before it have left: those that are here are of
+        // the new one.
         const auto bytes = pty_.read(kReadAtOnce);
         if (!bytes.empty()) follow_host_rate();
         board_->send(bytes);

@@ -99,7 +99,7 @@ Expected<std::unique_ptr<ControlSocket>> ControlSocket::open(boost::asio::io_con
     std::unique_ptr<ControlSocket> socket(new ControlSocket(context, path, std::move(execute)));
     error_code failed;
     socket->acceptor_.open(Protocol(), failed);
-    const auto mask = ::umask(0077);  // who may press buttons is who started the boards
+    const auto mask = ::umask(0077);  // only the user who started the boards may press buttons
     if (!failed) socket->acceptor_.bind(Protocol::endpoint(path.string()), failed);
     ::umask(mask);
     if (failed) {

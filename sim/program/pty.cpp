@@ -73,7 +73,7 @@ Pty::Events Pty::look() {
 
 void Pty::add_waits(std::vector<pollfd>& waits, bool with_bytes) const {
     waits.push_back({watch_, POLLIN, 0});
-    // One that nobody has open is always ready.
+    // One that no program has open is always ready.
     if (was_in_use_ && with_bytes) waits.push_back({master_, POLLIN, 0});
 }
 

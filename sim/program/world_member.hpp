@@ -10,7 +10,7 @@
 
 namespace asip::sim {
 
-/// Who a published world is.
+/// The identity of a published world.
 struct WorldIdentity {
     std::string name;                      ///< on the bus
     std::string source;                    ///< the world's file, for people: in the description as its link

@@ -19,7 +19,7 @@ struct PinState {
     bool operator==(const PinState&) const = default;
 };
 
-/// The board's pins seen from outside the chip: levels, who drives them, and who wants to know. Pins are
+/// The board's pins seen from outside the chip: levels, what drives them, and what watches them. Pins are
 /// Arduino pin numbers and have to exist. One without a port is low, whatever drives it.
 class Wiring {
   public:

@@ -79,6 +79,6 @@ void BusMember::handle(const char* from, const uint8_t* payload, uint16_t length
             isProbed_ = true;
         return;
     }
-    // A stored request is somebody's mistake: it would be executed at each connection.
+    // A stored request is its sender's mistake: it would be executed at each connection.
     if (retained || !taker_(payload, length)) ++refused_;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A board that takes part in the ASIP bus by itself, with no agent: its names on the first two rows of the
-// discovery protocol, repeated within their lease and whenever somebody probes; request lines on
+// discovery protocol, repeated within their lease and whenever a program probes; request lines on
 // asip/BOARD/in, what the board says on asip/BOARD/out; `online` and, as its will, `lost` on $state. It knows
 // no models: commands as JSON, answers and proofs are for an agent.
 #pragma once

@@ -18,7 +18,7 @@ class Mqtt {
 
     Mqtt(Client& client, Handler handler, void* owner) : client_(client), handler_(handler), owner_(owner) {}
 
-    // Opens a connection. False if there is nobody, or if the texts are too long for a packet.
+    // Opens a connection. False if no broker is there, or if the texts are too long for a packet.
     bool open(const char* host, uint16_t port, const char* clientId, const char* willTopic, const char* will,
               uint32_t nowMs);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries the line of the board over the network, in place of a serial port: what comes from a TCP client or
-// from the bus is read by the board, and each line that the board writes goes to whoever listens. Include it
+// from the bus is read by the board, and each line that the board writes goes to all that listen. Include it
 // in one file.
 #pragma once
 

@@ -84,7 +84,7 @@ Error IoService::listRequest(Request& request, uint8_t count) {
 }
 
 bool IoService::canWrite(uint8_t pin) const {
-    return static_cast<uint8_t>(modes_[pin] - 1) < 3;  // nobody else's: an owner's number is in the high half
+    return static_cast<uint8_t>(modes_[pin] - 1) < 3;  // of no owner: an owner's number is in the high half
 }
 
 Error IoService::writeDigital(uint8_t pin, uint8_t high) {
@@ -136,7 +136,7 @@ inline Error IoService::setMode(uint8_t pin, PinMode wanted) {
 }
 
 void IoService::apply(uint8_t pin, PinMode mode) {
-    // Ends a PWM that is on, whoever takes the pin now.
+    // Ends a PWM that is on, whatever service takes the pin now.
     if (modes_[pin] == static_cast<uint8_t>(PinMode::kPwm) && mode != PinMode::kPwm) hw::writePin(pin, false);
     modes_[pin] = static_cast<uint8_t>(mode);
     if (hw::isAnalogOnly(pin)) return;

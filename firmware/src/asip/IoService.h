@@ -44,7 +44,7 @@ class IoService : public Service {
 
     PinMode mode(uint8_t pin) const { return static_cast<PinMode>(modes_[pin] & 15); }
 
-    // Number given by claim() to who uses the pin, 0 for the I/O service.
+    // Number that claim() gave to the service that uses the pin, 0 for the I/O service.
     uint8_t owner(uint8_t pin) const { return modes_[pin] >> 4; }
     bool isFree(uint8_t pin) const {
         return pin < hw::kPins && modes_[pin] < static_cast<uint8_t>(PinMode::kReserved);

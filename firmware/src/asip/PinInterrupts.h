@@ -20,7 +20,7 @@ class PinInterrupts {
   public:
     typedef void (*Handler)();
 
-    // Who is called. Each is called for the pins of the other too.
+    // The handler that is called. Each is called for the pins of the other too.
     enum Slot : uint8_t { kEcho, kEncoders };
 
     // From now on `handler` is called for changes of `pin`. False if the pin has no interrupt.

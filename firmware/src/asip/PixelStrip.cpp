@@ -9,7 +9,7 @@
 namespace asip {
 
 // From the data sheets of WS2812 and WS2812B, which differ; these times suit both. A bit begins with a rise:
-// 0 falls after 0.375 us, 1 after 0.75 us, the next follows after 1.25 us. Whoever gets no bit for 50 us
+// 0 falls after 0.375 us, 1 after 0.75 us, the next follows after 1.25 us. A pixel that gets no bit for 50 us
 // takes what it has; newer ones want 280 us.
 static constexpr uint16_t kLatchMicroseconds = 300;
 static constexpr uint8_t kMaxGapTicks = F_CPU / 1000000 * 40 / 64;  // 40 us of timer 0
