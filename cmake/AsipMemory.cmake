@@ -2,7 +2,7 @@
 # How the memory of this machine is used for compiling. Included before the first target.
 #
 # Where it is enough for all compilers that run side by side, up to forty sources are compiled as one and the compiler collects
-# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else eight, and 64 MiB: 1.1 s and 498 MiB. The
+# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else six, and 64 MiB: 1.1 s and some 500 MiB. The
 # largest source alone, of the gateway's server, takes 519 MiB without precompiled headers (g++ 12, amd64, preset dev).
 
 set(most_memory 1600)   # MiB for each compiler, where there is much
@@ -21,7 +21,7 @@ option(ASIP_LITTLE_MEMORY "Compile with little memory: 600 MiB for each compiler
 
 if(ASIP_LITTLE_MEMORY)
   set(ASIP_COMPILER_HEAP 65536) # KiB
-  set(batch 8)
+  set(batch 6)
   math(EXPR possible "(${memory} - ${system_memory}) / ${least_memory}")
   if(possible LESS 1)
     set(possible 1)
