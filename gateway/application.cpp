@@ -116,9 +116,16 @@ mqtt::Client::Handlers Application::handlers() {
 }
 
 void Application::message(const mqtt::Message& received) {
+    const auto topic = gateway_->mirror().topics().parse(received.topic);
+    // A value that is exported goes through a broker once more: ahead of what is kept of it here.
+    if (topic)
+        for (const auto& each : exports_)
+            each->message_of_service(*topic, received);
     gateway_->message(received);
-    for (const auto& each : exports_)
-        each->message(received);
+    for (const auto& each : exports_) {
+        each->changes();
+        if (!topic) each->message(received);
+    }
     if (home_assistant_seen_ || options_.home_assistant || received.topic != kHomeAssistant) return;
     home_assistant_seen_ = true;
     log::info("Home Assistant is on this broker; with --home-assistant this gateway shows it every board");

@@ -92,14 +92,14 @@ void Exports::changes() {
             export_->changed(name, now);
 }
 
+void Exports::message_of_service(const bus::TopicRef& topic, const mqtt::Message& message) {
+    const bool set = topic.kind == TopicKind::kServiceSet;
+    if (set || topic.kind == TopicKind::kServiceOut)
+        export_->value(topic.board, topic.service, message.payload, set, gateway_.now().time);
+}
+
 void Exports::message(const mqtt::Message& message) {
-    const auto now = gateway_.now().time;
-    changes();
-    const auto topic = gateway_.mirror().topics().parse(message.topic);
-    if (!topic) return export_->message(message, now);
-    const bool set = topic->kind == TopicKind::kServiceSet;
-    if (set || topic->kind == TopicKind::kServiceOut)
-        export_->value(topic->board, topic->service, message.payload, set, now);
+    export_->message(message, gateway_.now().time);
 }
 
 void Exports::tick() {

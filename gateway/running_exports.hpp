@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "gateway/export/export.hpp"
 
@@ -52,14 +53,17 @@ class Exports {
     std::vector<std::string> subscriptions() const { return export_->subscriptions(); }
     void subscribed();
     void disconnected() { export_->disconnected(); }
-    /// Behind Gateway::message().
+    /// Ahead of Gateway::message(): a value of a service, if it is one.
+    void message_of_service(const bus::TopicRef& topic, const mqtt::Message& message);
+    /// Behind Gateway::message(), after each message: what changed in the catalogue.
+    void changes();
+    /// A message on none of the bus's topics.
     void message(const mqtt::Message& message);
     void tick();
     void stop(Duration limit, std::function<void()> done);
 
   private:
     exports::Export::Port port();
-    void changes();
     void command(const std::string& board, const exports::Request& request,
                  std::function<void(std::string)> done);
     std::optional<exports::Export::Present> board(const std::string& name);
