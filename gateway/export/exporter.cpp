@@ -279,7 +279,8 @@ void Exporter::show_gateway() {
     retain(dialect().gateway_state(), dialect().online());
 }
 
-/// Seldom: a gateway that starts meanwhile says of a board's older states that they are not known.
+/// Seldom: a gateway that starts meanwhile says of a board's older states that they are not known. Never
+/// ahead of the states of these sessions: the next gateway would take older ones for theirs.
 void Exporter::show_sessions(Time now) {
     sessions_due_ = false;
     sessions_at_ = now;
@@ -335,7 +336,7 @@ void Exporter::tick(Time now) {
 }
 
 void Exporter::leave() {
-    if (phase_ == Phase::kActive && sessions_due_ && options_.enabled) show_sessions(now_);
+    if (phase_ == Phase::kActive && sessions_due_ && options_.enabled && shows_all()) show_sessions(now_);
     if (phase_ == Phase::kActive || phase_ == Phase::kScanning)
         if (options_.enabled) retain(dialect().gateway_state(), dialect().leaving());
     phase_ = Phase::kFinished;

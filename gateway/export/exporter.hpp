@@ -97,6 +97,8 @@ class Exporter final : public Export {
     void take_retained(Record& record, Present present, const Dialect::Retained& found, bool same, Time now);
     void show_gateway();
     void show_sessions(Time now);
+    /// Nothing that is known waits to be published.
+    bool shows_all() const { return dirty_.empty() && later_.empty() && pending_.empty(); }
     void become_idle(const std::string& why);
     void clear_some();
     void pump(Time now);
