@@ -215,9 +215,12 @@ void HomeAssistant::describe_device(ObjectText& document, const ExportedBoard& b
         origin.add("name", "asip-gateway");
         if (!options_.version.empty()) origin.add("sw", options_.version);
     }
-    document
-        .add_json("avty", R"([{"t":")" + gateway_state() + R"("},{"t":")" + board_state(board.board) + "\"}]")
-        .add("avty_mode", "all");
+    std::string available = "[";
+    ObjectText(available).add("t", gateway_state());
+    available += ',';
+    ObjectText(available).add("t", board_state(board.board));
+    available += ']';
+    document.add_json("avty", available).add("avty_mode", "all");
 }
 
 HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) const {

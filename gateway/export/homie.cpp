@@ -22,8 +22,6 @@ using nlohmann::json;
 constexpr const char* kVersion = "5.0";
 constexpr std::int64_t kMaxVersion = std::int64_t{1} << 53;  // of a description; exact in every reader of
                                                              // JSON
-constexpr std::size_t kUsualBytes = 256;                     // of a description
-constexpr std::size_t kUsualBytesOfEntity = 128;
 constexpr std::size_t kMaxDescriptionBytes = std::size_t{1} << 20;
 constexpr int kMaxDescriptionDepth = 12;
 constexpr int kChannels = 3;  // of a colour

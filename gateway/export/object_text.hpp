@@ -30,7 +30,6 @@ class ObjectText {
     ObjectText(const ObjectText&) = delete;
     ObjectText& operator=(const ObjectText&) = delete;
 
-    /// `name` needs no escapes; likewise below.
     ObjectText& add(std::string_view name, std::string_view text) {
         begin(name);
         append(text);
@@ -81,7 +80,8 @@ class ObjectText {
   private:
     void begin(std::string_view name) {
         if (text_.back() != '{') text_ += ',';
-        text_.append(1, '"').append(name).append("\":");
+        append(name);
+        text_ += ':';
     }
     void append(std::string_view text) {
         const bool plain = std::all_of(text.begin(), text.end(),

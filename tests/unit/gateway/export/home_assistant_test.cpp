@@ -59,6 +59,20 @@ Entity entity_of(EntityKind kind) {
     return entity;
 }
 
+TEST(HomeAssistant, TextsOfOthers_AreEscapedInEachPlace) {
+    HomeAssistant::Options options;
+    options.root = R"(lab "1"\)";
+    const HomeAssistant ha(options);
+    auto board = board_with_all();
+    board.name = "K\u00fcche \"A\\B\"\n";
+    const auto document = json::parse(ha.document(board));
+    EXPECT_EQ(document["avty"][0]["t"], ha.gateway_state());
+    EXPECT_EQ(document["dev"]["name"], board.name);
+    auto old = ha.components(board);
+    old["a\"b"] = "sensor";
+    EXPECT_EQ(json::parse(ha.removing_document(board, old))["cmps"]["a\"b"], (json{{"p", "sensor"}}));
+}
+
 TEST(HomeAssistantDocument, NamesBoardOriginAndAvailability) {
     const auto document = document_of();
     EXPECT_EQ(
