@@ -92,7 +92,7 @@ bool read_member(JsonScanner& in, std::string_view key, const Guesses& guesses, 
     if (is(key, "labels")) members.labels = value;
     if (is(key, "names")) members.names = value;
     if (!members.extra.empty()) members.extra += ',';
-    members.extra.append("\"").append(key).append("\":").append(value);
+    members.extra.append("\"").append(in.raw_key()).append("\":").append(value);
     return true;
 }
 

@@ -107,7 +107,7 @@ TEST_F(CatalogueTest, TooManyServices_AreRefused) {
 
 TEST_F(CatalogueTest, UnknownMembersAndOwnModels_AreKeptInTheFullDescription) {
     const std::string payload =
-        R"({"x-note":"hi \"there\"","board":"uno1","session":"a","seq":1,"services":[{"name":"foo","id":"F",)"
+        R"({"x-note":"hi \"there\"","x\":1,\"seq":5,"board":"uno1","session":"a","seq":1,"services":[{"name":"foo","id":"F",)"
         R"("model":{"name":"foo","events":{"e":{"fields":[{"name":"v","unit":"lux"}]}}}}]})";
     give(raw_description(payload));
     bus::Query query;
@@ -116,6 +116,7 @@ TEST_F(CatalogueTest, UnknownMembersAndOwnModels_AreKeptInTheFullDescription) {
     ASSERT_TRUE(answer);
     ASSERT_EQ(answer->boards.size(), 1u);
     EXPECT_THAT(answer->boards[0].description, testing::HasSubstr(R"("x-note":"hi \"there\"")"));
+    EXPECT_THAT(answer->boards[0].description, testing::HasSubstr(R"("x\":1,\"seq":5)"));
     EXPECT_THAT(answer->boards[0].description, testing::HasSubstr(R"("unit":"lux")"));
     EXPECT_EQ(answer->boards[0].services[0].kind, "foo");
 }
