@@ -4,8 +4,11 @@
 #include <ostream>
 
 #include "asip/mqtt/options.hpp"
+#include "asip/program/exit_status.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 #include "cli/find/profiles.hpp"
+#include "cli/output.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {
