@@ -14,12 +14,13 @@ from pathlib import Path
 
 FOLDERS = ("agent", "asip", "bench", "cli", "gateway", "load", "registry", "sim")
 OF_LIBRARIES = {"History"}  # of libedit
-INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#\s*include ["<]([^">]+)[">]', re.MULTILINE)
 TYPE = re.compile(r"^(?:class|struct|enum class) (?:\[\[\w+\]\] )?([A-Z]\w+)(?: final)?\s*(?::[^:;]|\{)", re.MULTILINE)
 DECLARED = re.compile(r"\b(?:class|struct|enum(?: class)?|union) (?:\[\[\w+\]\] )?([A-Z]\w+)")
 ANY = re.compile(r"\b(?:(?:class|struct|enum(?: class)?|union) (?:\[\[\w+\]\] )?([A-Z]\w+)(?: final)?\s*(?::[^:;]|\{)|using ([A-Z]\w+) =)")
-COMMENT_OR_TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
-WORD = re.compile(r"(?<![.>])\b[A-Z][a-z]\w+\b")
+COMMENT_OR_TEXT = re.compile(r"(?<![\w'])'(?:[^'\\\n]|\\.)+'|"
+                             r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
+WORD = re.compile(r"(?<![.>])(?<!boost::)(?<!std::)\b[A-Z][a-z]\w+\b")
 
 
 def code_of(text):
