@@ -279,6 +279,14 @@ void Exporter::show_gateway() {
     retain(dialect().gateway_state(), dialect().online());
 }
 
+bool Exporter::states_are_of_their_sessions() const {
+    return std::none_of(pending_.begin(), pending_.end(), [this](const auto& each) {
+        const auto found = records_.find(each.first);
+        return found != records_.end() && each.second < found->second.states.size() &&
+               found->second.states[each.second].is_outdated();
+    });
+}
+
 /// Seldom: a gateway that starts meanwhile says of a board's older states that they are not known. Never
 /// ahead of the states of these sessions: the next gateway would take older ones for theirs.
 void Exporter::show_sessions(Time now) {
@@ -336,7 +344,8 @@ void Exporter::tick(Time now) {
 }
 
 void Exporter::leave() {
-    if (phase_ == Phase::kActive && sessions_due_ && options_.enabled && shows_all()) show_sessions(now_);
+    if (phase_ == Phase::kActive && sessions_due_ && options_.enabled && states_are_of_their_sessions())
+        show_sessions(now_);
     if (phase_ == Phase::kActive || phase_ == Phase::kScanning)
         if (options_.enabled) retain(dialect().gateway_state(), dialect().leaving());
     phase_ = Phase::kFinished;

@@ -97,8 +97,8 @@ class Exporter final : public Export {
     void take_retained(Record& record, Present present, const Dialect::Retained& found, bool same, Time now);
     void show_gateway();
     void show_sessions(Time now);
-    /// Nothing that is known waits to be published.
-    bool shows_all() const { return dirty_.empty() && later_.empty() && pending_.empty(); }
+    /// No state that waits for its turn is of an earlier session on the broker.
+    bool states_are_of_their_sessions() const;
     void become_idle(const std::string& why);
     void clear_some();
     void pump(Time now);

@@ -40,7 +40,8 @@ void Exporter::pump(Time now) {
     }
     if (!dirty_.empty()) return;
     if (gateway_due_) show_gateway();
-    if (sessions_due_ && shows_all() && (sessions_at_ == Time{} || now - sessions_at_ >= kBetweenSessions))
+    if (sessions_due_ && (sessions_at_ == Time{} || now - sessions_at_ >= kBetweenSessions) &&
+        states_are_of_their_sessions())
         show_sessions(now);
 }
 

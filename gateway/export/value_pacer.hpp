@@ -13,7 +13,10 @@ namespace asip::gateway::exports {
 class PacedValue {
   public:
     /// What the broker keeps of an earlier time.
-    void adopt(std::string text) { sent_ = std::move(text); }
+    void adopt(std::string text) {
+        sent_ = std::move(text);
+        sent_at_.reset();
+    }
     /// The text to publish at once; nothing: it is there already, or waits().
     bool offer(std::string text, Time now, Duration between, bool room) {
         if (text == sent_) {
@@ -32,6 +35,8 @@ class PacedValue {
         return true;
     }
     bool waits() const { return waiting_.has_value(); }
+    /// The broker keeps what it had of an earlier time, and it is known to be another now.
+    bool is_outdated() const { return waiting_ && !sent_at_; }
     const std::string& sent() const { return sent_; }
 
   private:

@@ -183,6 +183,21 @@ TEST_P(ExporterRules, SessionThatChanges_IsWrittenDown) {
     EXPECT_EQ(world.retained[dialect().sessions()], "{}");
 }
 
+TEST_P(ExporterRules, SessionThatChangesAmongFastValues_IsWrittenDown) {
+    show_one_board();
+    world.start();
+    world.pass(5s);
+    world.boards["uno1"].session = "another";
+    world.changed("uno1");
+    // At each moment one of two states waits for its turn.
+    for (int i = 0; i < 300; ++i) {
+        world.value("uno1", "distance", R"({"distance":[)" + std::to_string(1000 + i) + "]}");
+        if (i > 0) world.value("uno1", "servo", R"({"write":{"0":)" + std::to_string(i % 180) + "}}", true);
+        world.pass(100ms);
+    }
+    EXPECT_NE(world.retained[dialect().sessions()].find("another"), std::string::npos);
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, ExporterRules, testing::ValuesIn(kDialects),
                          [](const auto& row) { return std::string(row.param.name); });
 
