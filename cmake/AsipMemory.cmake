@@ -2,11 +2,12 @@
 # How the memory of this machine is used for compiling. Included before the first target.
 #
 # Where it is enough for all compilers that run side by side, up to forty sources are compiled as one and the compiler collects
-# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else six, and 64 MiB: 1.1 s and some 500 MiB. The
-# largest source alone, of the gateway's server, takes 519 MiB without precompiled headers (g++ 12, amd64, preset dev).
+# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else four, and 64 MiB: up to 722 MiB with the
+# optimization of packages, as two compilers of a build must stay below 1.5 GB together. The largest source alone, of the gateway's
+# server, takes 717 MiB (g++ 12, amd64).
 
 set(most_memory 1600)   # MiB for each compiler, where there is much
-set(least_memory 600)   # where there is little
+set(least_memory 750)   # where there is little
 set(system_memory 300)
 
 cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)
@@ -17,11 +18,11 @@ set(little OFF)
 if(memory LESS wanted)
   set(little ON)
 endif()
-option(ASIP_LITTLE_MEMORY "Compile with little memory: 600 MiB for each compiler, and more time" ${little})
+option(ASIP_LITTLE_MEMORY "Compile with little memory: 750 MiB for each compiler, and more time" ${little})
 
 if(ASIP_LITTLE_MEMORY)
   set(ASIP_COMPILER_HEAP 65536) # KiB
-  set(batch 6)
+  set(batch 4)
   math(EXPR possible "(${memory} - ${system_memory}) / ${least_memory}")
   if(possible LESS 1)
     set(possible 1)
