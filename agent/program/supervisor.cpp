@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <ctime>
 #include <map>
 #include <utility>
@@ -197,7 +198,7 @@ void Supervisor::reload() {
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);
     program::tell_service_manager("RELOADING=1\nMONOTONIC_USEC=" +
-                                  std::to_string(now.tv_sec * 1'000'000 + now.tv_nsec / 1000));
+                                  std::to_string(std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1000));
     if (auto plan = read_again_()) {
         apply(std::move(*plan));
     } else {

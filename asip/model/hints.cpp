@@ -18,7 +18,7 @@ FieldHints read_hints(const json& field) {
     if (const auto step = field.find("step"); step != field.end()) hints.step = step->get<double>();
     if (const auto value = field.find("default"); value != field.end())
         hints.default_value = value->get<double>();
-    if (const auto on = field.find("on"); on != field.end()) hints.on = on->get<long>();
+    if (const auto on = field.find("on"); on != field.end()) hints.on = on->get<std::int64_t>();
     hints.advanced = field.value("advanced", false);
     return hints;
 }

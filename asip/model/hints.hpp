@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -15,7 +16,7 @@ struct FieldHints {
     std::string quantity;                 ///< "distance"; empty: not said
     std::optional<double> step;           ///< the smallest difference that makes sense
     std::optional<double> default_value;  ///< of an argument
-    std::optional<long> on;               ///< of a field of two values: the one that means on
+    std::optional<std::int64_t> on;       ///< of a field of two values: the one that means on
     bool advanced = false;                ///< hidden at first
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <chrono>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -35,9 +36,9 @@ struct Field {
     std::string unit;           ///< of the value as it is on the bus: "cm"; may be empty
     std::optional<double> min;  ///< of a number, included
     std::optional<double> max;
-    std::optional<std::size_t> max_length;            ///< of a text, in bytes; of a list, in items
-    std::vector<std::pair<std::string, long>> names;  ///< numbers that have a name: {"input", 1}
-    std::string of;                                   ///< kCount: the name of the list
+    std::optional<std::size_t> max_length;                    ///< of a text, in bytes; of a list, in items
+    std::vector<std::pair<std::string, std::int64_t>> names;  ///< numbers that have a name: {"input", 1}
+    std::string of;                                           ///< kCount: the name of the list
     std::vector<Field> items;  ///< kList: the fields of one item, joined by ':' on the wire
     bool braces = false;       ///< kList: `{a,b}` on the wire instead of `a,b`
 };

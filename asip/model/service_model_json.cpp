@@ -60,7 +60,7 @@ Field read_field(JsonReader& reader) {
     field.max_length = reader.integer("max_length", 0, std::numeric_limits<std::size_t>::max());
     if (const auto names = reader.object("names")) {
         for (const auto& [word, number] : names->value().items())
-            field.names.emplace_back(word, number.get<long>());
+            field.names.emplace_back(word, number.get<std::int64_t>());
     }
     field.of = reader.text("of");
     field.braces = reader.flag("braces");

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -237,7 +238,8 @@ class HeaderView {
         commands_.push_back(std::move(view));
     }
 
-    void add_name(const CommandModel& command, const Field& argument, const std::string& word, long number) {
+    void add_name(const CommandModel& command, const Field& argument, const std::string& word,
+                  std::int64_t number) {
         const auto name = "k" + pascal_case(command.name) + pascal_case(argument.name) + pascal_case(word);
         members_.add(name, command.name + "'s " + argument.name + " " + word);
         names_.push_back({{"name", name}, {"number", std::to_string(number)}});

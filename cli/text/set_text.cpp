@@ -19,7 +19,7 @@ std::string plain(const json& value) {
 std::string value_text(const json& value, const model::Field* field) {
     if (field != nullptr && value.is_number_integer())
         for (const auto& [name, number] : field->names)
-            if (number == value.get<long>()) return name;
+            if (number == value.get<std::int64_t>()) return name;
     const auto text = plain(value);
     return field == nullptr || field->unit.empty() ? text : text + " " + field->unit;
 }
