@@ -44,8 +44,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
     "$<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>>")
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^arm")
-    # GCC notes at each call what GCC 7 changed.
+  if(CMAKE_SIZEOF_VOID_P EQUAL 4)
+    # On 32-bit ARM GCC notes at each call what GCC 7 changed. A 32-bit system on a 64-bit kernel calls its processor aarch64.
     target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:-Wno-psabi>)
   endif()
   # For all, not for those alone that use coroutines: precompiled headers are compiled with the same language.
