@@ -64,13 +64,6 @@ in_root() {
         exec chroot "$root" /bin/bash -c "cd /asip && exec \"\$@\"" - "$@"' - "$root" "$@"
 }
 
-# What git knows of the working tree, in a folder of its own.
-copy_sources() { # copy_sources FOLDER
-    rm -rf "$1"
-    mkdir -p "$1"
-    git ls-files -z --cached --others --exclude-standard | xargs -0 cp --parents --no-dereference --target-directory="$1"
-}
-
 # What a build for another architecture needs of this one; packaging/install_build_dependencies adds the libraries.
 packages_to_cross() { # packages_to_cross ARCHITECTURE
     echo "build-essential,crossbuild-essential-$1,qemu-user-static"
