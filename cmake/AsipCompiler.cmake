@@ -52,7 +52,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(asip_options INTERFACE $<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:-fcoroutines>>)
   # From when on the compiler collects its garbage: that is a tenth of its time otherwise.
   target_compile_options(asip_options INTERFACE
-    "$<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=${ASIP_COMPILER_HEAP}>>")
+    "$<BUILD_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=${ASIP_COMPILER_HEAP} --param ggc-min-expand=${ASIP_COMPILER_GROWTH}>>")
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Several sources are compiled as one: what each keeps to itself looks as if it stood in a header.
