@@ -7,6 +7,7 @@ counts as missing. Whether that happens depends on how fast both are. `grep ... 
 
     pipes.py FOLDER [--try]     the project's; --try: on a script that does it, and is found
 """
+import os
 import re
 import sys
 from pathlib import Path
@@ -21,14 +22,16 @@ def found(name, text):
 
 
 def scripts(folder):
-    for path in sorted(folder.rglob("*")):
-        name = path.relative_to(folder)
-        if name.parts[0] in ("build", "dist", ".git") or "node_modules" in name.parts or not path.is_file() or path.is_symlink():
-            continue
-        with path.open("rb") as file:
-            first = file.readline(100).decode(errors="replace")
-        if path.suffix == ".sh" or SCRIPT.match(first):
-            yield str(name), path.read_text(errors="replace")
+    for path, folders, names in os.walk(folder):
+        folders[:] = sorted(each for each in folders if each not in ("build", "dist", ".git", "node_modules"))
+        for name in sorted(names):
+            file = Path(path, name)
+            if file.is_symlink() or not file.is_file():
+                continue
+            with file.open("rb") as opened:
+                first = opened.readline(100).decode(errors="replace")
+            if file.suffix == ".sh" or SCRIPT.match(first):
+                yield str(file.relative_to(folder)), file.read_text(errors="replace")
 
 
 def main():
