@@ -55,7 +55,6 @@ Expected<LabelSelector::Term> LabelSelector::parse_term(std::string_view text) {
     constexpr const char* kForms = "; write KEY=VALUE, KEY!=VALUE, KEY or !KEY";
     Term term;
     auto key = trimmed(text);
-    if (key.empty()) return fail(std::string("a term is empty") + kForms);
     if (const auto equals = key.find('='); equals != std::string_view::npos) {
         auto value = read_value(trimmed(key.substr(equals + (key.substr(equals).starts_with("==") ? 2 : 1))));
         if (!value) return fail(value.error());
@@ -73,7 +72,8 @@ Expected<LabelSelector::Term> LabelSelector::parse_term(std::string_view text) {
         term.kind = Term::Kind::kHasNot;
         key = trimmed(key.substr(1));
     }
-    if (const auto why = model::explain_label_key(key); !why.empty()) return fail(why + kForms);
+    const auto why = trimmed(text).empty() ? "a term is empty" : model::explain_label_key(key);
+    if (!why.empty()) return fail(why + kForms);
     term.key = key;
     return term;
 }
