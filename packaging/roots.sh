@@ -31,18 +31,15 @@ emulator() {
     esac
 }
 
-# make_root NAME RELEASE PACKAGE,... [FOREIGN_ARCHITECTURE]: the folder build/roots/NAME, unless it is there.
+# make_root NAME RELEASE PACKAGE,... [FOREIGN_ARCHITECTURE]: the folder build/roots/NAME, with nothing of an
+# earlier one: Debian's archive has other packages each day.
 make_root() {
     local name=$1 release=$2 packages=$3 root=$roots_folder/$1
-    [ -f "$root/.made" ] && return
-    remove_root "$name"
+    rm -rf --one-file-system "${roots_folder:?}/${name:?}"
     mmdebstrap --quiet --mode=root --variant=apt --aptopt='Acquire::Languages "none"' --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt=force-unsafe-io \
         --architectures="$(dpkg --print-architecture)${4:+,$4}" ${packages:+"--include=$packages"} "$(codename "$release")" "$root" "$mirror" || return
     printf '127.0.0.1 localhost\n' >"$root/etc/hosts"
-    touch "$root/.made"
 }
-
-remove_root() { rm -rf --one-file-system "${roots_folder:?}/${1:?}"; }
 
 # in_root NAME COMMAND...: in the root's folder /asip, with processes and mounts of its own, which end with it. Where
 # ROOT_SOURCE is set, that folder is seen at /asip; where ROOT_ALONE is, the network is its own loopback and nothing more.
