@@ -2,10 +2,10 @@
 # How the memory of this machine is used for compiling. Included before the first target.
 #
 # Where it is enough for all compilers that run side by side, up to forty sources are compiled as one and the compiler collects
-# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else four, and 64 MiB that grow by
-# 30 % at a time: some 720 MiB for the largest with the optimization of packages, so that two compilers of a build stay below 1.5 GB
-# together. Four instead of six cost 17 % more time, the growth a tenth. g++ 14 takes 836 MiB where the heap may double, and 795 MiB for one source alone, of the
-# gateway's server.
+# no garbage before it has 1 GiB: asipctl takes it 1.0 s a source and 1522 MiB. Else four, and 64 MiB that grow by 30 % at a
+# time: some 720 MiB for the largest with the optimization of packages, so that two compilers of a build stay below 1.5 GB
+# together. Four instead of six cost 17 % more time, the growth a tenth. g++ 14 takes 836 MiB where the heap may double, and 795
+# MiB for one source alone, of the gateway's server.
 
 set(most_memory 1600)   # MiB for each compiler, where there is much
 set(least_memory 750)   # where there is little
