@@ -181,20 +181,13 @@ class AllValues {
             ask(board, each);
     }
 
-    // What the model knows how to ask for; and the levels of inputs, which a board says when a mode is set.
+    // What the model knows how to ask for. Nothing is ever set to learn a value.
     void ask(Board& board, Service& each) {
-        if (!each.model) return;
-        std::vector<std::vector<std::string>> commands;
-        const auto& modes = board.known.description->pins.modes;
-        for (std::size_t pin = 0; each.model->name == "io" && pin < modes.size(); ++pin)
-            if (modes[pin] == '1' || modes[pin] == '2')
-                commands.push_back({"mode", std::to_string(pin), std::string(1, modes[pin])});
-        for (const auto& event : each.model->events)
-            if (const auto* command = asking_command(*each.model, event);
-                command != nullptr && each.model->name != "io")
-                commands.push_back({command->name});
-        for (const auto& words : commands) {
-            const auto request = make_command(environment_, board.known, each.info, words);
+        if (!each.model || each.model->name == "io") return;
+        for (const auto& event : each.model->events) {
+            const auto* command = asking_command(*each.model, event);
+            if (command == nullptr) continue;
+            const auto request = make_command(environment_, board.known, each.info, {command->name});
             if (!request) continue;
             ++each.open;
             each.asked.push_back(
