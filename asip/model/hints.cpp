@@ -20,6 +20,7 @@ FieldHints read_hints(const json& field) {
         hints.default_value = value->get<double>();
     if (const auto on = field.find("on"); on != field.end()) hints.on = on->get<std::int64_t>();
     hints.advanced = field.value("advanced", false);
+    hints.sum = field.value("sum", false);
     return hints;
 }
 
@@ -37,6 +38,29 @@ ModelHints::Shown shown_from(std::string_view text) {
     const auto dot = text.find('.');
     if (dot == std::string_view::npos) return {std::string(text), {}};
     return {std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
+}
+
+/// "0/power" -> element 0, name "power".
+ModelHints::Sets sets_from(const std::string& key, const json& value) {
+    ModelHints::Sets sets;
+    const auto slash = key.find('/');
+    if (slash != std::string::npos) sets.element = std::stoi(key.substr(0, slash));
+    sets.name = slash == std::string::npos ? key : key.substr(slash + 1);
+    if (value.is_string())
+        sets.argument = value.get<std::string>();
+    else if (value.is_number())
+        sets.value = value.get<double>();
+    return sets;
+}
+
+std::string sets_fault(const ServiceModel& model, const CommandModel& command, const ModelHints::Sets& sets) {
+    const bool known = std::any_of(model.commands.begin(), model.commands.end(), [&](const auto& other) {
+        return other.name != command.name && field_named(other.args, sets.name) != nullptr;
+    });
+    if (!known) return "no other command has an argument \"" + sets.name + "\"";
+    if (!sets.argument.empty() && field_named(command.args, sets.argument) == nullptr)
+        return "it has no argument \"" + sets.argument + "\"";
+    return {};
 }
 
 /// An event that says a value of one field, by itself or for each element.
@@ -79,6 +103,9 @@ ModelHints::ModelHints(const ServiceModel& model) {
             if (shown.field.empty() && event != nullptr) shown.field = event->fields.front().name;
             shown_[name] = shown;
         }
+        if (const auto sets = command.find("sets"); sets != command.end())
+            for (const auto& [key, value] : sets->items())
+                sets_[name].push_back(sets_from(key, value));
         const auto arguments = command.value("args", json::array());
         for (const auto& argument : arguments)
             fields_[key_of('c', name, argument["name"].get<std::string>())] = read_hints(argument);
@@ -106,6 +133,11 @@ std::optional<ModelHints::Shown> ModelHints::shown_by(const CommandModel& comman
     return found->second;
 }
 
+const std::vector<ModelHints::Sets>* ModelHints::sets(const CommandModel& command) const {
+    const auto found = sets_.find(command.name);
+    return found == sets_.end() ? nullptr : &found->second;
+}
+
 std::string hints_fault(const ServiceModel& model, const json& document) {
     for (const auto& command : model.commands) {
         const auto& source = document["commands"][command.name];
@@ -114,6 +146,10 @@ std::string hints_fault(const ServiceModel& model, const json& document) {
             if (auto fault = shown_fault(model, shown_from(writes->get<std::string>())); !fault.empty())
                 return place + "/writes: " + fault;
         }
+        if (const auto sets = source.find("sets"); sets != source.end())
+            for (const auto& [key, value] : sets->items())
+                if (auto fault = sets_fault(model, command, sets_from(key, value)); !fault.empty())
+                    return place + "/sets: " + fault;
         for (std::size_t i = 0; i < command.args.size(); ++i) {
             const auto& argument = source["args"][i];
             const auto here = place + "/args/" + std::to_string(i) + "/default";

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "asip/model/service_model.hpp"
 
@@ -18,15 +19,22 @@ struct FieldHints {
     std::optional<double> default_value;  ///< of an argument
     std::optional<std::int64_t> on;       ///< of a field of two values: the one that means on
     bool advanced = false;                ///< hidden at first
+    bool sum = false;                     ///< of a field: each event adds to it
 };
 
-/// The optional members of a model that only other systems need. They are not in ServiceModel: no program but
-/// a gateway that exports reads them, and most models have few.
+/// The optional members of a model that say what its values mean.
 class ModelHints {
   public:
     /// Where a command's effect is seen.
     struct Shown {
         std::string event, field;
+    };
+    /// A value that a command sets besides that of its own argument: member of `sets`, [ELEMENT/]NAME.
+    struct Sets {
+        std::optional<int> element;  ///< none: the command's own element, else all
+        std::string name;            ///< of the argument of another command
+        std::string argument;        ///< of this command; empty: `value`
+        std::optional<double> value{};
     };
 
     explicit ModelHints(const ServiceModel& model);
@@ -36,6 +44,8 @@ class ModelHints {
     bool advanced(const CommandModel& command) const;
     /// The event and field that show what the command set; none: the model does not say.
     std::optional<Shown> shown_by(const CommandModel& command) const;
+    /// What it sets besides; null: the model does not say.
+    const std::vector<Sets>* sets(const CommandModel& command) const;
     /// How many elements the model says that there are; none: it does not say, or as many as pins.
     std::optional<int> elements() const { return elements_; }
     bool element_for_each_pin() const { return element_for_each_pin_; }
@@ -43,7 +53,8 @@ class ModelHints {
   private:
     std::map<std::string, FieldHints, std::less<>> fields_;  // by "e.EVENT.FIELD", "c.COMMAND.ARGUMENT"
     std::map<std::string, Shown, std::less<>> shown_;        // by command
-    std::map<std::string, bool, std::less<>> advanced_;      // by command
+    std::map<std::string, std::vector<Sets>, std::less<>> sets_;
+    std::map<std::string, bool, std::less<>> advanced_;  // by command
     std::optional<int> elements_;
     bool element_for_each_pin_ = false;
 };

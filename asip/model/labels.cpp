@@ -16,6 +16,7 @@ using nlohmann::json;
 using text::JsonReader;
 
 constexpr std::string_view kPin = "pin.";
+constexpr int kMaxSettableMode = 5;  // PWM
 
 bool is_alphanumeric(char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
@@ -105,6 +106,20 @@ LabelChange read_members(JsonReader& reader, bool may_remove) {
     return read;
 }
 
+std::map<int, int> read_modes(JsonReader& reader) {
+    std::map<int, int> modes;
+    auto members = reader.object("pin_modes");
+    if (!members) return modes;
+    for (const auto& [pin, value] : members->value().items()) {
+        const auto number = pin_number(pin);
+        if (!number) members->fault(pin, "is not a pin from 0 to 255");
+        const auto mode = members->integer(pin, 0, kMaxSettableMode);
+        if (!reader.ok()) return {};
+        modes[*number] = static_cast<int>(mode.value_or(0));
+    }
+    return modes;
+}
+
 std::string bounds_fault(const Labels& labels) {
     if (labels.labels.size() > kMaxLabels)
         return "a board has at most " + std::to_string(kMaxLabels) + " labels; remove one first (KEY-)";
@@ -191,6 +206,9 @@ Expected<Labels> changed(Labels labels, const LabelChange& change) {
     change_map(labels.labels, change.labels);
     change_map(labels.services, change.services);
     change_map(labels.pins, change.pins);
+    auto meanings = changed(std::move(labels.meanings), change.meanings);
+    if (!meanings) return fail(meanings.error());
+    labels.meanings = std::move(*meanings);
     if (const auto why = bounds_fault(labels); !why.empty()) return fail(why);
     return labels;
 }
@@ -200,17 +218,26 @@ void put_labels(json& object, const Labels& labels) {
     if (!labels.services.empty()) object["names"]["services"] = labels.services;
     for (const auto& [pin, name] : labels.pins)
         object["names"]["pins"][std::to_string(pin)] = name;
+    put_meanings(object, labels.meanings);
+    for (const auto& [pin, mode] : labels.modes)
+        object["pin_modes"][std::to_string(pin)] = mode;
 }
 
 Labels read_labels(JsonReader& reader) {
     auto labels = changed({}, read_members(reader, false));
-    if (labels) return std::move(*labels);
-    reader.fault("names", labels.error());
-    return {};
+    if (!labels) {
+        reader.fault("names", labels.error());
+        return {};
+    }
+    labels->meanings = read_meanings(reader);
+    labels->modes = read_modes(reader);
+    return std::move(*labels);
 }
 
 LabelChange read_label_change(JsonReader& reader) {
-    return read_members(reader, true);
+    auto change = read_members(reader, true);
+    change.meanings = read_meaning_changes(reader);
+    return change;
 }
 
 json to_json(const LabelChange& change) {
@@ -224,6 +251,8 @@ json to_json(const LabelChange& change) {
         put(object["names"]["services"], service, name);
     for (const auto& [pin, name] : change.pins)
         put(object["names"]["pins"], std::to_string(pin), name);
+    for (const auto& [id, meaning] : change.meanings)
+        object["meanings"][id] = meaning;
     return object;
 }
 

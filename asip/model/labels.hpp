@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "asip/expected.hpp"
+#include "asip/model/meaning.hpp"
 
 namespace asip::text {
 class JsonReader;
@@ -26,8 +27,11 @@ struct Labels {
     std::map<std::string, std::string> labels;    ///< by key; `name` is the board's friendly name
     std::map<std::string, std::string> services;  ///< friendly names by service
     std::map<int, std::string> pins;              ///< friendly names by digital pin
+    Meanings meanings{};                          ///< what properties are, by their ids
+    /// The mode that a command set last, by digital pin: what the pin is used for.
+    std::map<int, int> modes{};
 
-    bool empty() const { return labels.empty() && services.empty() && pins.empty(); }
+    bool empty() const { return *this == Labels(); }
     /// The friendly name of a service or a pin; empty: it has none.
     std::string service(const std::string& name) const;
     std::string pin(int number) const;
@@ -40,8 +44,9 @@ struct LabelChange {
     std::map<std::string, Value> labels;
     std::map<std::string, Value> services;
     std::map<int, Value> pins;
+    MeaningChanges meanings{};
 
-    bool empty() const { return labels.empty() && services.empty() && pins.empty(); }
+    bool empty() const { return *this == LabelChange(); }
     friend bool operator==(const LabelChange&, const LabelChange&) = default;
 };
 
@@ -61,7 +66,8 @@ Expected<void> add_assignment(LabelChange& change, std::string_view text, std::s
 /// `labels` with the change made. Fails where there would be more than kMaxLabels or kMaxFriendlyNames.
 Expected<Labels> changed(Labels labels, const LabelChange& change);
 
-/// Writes the members `labels` and `names` of a description; what is empty is left out.
+/// Writes the members `labels`, `names`, `meanings` and `pin_modes` of a description; what is empty is left
+/// out.
 void put_labels(nlohmann::json& object, const Labels& labels);
 /// Reads them. Faults: what explain_label_key() and explain_label_value() refuse, names of services or pins
 /// that cannot be, more than the bounds.

@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -89,6 +90,8 @@ struct CommandModel {
 /// The arguments that a caller gives: all but the counts, in order. Valid as long as `command`.
 std::vector<const Field*> given_arguments(const CommandModel& command);
 
+class ModelHints;
+
 /// One kind of service: the contents of one file of services/. Not changed once loaded, so that pointers to
 /// its events and commands stay valid as long as it.
 struct ServiceModel {
@@ -101,8 +104,9 @@ struct ServiceModel {
     std::vector<EventModel> events;
     std::vector<CommandModel> commands;
     std::vector<std::string> safe;  ///< request lines that bring the whole service into its safe state: "M,S"
-    std::string source;             ///< its JSON text, compact, without examples
-    std::string example_source;     ///< the array "examples", compact; empty where there is none
+    std::shared_ptr<const ModelHints> hints;  ///< what its values mean; never null in a model that was read
+    std::string source;                       ///< its JSON text, compact, without examples
+    std::string example_source;               ///< the array "examples", compact; empty where there is none
 
     /// How a description refers to it: "distance@1".
     std::string ref() const;

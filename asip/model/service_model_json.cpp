@@ -274,6 +274,7 @@ Expected<ServiceModel> service_model_from_json(const nlohmann::json& document) {
         source.erase("examples");
     }
     model.source = dump_json(source);
+    model.hints = std::make_shared<const ModelHints>(model);
     return model;
 }
 

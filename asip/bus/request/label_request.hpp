@@ -6,8 +6,8 @@
 #include "asip/expected.hpp"
 #include "asip/model/labels.hpp"
 
-/// Asking a board's agent to change the board's labels and friendly names. A request on ROOT/BOARD/in that is
-/// a JSON object with the member "labels" or "names"; what is `null` is removed, what is not named stays:
+/// Asking a board's agent to change the board's labels, friendly names and meanings of properties. A request
+/// on ROOT/BOARD/in that is a JSON object with the member "labels", "names" or "meanings"; what is `null` is removed, what is not named stays:
 ///
 ///     {"labels":{"room":"lab","shelf":null},"names":{"services":{"servo":"left arm"},"pins":{"13":"lamp"}}}
 ///

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/property/field_values.hpp"
+
+#include <algorithm>
+
+namespace asip::property {
+
+using model::Field;
+using model::FieldHints;
+using model::ValueType;
+
+bool is_number(const Field& field) {
+    return field.type == ValueType::kInteger || field.type == ValueType::kNumber;
+}
+
+std::vector<std::pair<std::string, double>> named_numbers(const Field& field) {
+    std::vector<std::pair<std::string, double>> result;
+    for (const auto& [word, value] : field.names) {
+        const auto number = static_cast<double>(value);
+        const bool there = std::any_of(result.begin(), result.end(),
+                                       [&](const auto& each) { return each.second == number; });
+        if (!there) result.emplace_back(word, number);
+    }
+    return result;
+}
+
+std::vector<std::pair<std::string, double>> two_values(const Field& field, const FieldHints& hints) {
+    std::vector<double> values;
+    for (const auto& [word, value] : named_numbers(field))
+        values.push_back(value);
+    if (values.empty() && field.type == ValueType::kInteger && field.min && field.max &&
+        *field.max == *field.min + 1)
+        values = {*field.min, *field.max};
+    if (values.size() != 2) return {};
+    double on = std::max(values[0], values[1]);
+    for (const auto& [word, value] : field.names)
+        if (word == "on") on = static_cast<double>(value);
+    if (hints.on &&
+        (static_cast<double>(*hints.on) == values[0] || static_cast<double>(*hints.on) == values[1]))
+        on = static_cast<double>(*hints.on);
+    return {{"off", values[0] == on ? values[1] : values[0]}, {"on", on}};
+}
+
+bool names_say_all(const Field& field) {
+    const auto count = static_cast<double>(named_numbers(field).size());
+    if (count < 2) return false;
+    return !field.min || !field.max || *field.max - *field.min + 1 == count;
+}
+
+void describe_number(Property& property, const Field& field, const FieldHints& hints) {
+    property.unit = field.unit;
+    property.quantity = hints.quantity;
+    property.whole = field.type == ValueType::kInteger;
+    property.min = field.min;
+    property.max = field.max;
+    property.step = hints.step;
+}
+
+void make_settable(Property& property, const Field& argument, const FieldHints& hints) {
+    property.choices = two_values(argument, hints);
+    if (!property.choices.empty() && (argument.names.empty() || names_say_all(argument))) {
+        property.kind = Kind::kSwitch;
+    } else if (names_say_all(argument)) {
+        property.kind = Kind::kSelect;
+        property.choices = named_numbers(argument);
+    } else {
+        property.kind = Kind::kNumber;
+        property.choices.clear();
+    }
+}
+
+}  // namespace asip::property

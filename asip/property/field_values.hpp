@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "asip/model/hints.hpp"
+#include "asip/model/service_model.hpp"
+#include "asip/property/property.hpp"
+
+/// What the fields of a model say that a value can be.
+namespace asip::property {
+
+bool is_number(const model::Field& field);
+/// The different numbers of a field's names, each with the first of its words.
+std::vector<std::pair<std::string, double>> named_numbers(const model::Field& field);
+/// {"off", N}, {"on", M} of a field that has two values; empty: it has others.
+std::vector<std::pair<std::string, double>> two_values(const model::Field& field,
+                                                       const model::FieldHints& hints);
+/// Whether its words are all that a field can be.
+bool names_say_all(const model::Field& field);
+
+void describe_number(Property& property, const model::Field& field, const model::FieldHints& hints);
+/// A switch, a choice, or a number.
+void make_settable(Property& property, const model::Field& argument, const model::FieldHints& hints);
+
+}  // namespace asip::property

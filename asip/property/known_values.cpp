@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/property/known_values.hpp"
+
+#include <utility>
+
+#include "asip/property/value.hpp"
+
+namespace asip::property {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxHeard = 1024;
+constexpr const char* kPinEvents[] = {"digital", "analog"};
+
+bool is_read_or_set_alike(const Property& a, const Property& b) {
+    return a.read == b.read && a.write == b.write && a.color == b.color;
+}
+
+std::string level_key(std::string_view io, int pin) {
+    return std::string(io) + "/digital/" + std::to_string(pin);
+}
+
+std::optional<double> number_of(const json& value) {
+    return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+}  // namespace
+
+std::string_view to_text(How how) {
+    switch (how) {
+        case How::kReported:
+            return "reported";
+        case How::kAnswered:
+            return "answered";
+        case How::kSet:
+            return "set";
+        case How::kNone:
+            break;
+    }
+    return "unknown";
+}
+
+std::string_view to_text(Unknown why) {
+    switch (why) {
+        case Unknown::kRestart:
+            return "restart";
+        case Unknown::kDoubt:
+            return "doubt";
+        case Unknown::kNever:
+            break;
+    }
+    return "never";
+}
+
+void KnownValues::use(std::vector<Property> properties, Time now) {
+    std::vector<Raw> raws(properties.size());
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+        auto& raw = raws[i];
+        raw.since = now;
+        const auto& property = properties[i];
+        bool known = false;
+        for (std::size_t old = 0; !known && old < properties_.size(); ++old) {
+            known = properties_[old].id == property.id && is_read_or_set_alike(properties_[old], property);
+            if (known) raw = std::move(raws_[old]);
+        }
+        if (known || !property.read) continue;
+        const auto heard = pins_.find(property.read->service + property.read->pointer);
+        if (heard != pins_.end())
+            take(property, raw, heard->second.value, How::kReported, heard->second.when);
+    }
+    properties_ = std::move(properties);
+    raws_ = std::move(raws);
+}
+
+bool KnownValues::take(const Property& property, Raw& raw, const json& value, How how, Time now) {
+    if (property.read && property.read->sum) {
+        if (!value.is_number()) return false;
+        raw.sum += value.get<double>();
+        const bool changed = raw.how == How::kNone || value.get<double>() != 0;
+        raw.value = json_number(raw.sum);
+        raw.how = how;
+        raw.since = now;
+        return changed;
+    }
+    if (how != How::kSet && !value_of(property, value)) return false;
+    const bool changed = raw.how != how || raw.value != value;
+    raw.value = value;
+    raw.how = how;
+    raw.since = now;
+    return changed;
+}
+
+bool KnownValues::lose(Raw& raw, Unknown why, Time now) {
+    if (raw.how == How::kNone && raw.why == why) return false;
+    raw = Raw{{}, {}, How::kNone, why, now, 0};
+    return true;
+}
+
+bool KnownValues::reported(std::string_view service, const json& published, How how, Time now) {
+    if (!published.is_object()) return false;
+    for (const auto* event : kPinEvents) {
+        const auto found = published.find(event);
+        if (found == published.end() || !found->is_object()) continue;
+        const auto place = std::string(service) + "/" + event + "/";
+        for (const auto& [pin, value] : found->items())
+            if (pins_.size() < kMaxHeard) pins_.insert_or_assign(place + pin, Heard{value, now});
+    }
+    bool changed = false;
+    for (std::size_t i = 0; i < properties_.size(); ++i) {
+        const auto& property = properties_[i];
+        if (!property.read || property.read->service != service) continue;
+        if (const auto* raw = raw_in(*property.read, published))
+            changed = take(property, raws_[i], *raw, how, now) || changed;
+    }
+    return changed;
+}
+
+bool KnownValues::set_by(const Property& property, const Setter& setter, Raw& raw, const json& values,
+                         bool perhaps, Time now) const {
+    if (setter.element_at &&
+        (*setter.element_at >= values.size() || values[*setter.element_at] != json(setter.element)))
+        return false;
+    // A light of which one part is in doubt is in doubt.
+    if (perhaps || (!setter.value_at && !setter.value)) return lose(raw, Unknown::kDoubt, now);
+    if (setter.value_at && *setter.value_at >= values.size()) return false;
+    const json value = setter.value_at ? values[*setter.value_at] : json_number(*setter.value);
+    if (!setter.color) return take(property, raw, value, How::kSet, now);
+    const bool changed = raw.color != value || raw.how != How::kSet;
+    raw.color = value;
+    raw.how = How::kSet;
+    raw.since = now;
+    return changed;
+}
+
+bool KnownValues::executed(std::string_view service, const model::RequestValues& request, bool perhaps,
+                           Time now) {
+    bool changed = false;
+    for (std::size_t i = 0; i < properties_.size(); ++i) {
+        const auto& property = properties_[i];
+        if (property.service != service) continue;
+        // What the board itself shows is not known by what was set.
+        if (property.read) continue;
+        for (const auto& setter : property.setters)
+            if (setter.command == request.command->name)
+                changed = set_by(property, setter, raws_[i], request.values, perhaps, now) || changed;
+    }
+    return changed;
+}
+
+bool KnownValues::forget(Time now) {
+    pins_.clear();
+    bool changed = false;
+    for (auto& raw : raws_)
+        changed = lose(raw, Unknown::kRestart, now) || changed;
+    return changed;
+}
+
+void KnownValues::input_begins(std::string_view io, int pin) {
+    pins_.erase(level_key(io, pin));
+}
+
+bool KnownValues::input_began(std::string_view io, int pin, Time now) {
+    if (pins_.contains(level_key(io, pin))) return false;
+    return reported(io, json{{"digital", {{std::to_string(pin), 0}}}}, How::kReported, now);
+}
+
+Known KnownValues::known(std::size_t index) const {
+    const auto& property = properties_[index];
+    const auto& raw = raws_[index];
+    Known known{{}, raw.how, raw.why, raw.since};
+    if (raw.how == How::kNone) return known;
+    auto value = property.kind == Kind::kLight
+                     ? light_of(property, number_of(raw.value), number_of(raw.color))
+                     : value_of(property, raw.value);
+    if (value)
+        known.value = std::move(*value);
+    else
+        known.how = How::kNone;
+    return known;
+}
+
+}  // namespace asip::property

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/model/request_values.hpp"
+#include "asip/property/property.hpp"
+#include "asip/time.hpp"
+
+namespace asip::property {
+
+/// How a value is known.
+enum class How {
+    kNone,      ///< it is not: Known::why
+    kReported,  ///< the board said it by itself
+    kAnswered,  ///< the board said it when it was asked
+    kSet        ///< a command that the board executed set it
+};
+/// Why a value is not known.
+enum class Unknown {
+    kNever,    ///< nothing was reported or set yet
+    kRestart,  ///< the board restarted, was away, or may have
+    kDoubt     ///< a command may or may not have been executed, or its effect is not told
+};
+std::string_view to_text(How how);
+std::string_view to_text(Unknown why);
+
+struct Known {
+    nlohmann::json value{};  ///< null and a `how`: the board says that it has none
+    How how = How::kNone;
+    Unknown why = Unknown::kNever;
+    Time since{};  ///< when it was last said or set; of an unknown one, when it became so
+};
+
+/// How one board stands, by what it reported and which commands it executed. Pure; the agent's. Raw values
+/// are kept, so that another meaning shows the same level anew.
+class KnownValues {
+  public:
+    /// The list is another one now. What was known of a property that is read or set in the same way stays.
+    void use(std::vector<Property> properties, Time now);
+    const std::vector<Property>& properties() const { return properties_; }
+
+    // Each of these says whether it changed more than the time of a value.
+
+    /// What a service published, decoded by its model.
+    bool reported(std::string_view service, const nlohmann::json& published, How how, Time now);
+    /// A command that the board executed, or perhaps did.
+    bool executed(std::string_view service, const model::RequestValues& request, bool perhaps, Time now);
+    /// The board restarted, or was away.
+    bool forget(Time now);
+
+    /// A pin is about to become an input: a level that the board says from now on is its level there.
+    void input_begins(std::string_view io, int pin);
+    /// The board executed that. Boards say the level of a pin that is high: without an event it is low.
+    bool input_began(std::string_view io, int pin, Time now);
+
+    /// By the number of the property.
+    Known known(std::size_t property) const;
+
+  private:
+    struct Raw {
+        nlohmann::json value{}, color{};  // color: of a light
+        How how = How::kNone;
+        Unknown why = Unknown::kNever;
+        Time since{};
+        double sum = 0;
+    };
+    struct Heard {
+        nlohmann::json value;
+        Time when{};
+    };
+    static bool take(const Property& property, Raw& raw, const nlohmann::json& value, How how, Time now);
+    static bool lose(Raw& raw, Unknown why, Time now);
+    bool set_by(const Property& property, const Setter& setter, Raw& raw, const nlohmann::json& values,
+                bool perhaps, Time now) const;
+
+    std::vector<Property> properties_;
+    std::vector<Raw> raws_;  // one for each property
+    /// Levels and analog values of all pins, also of those that are no property yet, by service and pointer:
+    /// a board says the level of a new input before it confirms the mode.
+    std::map<std::string, Heard, std::less<>> pins_;
+};
+
+}  // namespace asip::property

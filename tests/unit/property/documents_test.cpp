@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asip/property/documents.hpp"
+
+#include "asip/model/json.hpp"
+#include "tests/unit/property/boards.hpp"
+
+namespace asip::property::test {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+PropertyList whole_list() {
+    auto board = board_with({"distance", "servo", "motors", "pixels", "lcd", "tone", "io"});
+    board.labels.modes = {{2, 2}, {3, 5}, {13, 3}, {14, 4}};
+    board.labels.meanings["io/2"].klass = "door";
+    PropertyList list{{"desk", "005f3a9c0114c0de", 3}, properties(board)};
+    for (auto& each : list.properties)
+        each.setters.clear();  // the agent's alone
+    return list;
+}
+
+json whole_document() {
+    return *model::parse_json(to_text(whole_list()));
+}
+
+TEST(PropertyList, Written_IsReadTheSame) {
+    const auto list = whole_list();
+    const auto read = parse_list(to_text(list));
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(*read, list);
+}
+
+TEST(PropertyList, Damaged_IsRefusedWithThePlace) {
+    const auto fault = [](const json& document) {
+        const auto read = parse_list(model::dump_json(document));
+        return read ? std::string() : read.error();
+    };
+    auto document = whole_document();
+    document["version"] = 2;
+    EXPECT_THAT(fault(document), HasSubstr("version"));
+    document = whole_document();
+    document["properties"][1]["id"] = document["properties"][0]["id"];
+    EXPECT_THAT(fault(document), HasSubstr("twice"));
+    document = whole_document();
+    document["properties"][0]["kind"] = "dragon";
+    EXPECT_THAT(fault(document), HasSubstr("/properties/0/kind"));
+    document = whole_document();
+    document["properties"][0]["min"] = "low";
+    EXPECT_THAT(fault(document), HasSubstr("/properties/0/min"));
+    for (int i = 0; i < 300; ++i)
+        document["properties"].push_back(document["properties"][0]);
+    EXPECT_NE(fault(document), "");
+    EXPECT_FALSE(parse_list(std::string(kMaxListBytes + 1, ' ')));
+    EXPECT_FALSE(parse_list("[]"));
+}
+
+TEST(ValueDocument, Written_IsReadTheSame) {
+    KnownValues known;
+    known.use(whole_list().properties, Time(10s));
+    known.reported("distance", {{"distance", {42}}}, How::kReported, Time(10s));
+    auto document = values_of(known, Time(12s));
+    document.head = {"desk", "005f3a9c0114c0de", 4};
+    document.clock = "1f3c09aa-123456";
+    EXPECT_EQ(document.values.at("distance/0"), (ShownValue{42, How::kReported, Unknown::kNever, 2}));
+    const auto read = parse_values(to_text(document));
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(*read, document);
+}
+
+TEST(ValueDocument, TooLong_LeavesOutAndSaysSo) {
+    ValueDocument document{{"desk", "s", 1}, {}, {}, 0};
+    for (int i = 0; i < 200; ++i)
+        document.values["lcd/" + std::to_string(i) + "/text"] = {std::string(250, 'x'), How::kSet};
+    const auto text = to_text(document);
+    EXPECT_LE(text.size(), kMaxValuesBytes);
+    const auto read = parse_values(text);
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(read->left_out + read->values.size(), 200U);
+    EXPECT_GT(read->left_out, 0U);
+}
+
+}  // namespace
+}  // namespace asip::property::test
