@@ -188,6 +188,8 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         case TopicKind::kLog:
         case TopicKind::kDemand:
         case TopicKind::kServiceSet:
+        case TopicKind::kProperties:
+        case TopicKind::kValues:
             if (message.retain) tidier_.retained(message.topic, topic->board);
             return;
         case TopicKind::kCommands:

@@ -27,6 +27,7 @@ void Tidier::ghost(std::string board, Time now) {
 
 void Tidier::forgotten(std::string board) {
     clear(topics_.description(board));
+    clear(topics_.properties(board));
     clear(topics_.state(board));
     clear(topics_.service_names(board));
     to_sweep_.push_back(std::move(board));
@@ -53,7 +54,7 @@ bool Tidier::denied(const std::string& topic, Time now) {
     const bool swept = !to_clear_.empty() && to_clear_.front() == topic;
     const bool of_board =
         known && (known->kind == bus::TopicKind::kDescription || known->kind == bus::TopicKind::kState ||
-                  known->kind == bus::TopicKind::kServiceNames);
+                  known->kind == bus::TopicKind::kProperties || known->kind == bus::TopicKind::kServiceNames);
     if (!swept && !of_board) return false;
     if (of_board) denied_topics_.insert(topic);
     const bool first = may_sweep(now);

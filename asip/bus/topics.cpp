@@ -38,6 +38,7 @@ std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_vi
     if (rest == "$stats") return TopicRef{TopicKind::kStats, board, {}};
     if (rest == "$log") return TopicRef{TopicKind::kLog, board, {}};
     if (rest == "$commands") return TopicRef{TopicKind::kCommands, board, {}};
+    if (rest == "$properties") return TopicRef{TopicKind::kProperties, board, {}};
     if (rest.starts_with(kDemand) && valid_demander(rest.substr(kDemand.size())))
         return TopicRef{TopicKind::kDemand, board, {}, rest.substr(kDemand.size())};
     return std::nullopt;
@@ -62,6 +63,7 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
         if (second == "out") return TopicRef{TopicKind::kBoardOut, board, {}};
         if (second == "in") return TopicRef{TopicKind::kBoardIn, board, {}};
         if (second == "$stop") return TopicRef{TopicKind::kStop, board, {}};
+        if (second == "$values") return TopicRef{TopicKind::kValues, board, {}};
         return std::nullopt;
     }
     if (!model::valid_name(second)) return std::nullopt;

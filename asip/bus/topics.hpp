@@ -15,10 +15,12 @@ enum class TopicKind {
     kStats,            ///< ROOT/servicebus/BOARD/$stats: what its agent counts
     kLog,              ///< ROOT/servicebus/BOARD/$log: what its agent reports to people
     kCommands,         ///< ROOT/servicebus/BOARD/$commands: commands and their senders
+    kProperties,       ///< ROOT/servicebus/BOARD/$properties: what can be read and set, retained
     kDemand,           ///< ROOT/servicebus/BOARD/$demand/USER/CLIENT: how often CLIENT wants its values
     kProbe,            ///< ROOT/servicebus/$probe
     kBoardOut,         ///< ROOT/BOARD/out: raw lines
     kBoardIn,          ///< ROOT/BOARD/in: raw lines
+    kValues,           ///< ROOT/BOARD/$values: how the board stands, retained
     kStop,             ///< ROOT/BOARD/$stop
     kServiceOut,       ///< ROOT/BOARD/SERVICE/out
     kServiceIn,        ///< ROOT/BOARD/SERVICE/in
@@ -63,12 +65,14 @@ class Topics {
     std::string stats(std::string_view board) const { return join("servicebus", board, "$stats"); }
     std::string log(std::string_view board) const { return join("servicebus", board, "$log"); }
     std::string commands(std::string_view board) const { return join("servicebus", board, "$commands"); }
+    std::string properties(std::string_view board) const { return join("servicebus", board, "$properties"); }
     /// `demander`: USER/CLIENT, or "+/+".
     std::string demand(std::string_view board, std::string_view demander) const;
     std::string probe() const { return root_ + "/servicebus/$probe"; }
 
     std::string board_out(std::string_view board) const { return join(board, "out"); }
     std::string board_in(std::string_view board) const { return join(board, "in"); }
+    std::string values(std::string_view board) const { return join(board, "$values"); }
     std::string stop(std::string_view board) const { return join(board, "$stop"); }
     std::string service_out(std::string_view board, std::string_view service) const {
         return join(board, service, "out");

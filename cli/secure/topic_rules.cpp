@@ -81,6 +81,12 @@ TopicRule rule_of(TopicKind kind) {
         case TopicKind::kCommands:
             return reported("servicebus/BOARD/$commands", kQueue, "registry: read",
                             "registry: a row of the history");
+        case TopicKind::kProperties:
+            return announced("servicebus/BOARD/$properties", "broker, gateway: 128 KiB a board",
+                             "each reader: 128 KiB are read", "-");
+        case TopicKind::kValues:
+            return announced("BOARD/$values", "broker, gateway: 32 KiB a board",
+                             "each reader, at most ten times a second", "-");
         case TopicKind::kDemand:
             return {"servicebus/BOARD/$demand/USER/CLIENT",
                     {kReadOfBoard},
