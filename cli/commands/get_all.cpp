@@ -187,7 +187,8 @@ class AllValues {
         for (const auto& event : each.model->events) {
             const auto* command = asking_command(*each.model, event);
             if (command == nullptr) continue;
-            const auto request = make_command(environment_, board.known, each.info, {command->name});
+            const std::vector<std::string> words{command->name};
+            const auto request = make_command(environment_, board.known, each.info, words);
             if (!request) continue;
             ++each.open;
             each.asked.push_back(
