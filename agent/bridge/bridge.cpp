@@ -20,11 +20,11 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       models_(std::move(models)),
       random_(std::move(random)),
       board_{bus::Topics(options_.topic_root), session::BoardSession(options_.session, random_)},
-      set_(board_),
-      safety_(board_, statistics_, set_),
-      periods_(options_.reports),
       age_(random_),
-      control_(board_, age_, statistics_, safety_, periods_, set_, latch_),
+      values_(board_, age_),
+      safety_(board_, statistics_, values_),
+      periods_(options_.reports),
+      control_(board_, age_, statistics_, safety_, periods_, values_, latch_),
       context_(board_, options_.context),
       labels_(board_, options_.labels),
       describer_(board_, models_, options_.reports) {}
@@ -59,8 +59,8 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     board_.session.link_down(now, actions);
     perform(actions, now, out);
     // It may have lost its power, or another one comes back.
-    set_.forget(now);
-    publish_set(now, out);
+    values_.away(now);
+    publish_values(now, out);
 }
 
 void Bridge::not_watched(Time since, Time now) {
@@ -75,7 +75,7 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     send_safe_lines(now, out);
     send_periods(now, out);
     if (port_.phase() == PortLoan::Phase::kMakingSafe) tick_port(now, out);
-    publish_set(now, out);
+    publish_values(now, out);
 }
 
 void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
@@ -98,8 +98,9 @@ void Bridge::send_periods(Time now, Effects& out) {
     perform(actions, now, out);
 }
 
-void Bridge::publish_set(Time now, Effects& out) {
-    if (announcer_ && announcer_->may_publish() && name_claimed_ && !leaving_) set_.publish(now, out);
+void Bridge::publish_values(Time now, Effects& out) {
+    if (announcer_ && announcer_->may_publish() && name_claimed_ && !leaving_)
+        values_.publish(announcer_->session(), now, out);
 }
 
 void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
@@ -121,26 +122,24 @@ void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
     }
 }
 
-void Bridge::on_action(const session::BoardLine& line, Time, Effects& out) {
+void Bridge::on_action(const session::BoardLine& line, Time now, Effects& out) {
     client_requests_.on_line(line, session().identity(), out);
     if (line.line.is_error()) statistics_.board_error(line.line.error().code);
     if (!found_) return;
-    if (describer_.note_line(line.line)) describe_again();
-    publish_or_keep(line.line, line.owner ? control_.sender_of(*line.owner) : std::string(), out);
-}
-
-void Bridge::publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out) {
-    if (!announcer_->may_publish()) return offline_values_.keep(line, statistics_);
+    if (describer_.note_line(line.line)) describe_again(now);
+    const auto decoded = context_.decode(line.line);
+    if (decoded && decoded->value) values_.reported(decoded->service, *decoded->value, now);
+    if (!announcer_->may_publish()) return offline_values_.keep(line.line, statistics_);
     const bool warned = !context_.warning().empty();
-    context_.on_line(line, out, by);
-    if (!warned && !context_.warning().empty()) show_warnings();
+    context_.publish(line.line, decoded, out, line.owner ? control_.sender_of(*line.owner) : std::string());
+    if (!warned && !context_.warning().empty()) show_warnings(now);
 }
 
 void Bridge::start_publishing(Effects& out) {
     if (!announcer_ || !announcer_->may_publish()) return;
     if (!std::exchange(name_claimed_, true)) out.name_claimed = true;
     for (const auto& line : offline_values_.take(out))
-        context_.on_line(line, out);
+        context_.publish(line, context_.decode(line), out);
 }
 
 void Bridge::on_action(const session::Identified& identified, Time now, Effects& out) {
@@ -161,11 +160,13 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
              {"services", letters()},
              {"baud", std::to_string(board_.session.baud())}});
     unreached_.clear();
-    describe_again();
-    compare_with_first(port_.phase() != PortLoan::Phase::kOurs, out);
+    describe_again(now);
+    compare_with_first(port_.phase() != PortLoan::Phase::kOurs, now, out);
     port_.identified(traits(), out);
     announcer_->set_updating(port_.updating());
     announcer_->set_state(model::BoardState::kOnline, reason_to_be_online(), now, out);
+    values_.identified(now);
+    learn_levels(now, out);
 }
 
 model::StateReason Bridge::reason_to_be_online() const {
@@ -174,7 +175,7 @@ model::StateReason Bridge::reason_to_be_online() const {
 
 // Of a board that is not there the state says why it is not.
 void Bridge::show_stop(Time now, Effects& out) {
-    if (describer_.note_stop(latch_.stopped())) describe_again();
+    if (describer_.note_stop(latch_.stopped())) describe_again(now);
     if (announcer_->state() == model::BoardState::kOnline)
         announcer_->set_state(model::BoardState::kOnline, reason_to_be_online(), now, out);
 }
@@ -195,9 +196,24 @@ void Bridge::name_board(Effects& out) {
         random_);
 }
 
+// Boards say the level of an input when its mode is set, and otherwise when it changes.
+void Bridge::learn_levels(Time now, Effects& out) {
+    if (is_stopped() || leaving_) return;
+    session::Actions actions;
+    for (const auto& line : values_.lines_to_learn(labels_.current())) {
+        const auto request = protocol::parse_request(line);
+        const auto id = board_.session.submit(
+            *request,
+            {.client = ReportPeriods::kClient, .deadline = now + session::kDefaultDeadline, .prove = true},
+            now, actions);
+        if (id) values_.queued(*id, line);
+    }
+    perform(actions, now, out);
+}
+
 void Bridge::on_action(const session::BoardReset& reset, Time now, Effects& out) {
     safety_.board_restarted(out);
-    set_.forget(now);
+    values_.restarted(now);
     out.log(note_restart(now) ? Level::kWarning : Level::kDebug, "board restarted by itself",
             {{"why", reset.why}});
 }
@@ -230,7 +246,7 @@ void Bridge::on_action(const session::NoAnswer& none, Time now, Effects& out) {
     }
     if (unreached_ != text) out.log(Level::kWarning, text + " Asking on");
     unreached_ = text;
-    if (name().empty()) name_unanswered(out);
+    if (name().empty()) name_unanswered(now, out);
     announce_unreached(model::StateReason::kSilent, now, out);
     if (!found_ && options_.name.empty()) rest(now, out);
 }
@@ -251,16 +267,29 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
 }
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
-    set_.on_finished(end, now);
+    values_.on_finished(end, now);
+    tell_modes(now);
     safety_.on_finished(end, now, out);
     periods_.on_finished(end, now, out);
     control_.on_finished(end, now, out);
     client_requests_.on_finished(end, session().identity(), out);
-    if (describer_.note_settings(periods_)) describe_again();
+    if (describer_.note_settings(periods_)) describe_again(now);
 }
 
-void Bridge::describe_again() {
-    if (announcer_) announcer_->describe(describer_.description());
+void Bridge::describe_again(Time now) {
+    if (!announcer_) return;
+    auto description = describer_.description();
+    values_.describe(description, now);
+    announcer_->describe(std::move(description));
+}
+
+// A pin is what commands made it: that is kept, and stands in the description.
+void Bridge::tell_modes(Time now) {
+    const auto modes = values_.take_modes();
+    if (modes.empty()) return;
+    labels_.note_modes(modes, now);
+    if (describer_.note_labels(labels_)) describe_again(now);
+    values_.modes_told(modes, now);
 }
 
 // --- time
@@ -285,18 +314,19 @@ void Bridge::tick(Time now, Effects& out) {
     send_periods(now, out);
     tick_port(now, out);
     tick_restarts(now, out);
+    labels_.tick(now, out);
     if (announcer_) announcer_->tick(now, out);
     yield_name(out);
     start_publishing(out);
-    publish_set(now, out);
+    publish_values(now, out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = board_.session.next_deadline();
-    const auto set = name_claimed_ && may_publish() ? set_.next_deadline() : std::nullopt;
-    for (const auto& other :
-         {set, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
-          restarts_.next_deadline(), rests_until_, announcer_ ? announcer_->next_deadline() : std::nullopt})
+    const auto values = name_claimed_ && may_publish() ? values_.next_deadline() : std::nullopt;
+    for (const auto& other : {values, safety_.next_deadline(), port_.next_deadline(),
+                              periods_.next_deadline(), restarts_.next_deadline(), labels_.next_deadline(),
+                              rests_until_, announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
 }
@@ -318,9 +348,9 @@ void Bridge::goodbye(Time now, Effects& out) {
     board_.session.link_down(now, actions);
     perform(actions, now, out);
     // From now on the agent does not hear what the board does.
-    set_.forget(now);
-    set_.hurry(now);
-    publish_set(now, out);
+    values_.away(now);
+    values_.hurry(now);
+    publish_values(now, out);
     if (!announcer_) return;
     const bool only_a_port = !found_ && options_.name.empty() && announcer_->may_publish();
     announcer_->goodbye(now, out);

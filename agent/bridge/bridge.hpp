@@ -20,10 +20,10 @@
 #include "agent/inbound/command_age.hpp"
 #include "agent/inbound/inbound.hpp"
 #include "agent/port/port_loan.hpp"
+#include "agent/reports/board_values.hpp"
 #include "agent/reports/context.hpp"
 #include "agent/reports/offline_values.hpp"
 #include "agent/reports/report_periods.hpp"
-#include "agent/reports/set_values.hpp"
 #include "agent/safety/safety.hpp"
 #include "agent/safety/stop_latch.hpp"
 #include "asip/member/announcer.hpp"
@@ -137,7 +137,7 @@ class Bridge {
     void publish_statistics(const mqtt::Counters& bus, Time now, Effects& out);
 
     /// What became of Effects::keep_labels.
-    void labels_kept(const Expected<std::filesystem::path>& result, Effects& out);
+    void labels_kept(const Expected<std::filesystem::path>& result, Time now, Effects& out);
 
     /// Time has passed. Must be called when next_deadline() has come; may be called at any time.
     void tick(Time now, Effects& out);
@@ -176,7 +176,7 @@ class Bridge {
     void on_message(const Announcement& announcement, Time now, Effects& out);
     void name_board(Effects& out);
     void announce_unreached(model::StateReason reason, Time now, Effects& out);
-    void name_unanswered(Effects& out);
+    void name_unanswered(Time now, Effects& out);
     void tick_port(Time now, Effects& out);
     void let_go_of_port(Time now, Effects& out);
     void rest(Time now, Effects& out);
@@ -185,7 +185,9 @@ class Bridge {
     void perform(session::Actions& actions, Time now, Effects& out);
     void send_safe_lines(Time now, Effects& out);
     void send_periods(Time now, Effects& out);
-    void publish_set(Time now, Effects& out);
+    void publish_values(Time now, Effects& out);
+    void tell_modes(Time now);
+    void learn_levels(Time now, Effects& out);
     void on_action(const session::BoardLine& line, Time now, Effects& out);
     void on_action(const session::Identified& identified, Time now, Effects& out);
     void on_action(const session::BoardReset& reset, Time now, Effects& out);
@@ -199,14 +201,13 @@ class Bridge {
     bool is_another_name() const;
     void leave_for_another(Time now, Effects& out);
     void yield_name(Effects& out);
-    void compare_with_first(bool flashed, Effects& out);
-    void show_warnings();
+    void compare_with_first(bool flashed, Time now, Effects& out);
+    void show_warnings(Time now);
     void show_stop(Time now, Effects& out);
     model::StateReason reason_to_be_online() const;
     bool note_restart(Time now);
     void tick_restarts(Time now, Effects& out);
-    void describe_again();
-    void publish_or_keep(const protocol::ParsedLine& line, const std::string& by, Effects& out);
+    void describe_again(Time now);
     void start_publishing(Effects& out);
 
     BridgeOptions options_;
@@ -214,10 +215,10 @@ class Bridge {
     Random random_;
     Board board_;
     Statistics statistics_;
-    SetValues set_;
+    CommandAge age_;
+    BoardValues values_;
     Safety safety_;
     ReportPeriods periods_;
-    CommandAge age_;
     StopLatch latch_;
     Control control_;
     ClientRequests client_requests_;

@@ -31,18 +31,18 @@ std::vector<std::string> Bridge::control_subscriptions() const {
     std::vector<std::string> filters{topics.stop(name()), topics.board_in(name()),
                                      topics.service_in(name(), "+")};
     if (options_.context.client_side) filters.push_back(topics.board_out(name()));
-    if (periods_.on_demand()) filters.push_back(topics.demand(name(), "+/+"));
+    filters.push_back(topics.demand(name(), "+/+"));
     return filters;
 }
 
 void Bridge::bus_connected(Time now, const std::string& client_id, bool expires, Effects& out) {
     if (!announcer_) return;
     age_.connection_changed();
-    if (describer_.note_agent({ASIP_VERSION, program::host_name(), client_id})) describe_again();
+    if (describer_.note_agent({ASIP_VERSION, program::host_name(), client_id})) describe_again(now);
     announcer_->on_connected(now, out, expires);
     start_publishing(out);
-    set_.connected(now);
-    publish_set(now, out);
+    values_.connected(now);
+    publish_values(now, out);
 }
 
 void Bridge::bus_subscribed(Time now, Effects& out) {
@@ -62,8 +62,7 @@ std::optional<Inbound> Bridge::read(const mqtt::Message& message, Time now) cons
                         {.topics = board_.topics,
                          .board = board_.name,
                          .services = board_.services,
-                         .client_side = options_.context.client_side,
-                         .on_demand = periods_.on_demand()},
+                         .client_side = options_.context.client_side},
                         age_, now);
 }
 
@@ -125,19 +124,22 @@ void Bridge::on_message(const Resume& resume, Time now, Effects& out) {
     if (resumed) note_command(board_, {"resumed", {}, {}, resume.reply().by, reply}, out);
 }
 
-void Bridge::on_message(const LabelRequest& request, Time, Effects& out) {
+void Bridge::on_message(const LabelRequest& request, Time now, Effects& out) {
     labels_.request(request, out);
-    if (describer_.note_labels(labels_)) describe_again();
+    if (describer_.note_labels(labels_)) describe_again(now);
 }
 
 void Bridge::on_message(const DemandMessage& demand, Time now, Effects& out) {
-    periods_.demand(demand.demander, demand.payload, demand.retained, now);
+    const auto wanted = demand.retained ? fail("stored") : bus::parse_demand(demand.payload);
+    periods_.demand(demand.demander, wanted, now);
+    if (wanted && !wanted->reply_to.empty() && may_publish())
+        values_.answer(demand.demander, *wanted, announcer_->session(), now, out);
     send_periods(now, out);
 }
 
 void Bridge::on_message(const StoredSet& stored, Time now, Effects& out) {
-    set_.stored(stored.service, stored.payload, now);
-    publish_set(now, out);
+    values_.set().stored(stored.service, stored.payload, now);
+    publish_values(now, out);
 }
 
 void Bridge::on_message(const Announcement& announcement, Time now, Effects& out) {
@@ -145,9 +147,9 @@ void Bridge::on_message(const Announcement& announcement, Time now, Effects& out
     yield_name(out);
 }
 
-void Bridge::labels_kept(const Expected<std::filesystem::path>& result, Effects& out) {
+void Bridge::labels_kept(const Expected<std::filesystem::path>& result, Time now, Effects& out) {
     labels_.kept(result, out);
-    if (describer_.note_labels(labels_)) describe_again();
+    if (describer_.note_labels(labels_)) describe_again(now);
 }
 
 // --- the port
@@ -213,8 +215,8 @@ void Bridge::let_go_of_port(Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
-    set_.forget(now);
-    publish_set(now, out);
+    values_.away(now);
+    publish_values(now, out);
     port_.let_go(now, out);
     announcer_->set_updating(port_.updating());
 }
@@ -243,7 +245,7 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
             client_requests_.sent(*id, client);
             safety_.queued(*id, line, safe_form_of(board_.services, *request));
             periods_.queued(*id, *request);
-            set_.queued(*id, line);
+            values_.queued(*id, line);
         }
         perform(actions, now, out);
         if (id) return ClientResult::kAccepted;

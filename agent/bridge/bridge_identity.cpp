@@ -45,9 +45,9 @@ void Bridge::leave_for_another(Time now, Effects& out) {
     out.log(Level::kWarning, "the board at this port has another name; beginning anew with that",
             {{"board", name()}, {"its name", stored.empty() ? "none" : stored}});
     port_.identified(traits(), out);
-    set_.forget(now);
-    set_.hurry(now);
-    publish_set(now, out);
+    values_.away(now);
+    values_.hurry(now);
+    publish_values(now, out);
     leaving_ = true;
     session::Actions actions;
     board_.session.link_down(now, actions);
@@ -73,17 +73,17 @@ void Bridge::yield_name(Effects& out) {
 }
 
 // A name that was given stays, whichever board is at the port. `flashed`: it was away to be changed.
-void Bridge::compare_with_first(bool flashed, Effects& out) {
-    const FirstBoard now{traits(), letters()};
-    if (!first_board_ || flashed) first_board_ = now;
+void Bridge::compare_with_first(bool flashed, Time now, Effects& out) {
+    const FirstBoard present{traits(), letters()};
+    if (!first_board_ || flashed) first_board_ = present;
     std::string warning;
-    if (now != *first_board_)
-        warning = "another board than at first is at this port: " + in_words(now.traits, now.services) +
+    if (present != *first_board_)
+        warning = "another board than at first is at this port: " + in_words(present.traits, present.services) +
                   "; it was " + in_words(first_board_->traits, first_board_->services) +
                   ". If that is right, start the agent again";
     if (std::exchange(other_board_, warning) != warning && !warning.empty())
         out.log(Level::kWarning, warning);
-    show_warnings();
+    show_warnings(now);
 }
 
 void Bridge::unreached(model::StateReason reason, const std::string& why, model::LinkInfo link, Time now,
@@ -99,22 +99,23 @@ void Bridge::unreached(model::StateReason reason, const std::string& why, model:
 void Bridge::announce_unreached(model::StateReason reason, Time now, Effects& out) {
     if (!announcer_) {
         if (!options_.announce_unreached || options_.name.empty()) return;
-        name_unanswered(out);
+        name_unanswered(now, out);
     }
     announcer_->set_state(model::BoardState::kLost, reason, now, out);
-    show_warnings();
+    show_warnings(now);
 }
 
-void Bridge::name_unanswered(Effects& out) {
+void Bridge::name_unanswered(Time now, Effects& out) {
     board_.name = options_.name.empty() ? describer_.name_from_link() : options_.name;
     name_board(out);
     out.board_known = true;
-    describe_again();
+    describe_again(now);
 }
 
 // A port's name that no board has any more: catalogues forget it.
 void Bridge::withdraw(Effects& out) const {
-    for (const auto& topic : {board_.topics.description(name()), board_.topics.state(name())}) {
+    for (const auto& topic : {board_.topics.description(name()), board_.topics.state(name()),
+                              board_.topics.properties(name()), board_.topics.values(name())}) {
         mqtt::Message nothing;
         nothing.topic = topic;
         nothing.qos = 1;
@@ -123,11 +124,11 @@ void Bridge::withdraw(Effects& out) const {
     }
 }
 
-void Bridge::show_warnings() {
+void Bridge::show_warnings(Time now) {
     std::vector<std::string> warnings;
     for (const auto& text : {unreached_, other_board_, restarts_.text(), context_.warning()})
         if (!text.empty()) warnings.push_back(text.substr(0, model::kMaxWarningBytes));
-    if (describer_.note_warnings(std::move(warnings))) describe_again();
+    if (describer_.note_warnings(std::move(warnings))) describe_again(now);
 }
 
 // True: it gets its line in the log.
@@ -138,7 +139,7 @@ bool Bridge::note_restart(Time now) {
 void Bridge::tick_restarts(Time now, Effects& out) {
     if (!restarts_.tick(now)) return;
     if (!restarts_.text().empty()) out.log(Level::kWarning, "board " + restarts_.text());
-    show_warnings();
+    show_warnings(now);
 }
 
 }  // namespace asip::agent

@@ -204,7 +204,7 @@ void Control::execute(const std::shared_ptr<Execution>& execution, const std::ve
         std::string text(line.request.line);
         safety_.queued(*id, text, line.safe);
         periods_.queued(*id, line.request);
-        set_.queued(*id, text);
+        values_.queued(*id, text);
         if (execution->hold)
             safety_.holds().begin({execution->client, execution->reply.key(), execution->service, text,
                                    line.safe, *execution->hold, execution->sent + *execution->hold, *id,

@@ -13,8 +13,8 @@
 #include "agent/counts/statistics.hpp"
 #include "agent/inbound/command_age.hpp"
 #include "agent/inbound/inbound.hpp"
+#include "agent/reports/board_values.hpp"
 #include "agent/reports/report_periods.hpp"
-#include "agent/reports/set_values.hpp"
 #include "agent/safety/safety.hpp"
 #include "agent/safety/stop_latch.hpp"
 #include "asip/model/event_decoder.hpp"
@@ -33,13 +33,13 @@ class Control {
   public:
     /// All references must outlive it.
     Control(Board& board, const CommandAge& age, Statistics& statistics, Safety& safety,
-            ReportPeriods& periods, SetValues& set, const StopLatch& latch)
+            ReportPeriods& periods, BoardValues& values, const StopLatch& latch)
         : board_(board),
           age_(age),
           statistics_(statistics),
           safety_(safety),
           periods_(periods),
-          set_(set),
+          values_(values),
           latch_(latch) {}
 
     /// Queues the command for the board, or refuses it.
@@ -122,7 +122,7 @@ class Control {
     Statistics& statistics_;
     Safety& safety_;
     ReportPeriods& periods_;
-    SetValues& set_;
+    BoardValues& values_;
     const StopLatch& latch_;
     RecentAnswers recent_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue

@@ -39,6 +39,8 @@ void LabelBook::load(Expected<model::Labels> kept) {
 
 void LabelBook::join() {
     current_ = fixed_;
+    current_.meanings = kept_.meanings;
+    current_.modes = kept_.modes;
     // Descriptions have bounds: labels of the configuration come first.
     for (const auto& label : kept_.labels)
         if (current_.labels.size() < model::kMaxLabels) current_.labels.insert(label);
@@ -98,15 +100,46 @@ void LabelBook::begin_next(Effects& out) {
             finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json()), out);
         } else {
             begun_ = *next;
+            for_request_ = true;
+            write_modes_at_.reset();
             out.keep_labels = LabelsToKeep{std::move(*next), !fault_.empty()};
             return;
         }
     }
 }
 
+void LabelBook::note_modes(const std::vector<std::pair<int, int>>& modes, Time now) {
+    auto next = kept_.modes;
+    for (const auto& [pin, mode] : modes) {
+        if (mode == 0)
+            next.erase(pin);
+        else
+            next[pin] = mode;
+    }
+    if (next == kept_.modes) return;
+    kept_.modes = std::move(next);
+    if (!write_modes_at_) write_modes_at_ = now + kBetweenWrites;
+    join();
+}
+
+// What could not be read is not written over for a mode.
+void LabelBook::tick(Time now, Effects& out) {
+    if (begun_ || !write_modes_at_ || now < *write_modes_at_) return;
+    write_modes_at_.reset();
+    if (!fault_.empty()) return;
+    begun_ = kept_;
+    for_request_ = false;
+    out.keep_labels = LabelsToKeep{kept_, false};
+}
+
 void LabelBook::kept(const Expected<std::filesystem::path>& result, Effects& out) {
     if (!begun_) return;
     auto written = *std::exchange(begun_, std::nullopt);
+    if (!for_request_) {
+        if (!result) out.log(Level::kDebug, "modes of pins could not be kept", {{"why", result.error()}});
+        return begin_next(out);
+    }
+    written.modes = kept_.modes;  // some may have been set meanwhile
     if (result) {
         kept_ = std::move(written);
         fault_.clear();

@@ -21,6 +21,8 @@ class LabelBook {
   public:
     /// How many requests may wait for the disk.
     static constexpr std::size_t kMaxWaiting = 64;
+    /// A disk is not written for each mode that a program sets.
+    static constexpr Duration kBetweenWrites = std::chrono::seconds(10);
 
     /// `board` must outlive it. `fixed`: the labels of the configuration.
     LabelBook(const Board& board, model::Labels fixed) : board_(board), fixed_(std::move(fixed)) {}
@@ -34,6 +36,12 @@ class LabelBook {
     /// What became of Effects::keep_labels: where that was put which could not be read; empty: there was
     /// none.
     void kept(const Expected<std::filesystem::path>& result, Effects& out);
+
+    /// Modes that commands set: pin and mode. They hold at once, and are written to the disk within
+    /// kBetweenWrites.
+    void note_modes(const std::vector<std::pair<int, int>>& modes, Time now);
+    void tick(Time now, Effects& out);
+    std::optional<Time> next_deadline() const { return begun_ ? std::nullopt : write_modes_at_; }
 
     /// All that holds now.
     const model::Labels& current() const { return current_; }
@@ -58,7 +66,9 @@ class LabelBook {
     model::Labels kept_;
     model::Labels current_;
     std::string fault_;
-    std::optional<model::Labels> begun_;  // being written for the first of waiting_
+    std::optional<model::Labels> begun_;  // being written
+    bool for_request_ = false;            // for the first of waiting_; else for the modes alone
+    std::optional<Time> write_modes_at_;  // modes were set since the last writing
     std::deque<Request> waiting_;
 };
 

@@ -115,7 +115,6 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
         case TopicKind::kDescription:
             return Announcement{message};
         case TopicKind::kDemand:
-            if (!to.on_demand) return std::nullopt;
             return DemandMessage{std::string(topic->demander), message.payload, message.retain};
         case TopicKind::kServiceSet:
             if (!message.retain) return std::nullopt;

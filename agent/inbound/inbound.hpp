@@ -83,7 +83,6 @@ struct Addressee {
     std::string_view board;
     const session::ServiceTable& services;
     bool client_side = false;  ///< see BridgeOptions::context
-    bool on_demand = false;    ///< the agent takes demands
 };
 
 /// Reads topic and envelope of a message, once. Nothing for a message that is not for this board. Any bytes

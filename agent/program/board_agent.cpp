@@ -197,7 +197,8 @@ void BoardAgent::keep_labels(LabelsToKeep keep) {
     boost::asio::post(host_.disk, [this, alive = std::weak_ptr(alive_), &io = io_, files = label_files_,
                                    board = bridge_.name(), keep = std::move(keep)] {
         boost::asio::post(io, [this, alive, result = files.save(board, keep)] {
-            if (!alive.expired()) with_bridge([&](Time, Effects& out) { bridge_.labels_kept(result, out); });
+            if (!alive.expired())
+                with_bridge([&](Time now, Effects& out) { bridge_.labels_kept(result, now, out); });
         });
     });
 }

@@ -10,10 +10,20 @@
 
 namespace asip::agent {
 
-void Context::on_line(const protocol::ParsedLine& line, Effects& out, std::string_view by) {
-    const auto& topics = board_.topics;
-    const auto& services = board_.services;
+std::optional<Context::Decoded> Context::decode(const protocol::ParsedLine& line) const {
+    if (!line.is_event()) return std::nullopt;
+    const auto event = line.event();
+    const auto* service = board_.services.find(event.service);
+    if (service == nullptr) return std::nullopt;
+    if (!service->model) return Decoded{service->name, model::raw_event(event)};
     const auto& identity = board_.session.identity();
+    return Decoded{service->name,
+                   model::decode_event(*service->model, event, {&identity.port_map, identity.pin_modes})};
+}
+
+void Context::publish(const protocol::ParsedLine& line, const std::optional<Decoded>& decoded, Effects& out,
+                      std::string_view by) {
+    const auto& topics = board_.topics;
     mqtt::Message raw;
     raw.topic = options_.client_side ? topics.board_in(board_.name) : topics.board_out(board_.name);
     raw.payload = line.text() + options_.terminator;
@@ -24,19 +34,13 @@ void Context::on_line(const protocol::ParsedLine& line, Effects& out, std::strin
         nlohmann::json value{
             {"request", std::string(1, error.tag)}, {"code", error.code}, {"error", std::string(error.text)}};
         if (!by.empty()) value["by"] = std::string(by);
-        return publish_error(board_, service_named(services, error.service), value, out);
+        return publish_error(board_, service_named(board_.services, error.service), value, out);
     }
-    if (!line.is_event()) return;
-    const auto event = line.event();
-    const auto* service = services.find(event.service);
-    if (service == nullptr) return;
-    const auto value =
-        service->model ? model::decode_event(*service->model, event, {&identity.port_map, identity.pin_modes})
-                       : model::raw_event(event);
-    if (!value) return undecoded(service->name, line.text(), value.error(), out);
+    if (!decoded) return;
+    if (!decoded->value) return undecoded(decoded->service, line.text(), decoded->value.error(), out);
     mqtt::Message message;
-    message.topic = topics.service_out(board_.name, service->name);
-    message.payload = model::dump_json(*value);
+    message.topic = topics.service_out(board_.name, decoded->service);
+    message.payload = model::dump_json(*decoded->value);
     message.retain = options_.retain_values;
     out.publish.push_back({std::move(message), mqtt::Priority::kContext});
 }

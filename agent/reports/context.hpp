@@ -2,11 +2,14 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
+#include "asip/expected.hpp"
 #include "asip/protocol/parsed_line.hpp"
 
 namespace asip::agent {
@@ -25,8 +28,17 @@ class Context {
     /// `board` must outlive it.
     Context(const Board& board, ContextOptions options) : board_(board), options_(std::move(options)) {}
 
-    /// `by`: the sender of the request that the line is an error of; empty: not known.
-    void on_line(const protocol::ParsedLine& line, Effects& out, std::string_view by = {});
+    /// An event, by the model of its service.
+    struct Decoded {
+        std::string service;
+        Expected<nlohmann::json> value;
+    };
+    /// Nothing: the line is no event of a service of the board.
+    std::optional<Decoded> decode(const protocol::ParsedLine& line) const;
+    /// `decoded`: of the line. `by`: the sender of the request that the line is an error of; empty: not
+    /// known.
+    void publish(const protocol::ParsedLine& line, const std::optional<Decoded>& decoded, Effects& out,
+                 std::string_view by = {});
 
     /// Events that do not fit the model of their service.
     std::uint64_t undecoded() const { return undecoded_; }

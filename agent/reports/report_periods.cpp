@@ -43,9 +43,9 @@ void ReportPeriods::look_again(Time when) {
     if (!look_at_ || when < *look_at_) look_at_ = when;
 }
 
-void ReportPeriods::demand(std::string_view demander, std::string_view payload, bool retained, Time now) {
-    auto demand = retained ? fail("stored") : bus::parse_demand(payload);
-    if (!demand || !demands_.take(demander, std::move(*demand), now)) {
+void ReportPeriods::demand(std::string_view demander, const Expected<bus::Demand>& wanted, Time now) {
+    if (!options_.on_demand) return;
+    if (!wanted || !demands_.take(demander, *wanted, now)) {
         ++rejected_;
         return;
     }

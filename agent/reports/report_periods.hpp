@@ -51,8 +51,8 @@ class ReportPeriods {
     const ReportOptions& options() const { return options_; }
 
     // --- the bus
-    /// A payload that anyone may have published; retained ones are refused.
-    void demand(std::string_view demander, std::string_view payload, bool retained, Time now);
+    /// A fault: it could not be read.
+    void demand(std::string_view demander, const Expected<bus::Demand>& wanted, Time now);
 
     // --- commands
     /// A request of anybody was queued.

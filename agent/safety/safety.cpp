@@ -64,7 +64,7 @@ void Safety::on_finished(const session::Finished& end, Time now, Effects& out) {
 }
 
 void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
-    if (line.executed) set_.executed(line.line, now);
+    if (line.executed) values_.executed(line.line, now);
     if (const auto hold = expired_.find(line.line); hold != expired_.end()) {
         report(hold->second,
                "not renewed within " + milliseconds(hold->second.length) + "; " + line.line +

@@ -12,7 +12,7 @@
 #include "agent/bridge/effects.hpp"
 #include "agent/counts/statistics.hpp"
 #include "agent/inbound/inbound.hpp"
-#include "agent/reports/set_values.hpp"
+#include "agent/reports/board_values.hpp"
 #include "agent/safety/holds.hpp"
 #include "agent/safety/outputs.hpp"
 #include "agent/safety/safe_lines.hpp"
@@ -34,8 +34,8 @@ class Safety {
     static constexpr std::size_t kMaxStops = 256;
 
     /// All must outlive it.
-    Safety(Board& board, Statistics& statistics, SetValues& set)
-        : board_(board), statistics_(statistics), set_(set) {}
+    Safety(Board& board, Statistics& statistics, BoardValues& values)
+        : board_(board), statistics_(statistics), values_(values) {}
 
     // --- commands
     /// A request of anybody was queued. `safe`: safe_form_of() it.
@@ -89,7 +89,7 @@ class Safety {
 
     Board& board_;
     Statistics& statistics_;
-    SetValues& set_;
+    BoardValues& values_;
     Holds holds_;
     Outputs outputs_;
     SafeLines lines_;

@@ -269,6 +269,7 @@ std::string to_text(const ValueDocument& document) {
             values[id] = std::move(written);
     }
     object["values"] = std::move(values);
+    if (!document.pins.is_null()) object["pins"] = document.pins;
     if (left_out > 0) object["left_out"] = left_out;
     return model::dump_json(object);
 }
@@ -282,6 +283,7 @@ Expected<ValueDocument> parse_values(std::string_view text) {
     result.head = read_head(reader);
     result.clock = reader.text("clock", {}, kMaxWordBytes);
     result.left_out = reader.integer("left_out", 0, kMaxProperties).value_or(0);
+    if (reader.object("pins")) result.pins = (*document)["pins"];
     reader.required("values");
     for (auto& [id, each] : reader.ok() ? reader.members("values") : decltype(reader.members("values"))()) {
         if (result.values.size() >= kMaxProperties) reader.fault("values", "has too many members");

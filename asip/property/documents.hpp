@@ -51,7 +51,10 @@ struct ValueDocument {
     DocumentHead head;
     std::string clock;  ///< the agent's clock when it was made, see bus::AgentClock
     std::map<std::string, ShownValue, std::less<>> values;  ///< by id of the property
-    std::size_t left_out = 0;                               ///< that did not fit
+    /// In the answer of an agent: the levels and analog values of all pins that it heard of, electrical:
+    /// {"digital":{"2":1},"analog":{"0":320}}. Null: not asked for.
+    nlohmann::json pins{};
+    std::size_t left_out = 0;  ///< that did not fit
     friend bool operator==(const ValueDocument&, const ValueDocument&) = default;
 };
 

@@ -165,6 +165,17 @@ bool KnownValues::input_began(std::string_view io, int pin, Time now) {
     return reported(io, json{{"digital", {{std::to_string(pin), 0}}}}, How::kReported, now);
 }
 
+json KnownValues::pins(std::string_view io) const {
+    auto result = json::object();
+    for (const auto* event : kPinEvents) {
+        const auto place = std::string(io) + "/" + event + "/";
+        for (auto heard = pins_.lower_bound(place); heard != pins_.end() && heard->first.starts_with(place);
+             ++heard)
+            result[event][heard->first.substr(place.size())] = heard->second.value;
+    }
+    return result;
+}
+
 Known KnownValues::known(std::size_t index) const {
     const auto& property = properties_[index];
     const auto& raw = raws_[index];

@@ -59,6 +59,8 @@ class KnownValues {
     /// The board executed that. Boards say the level of a pin that is high: without an event it is low.
     bool input_began(std::string_view io, int pin, Time now);
 
+    /// What was heard of pins, electrical: {"digital":{"2":1},"analog":{"0":320}}.
+    nlohmann::json pins(std::string_view io) const;
     /// By the number of the property.
     Known known(std::size_t property) const;
 

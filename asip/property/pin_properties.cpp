@@ -53,8 +53,9 @@ class PinProperty {
                                    : protocol::pin_mode_from_number(mode->second);
         const auto use = use_of(model::use_of_class(klass), commanded);
         if (!use || !make_of(*use, klass == "light")) return std::nullopt;
-        if (use == PinMode::kOutput && commanded != PinMode::kOutput)
-            property_.before = Call{io_.name, "mode", {number(), static_cast<double>(PinMode::kOutput)}};
+        const bool has_mode = at(description_.pins.modes, pin_, '-') - '0' == static_cast<int>(*use);
+        if (property_.write && !has_mode)
+            property_.before = Call{io_.name, "mode", {number(), static_cast<double>(*use)}};
         property_.name = labels.pin(static_cast<int>(pin_));
         property_.advanced = property_.name.empty() && klass.empty();
         if (property_.name.empty()) property_.name = usual_name();
@@ -143,7 +144,10 @@ class PinProperty {
 std::vector<Property> pin_properties(const model::Description& description, const model::ServiceInfo& io) {
     std::vector<Property> result;
     const auto& pins = description.pins;
-    const auto count = std::max({pins.modes.size(), pins.owners.size(), pins.capabilities.size()});
+    auto count = std::max({pins.modes.size(), pins.owners.size(), pins.capabilities.size()});
+    // A board that says nothing of its pins has those that commands set.
+    if (count == 0 && !description.labels.modes.empty())
+        count = static_cast<std::size_t>(description.labels.modes.rbegin()->first) + 1;
     for (std::size_t pin = 0; pin < count; ++pin) {
         const char owner = at(pins.owners, pin, '-');
         if (owner != '-' && owner != io.id) continue;

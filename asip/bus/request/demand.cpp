@@ -12,6 +12,8 @@ namespace asip::bus {
 namespace {
 
 constexpr int kMaxDepth = 4;
+constexpr std::size_t kMaxReplyTopicBytes = 512;
+constexpr std::size_t kMaxIdBytes = 128;
 constexpr std::uint64_t kLongestLease = static_cast<std::uint64_t>(kMaxDemandLease.count());
 
 void read_services(text::JsonReader& reader, Demand& demand) {
@@ -23,6 +25,7 @@ void read_services(text::JsonReader& reader, Demand& demand) {
         if (!can_be_demanded(name)) return services->fault({}, "a name that no service can have");
         const double hz = value.is_number() ? value.get<double>() : -1;
         if (!(hz >= 0)) return services->fault(name, "must be a number of values a second, 0 or above");
+        demand.asked.push_back(name);
         if (hz > 0) demand.services.emplace(name, hz);
     }
 }
@@ -38,7 +41,12 @@ std::string to_text(const Demand& demand) {
     nlohmann::json services = nlohmann::json::object();
     for (const auto& [name, hz] : demand.services)
         services[name] = hz;
-    return model::dump_json({{"services", std::move(services)}, {"lease", demand.lease.count()}});
+    for (const auto& name : demand.asked)
+        if (!services.contains(name)) services[name] = 0;
+    nlohmann::json object{{"services", std::move(services)}, {"lease", demand.lease.count()}};
+    if (!demand.reply_to.empty()) object["reply_to"] = demand.reply_to;
+    if (!demand.id.empty()) object["id"] = demand.id;
+    return model::dump_json(object);
 }
 
 Expected<Demand> parse_demand(std::string_view text) {
@@ -51,6 +59,8 @@ Expected<Demand> parse_demand(std::string_view text) {
     if (reader.ok()) read_services(reader, demand);
     const auto lease = reader.integer("lease", 1, kLongestLease);
     if (lease) demand.lease = std::chrono::seconds(*lease);
+    demand.reply_to = reader.text("reply_to", {}, kMaxReplyTopicBytes);
+    demand.id = reader.text("id", {}, kMaxIdBytes);
     if (!reader.ok()) return fail(fault);
     return demand;
 }

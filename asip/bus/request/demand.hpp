@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "asip/expected.hpp"
 
@@ -26,6 +27,11 @@ struct Demand {
     /// Empty: nothing is wanted any more.
     std::map<std::string, double> services;
     std::chrono::seconds lease = kDemandLease;  ///< 1 s to kMaxDemandLease
+    /// Where the agent is to answer with the values that it knows now, of the services that `asked` names;
+    /// empty: nowhere. An agent answers below ROOT/reply/USER/BOARD/ alone.
+    std::string reply_to{};
+    std::string id{};
+    std::vector<std::string> asked{};  ///< the names in `services`, also those with 0
 
     friend bool operator==(const Demand&, const Demand&) = default;
 };
@@ -33,7 +39,7 @@ struct Demand {
 /// Whether some service can have this name, or match this pattern.
 bool can_be_demanded(std::string service);
 
-/// {"services":{"distance":20},"lease":15}
+/// {"services":{"distance":20},"lease":15,"reply_to":"asip/reply/ann/uno1/c1","id":"7"}
 std::string to_text(const Demand& demand);
 
 /// From a payload that anyone may have published. Services with 0 are left out; unknown members are passed

@@ -88,7 +88,7 @@ class BridgeBench {
         run([&](Effects& out) { bridge.release_holds(now, out); });
     }
     void labels_kept(const Expected<std::filesystem::path>& result = {}) {
-        run([&](Effects& out) { bridge.labels_kept(result, out); });
+        run([&](Effects& out) { bridge.labels_kept(result, now, out); });
     }
     void publish_statistics() {
         run([&](Effects& out) { bridge.publish_statistics({}, now, out); });

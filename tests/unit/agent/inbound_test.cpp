@@ -30,8 +30,7 @@ struct InboundTest : testing::Test {
                             {.topics = topics,
                              .board = "uno1",
                              .services = table,
-                             .client_side = client_side,
-                             .on_demand = on_demand},
+                             .client_side = client_side},
                             age, kReadAt);
     }
     std::optional<Inbound> read(const std::string& topic, const std::string& payload,
@@ -58,7 +57,6 @@ struct InboundTest : testing::Test {
     session::ServiceTable table = two_services();
     CommandAge age{[] { return std::uint64_t{7}; }};
     bool client_side = false;
-    bool on_demand = true;
 };
 
 TEST_F(InboundTest, EachTopic_IsItsKind) {
@@ -105,11 +103,6 @@ TEST_F(InboundTest, TopicsOfOthersAndMalformedOnes_AreNothing) {
         EXPECT_FALSE(read(topic, R"({"renew":true})")) << topic;
     EXPECT_FALSE(read(std::string("asip/uno1\0/in", 13), "I,M"));
     EXPECT_FALSE(read("asip/uno1/" + std::string(70'000, 'x') + "/in", "I,M"));
-}
-
-TEST_F(InboundTest, NoDemandsWhereTheAgentTakesNone) {
-    on_demand = false;
-    EXPECT_FALSE(read("asip/servicebus/uno1/$demand/ann/c1", "{}"));
 }
 
 // --- by its content

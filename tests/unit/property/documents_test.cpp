@@ -70,7 +70,8 @@ TEST(ValueDocument, Written_IsReadTheSame) {
 }
 
 TEST(ValueDocument, TooLong_LeavesOutAndSaysSo) {
-    ValueDocument document{{"desk", "s", 1}, {}, {}, 0};
+    ValueDocument document;
+    document.head = {"desk", "s", 1};
     for (int i = 0; i < 200; ++i)
         document.values["lcd/" + std::to_string(i) + "/text"] = {std::string(250, 'x'), How::kSet};
     const auto text = to_text(document);

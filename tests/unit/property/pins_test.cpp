@@ -54,6 +54,7 @@ TEST(PinProperty, ClassOfAnOutput_IsSetAlsoBeforeAnyMode) {
     EXPECT_THAT(requests_for(property(all, "io/13"), true),
                 ElementsAre(Request{"io", R"({"mode":[13,3]})"}, Request{"io", R"({"write":[13,0]})"}));
     board.labels.modes[13] = 3;
+    board.pins.modes[13] = '3';
     all = properties(board);
     EXPECT_THAT(requests_for(property(all, "io/13"), true),
                 ElementsAre(Request{"io", R"({"write":[13,0]})"}));

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/reports/board_values.hpp"
+
+#include <algorithm>
+
+#include "asip/bus/pattern.hpp"
+#include "asip/bus/request/reply.hpp"
+#include "asip/model/json.hpp"
+#include "asip/property/documents.hpp"
+#include "asip/property/list.hpp"
+#include "asip/protocol/pin.hpp"
+
+namespace asip::agent {
+namespace {
+
+using nlohmann::json;
+using property::How;
+
+constexpr std::string_view kIo = "io";
+constexpr std::string_view kMode = "mode";
+constexpr std::size_t kMaxQuotas = 1024;
+
+/// The mode that a request sets, and of which pin.
+std::optional<std::pair<int, int>> mode_of(const model::RequestValues& request) {
+    if (request.command->name != kMode || request.values.size() != 2) return std::nullopt;
+    return std::pair(request.values[0].get<int>(), request.values[1].get<int>());
+}
+
+bool is_input(int mode) {
+    const auto known = protocol::pin_mode_from_number(mode);
+    return known && protocol::is_digital_input(*known);
+}
+
+/// Whether a report holds what people wait for, and is no number that flows.
+bool is_of_levels(const json& published) {
+    return published.is_object() && published.contains("digital");
+}
+
+}  // namespace
+
+void BoardValues::queued(session::RequestId id, std::string_view line) {
+    set_.queued(id, line);
+    const auto* service = line.size() < 3 ? nullptr : board_.services.find(line[0]);
+    if (service == nullptr || !service->model) return;
+    requests_.emplace(id, line);
+    if (service->model->name != kIo) return;
+    const auto request = model::request_values(*service->model, line.substr(2));
+    const auto mode = request ? mode_of(*request) : std::nullopt;
+    if (mode && is_input(mode->second)) known_.input_begins(service->name, mode->first);
+}
+
+void BoardValues::on_finished(const session::Finished& end, Time now) {
+    using session::Ending;
+    set_.on_finished(end, now);
+    const auto request = requests_.find(end.id);
+    if (request == requests_.end()) return;
+    const std::string line = std::move(request->second);
+    requests_.erase(request);
+    if (end.ending == Ending::kNotSent || end.ending == Ending::kBoardError) return;
+    apply(line, end.ending == Ending::kTimeout || end.ending == Ending::kDoubt, now);
+}
+
+void BoardValues::executed(std::string_view line, Time now) {
+    set_.executed(line, now);
+    apply(line, false, now);
+}
+
+void BoardValues::apply(std::string_view line, bool perhaps, Time now) {
+    const auto* service = line.size() < 3 ? nullptr : board_.services.find(line[0]);
+    if (service == nullptr || !service->model) return;
+    const auto request = model::request_values(*service->model, line.substr(2));
+    if (!request) return;
+    note(known_.executed(service->name, *request, perhaps, now), kBetween, now);
+    if (!perhaps && service->model->name == kIo)
+        if (const auto mode = mode_of(*request)) modes_.push_back(*mode);
+}
+
+void BoardValues::modes_told(const std::vector<std::pair<int, int>>& modes, Time now) {
+    for (const auto& [pin, mode] : modes)
+        if (is_input(mode)) note(known_.input_began(kIo, pin, now), kBetween, now);
+}
+
+void BoardValues::reported(const std::string& service, const json& published, Time now) {
+    note(known_.reported(service, published, How::kReported, now),
+         is_of_levels(published) ? kBetween : kBetweenNumbers, now);
+}
+
+void BoardValues::restarted(Time now) {
+    set_.forget(now);
+    note(known_.forget(now), kBetween, now);
+}
+
+void BoardValues::away(Time now) {
+    set_.forget(now);
+    away_ = true;
+}
+
+void BoardValues::identified(Time now) {
+    if (std::exchange(away_, false)) note(known_.forget(now), kBetween, now);
+}
+
+std::vector<std::string> BoardValues::lines_to_learn(const model::Labels& labels) const {
+    std::vector<std::string> lines;
+    const auto* io = board_.services.find(kIo);
+    if (io == nullptr || !io->model || io->model->name != kIo) return lines;
+    const auto& modes = board_.session.identity().pin_modes;
+    for (const auto& [pin, commanded] : labels.modes) {
+        if (!is_input(commanded) || static_cast<std::size_t>(pin) >= modes.size()) continue;
+        const auto present = modes[static_cast<std::size_t>(pin)];
+        const bool unused = present == protocol::PinMode::kUnallocated;
+        if (unused || static_cast<int>(present) == commanded)
+            lines.push_back(std::string{io->letter} + ",P," + std::to_string(pin) + "," +
+                            std::to_string(commanded));
+    }
+    return lines;
+}
+
+void BoardValues::describe(const model::Description& description, Time now) {
+    auto properties = property::properties_of(description, [this](const model::ServiceInfo& service) {
+        const auto* entry = board_.services.find(std::string_view(service.name));
+        return entry == nullptr ? nullptr : entry->model;
+    });
+    if (properties == known_.properties()) return;
+    known_.use(std::move(properties), now);
+    list_changed_ = true;
+    note(true, kBetween, now);
+}
+
+void BoardValues::note(bool changed, Duration between, Time now) {
+    if (!changed) return;
+    values_changed_ = true;
+    const Time when = published_at_ ? std::max(now, *published_at_ + between) : now;
+    if (!due_ || when < *due_) due_ = when;
+}
+
+void BoardValues::connected(Time now) {
+    set_.connected(now);
+    list_changed_ = values_changed_ = true;
+    due_ = now;
+}
+
+void BoardValues::hurry(Time now) {
+    set_.hurry(now);
+    due_ = now;
+}
+
+std::optional<Time> BoardValues::next_deadline() const {
+    const auto set = set_.next_deadline();
+    if (!set || !due_) return set ? set : due_;
+    return std::min(*set, *due_);
+}
+
+mqtt::Message BoardValues::retained(std::string topic, std::string payload) const {
+    mqtt::Message message;
+    message.topic = std::move(topic);
+    message.payload = std::move(payload);
+    message.qos = 1;
+    message.retain = true;
+    return message;
+}
+
+void BoardValues::publish(const std::string& session, Time now, Effects& out) {
+    set_.publish(now, out);
+    if (!due_ || now < *due_) return;
+    due_.reset();
+    if (std::exchange(list_changed_, false)) {
+        const property::PropertyList list{{board_.name, session, ++seq_}, known_.properties()};
+        out.publish.push_back({retained(board_.topics.properties(board_.name), property::to_text(list)),
+                               mqtt::Priority::kAnnouncement});
+    }
+    if (!std::exchange(values_changed_, false)) return;
+    auto document = property::values_of(known_, now);
+    document.head = {board_.name, session, ++seq_};
+    document.clock = age_.clock(now);
+    out.publish.push_back({retained(board_.topics.values(board_.name), property::to_text(document)),
+                           mqtt::Priority::kAnnouncement});
+    published_at_ = now;
+}
+
+bool BoardValues::may_answer(std::string_view demander, Time now) {
+    if (quotas_.size() >= kMaxQuotas && !quotas_.contains(demander))
+        std::erase_if(quotas_,
+                      [now](const auto& each) { return now - each.second.second > std::chrono::seconds(1); });
+    if (quotas_.size() >= kMaxQuotas && !quotas_.contains(demander)) return false;
+    auto& quota = quotas_.emplace(std::string(demander), Quota{now, 0}).first->second;
+    if (now - quota.second >= std::chrono::seconds(1)) quota = {now, 0};
+    return ++quota.answers <= kMaxAnswers;
+}
+
+void BoardValues::answer(std::string_view demander, const bus::Demand& demand, const std::string& session,
+                         Time now, Effects& out) {
+    const auto user = demander.substr(0, demander.find('/'));
+    const auto below = board_.topics.root() + "/reply/" + std::string(user) + "/" + board_.name + "/";
+    if (!demand.reply_to.starts_with(below) || !may_answer(demander, now)) return;
+    const auto asked = [&](const std::string& service) {
+        return std::any_of(demand.asked.begin(), demand.asked.end(),
+                           [&](const auto& pattern) { return bus::matches_pattern(pattern, service); });
+    };
+    auto document = property::values_of(known_, now, asked);
+    document.head = {board_.name, session, seq_};
+    document.clock = age_.clock(now);
+    if (asked(std::string(kIo))) document.pins = known_.pins(kIo);
+    const auto reply = bus::Reply::ok("memory", property::to_text(document));
+    bus::ReplyTo to;
+    to.topic = demand.reply_to;
+    to.id = demand.id;
+    if (auto message = bus::reply_message(to, reply))
+        out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
+}
+
+}  // namespace asip::agent

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the agent tells of its board's properties and values, and that no reader makes it send anything.
+#include "agent/reports/board_values.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/agent/online_bridge.hpp"
+
+namespace asip::agent {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::Contains;
+using testing::Each;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing::StartsWith;
+
+struct ValuesOfBoard : OnlineBridge {
+    json last(const std::string& topic) const {
+        const auto all = bench.on(topic);
+        return all.empty() ? json() : json::parse(all.back());
+    }
+    json values() const { return last("asip/uno1/$values")["values"]; }
+    /// What the agent answers to a demander that asks for `services`.
+    json asked(const std::string& services = "*", const std::string& reply_to = "asip/reply/ann/uno1/c1") {
+        bench.hear("asip/servicebus/uno1/$demand/ann/c1",
+                   json{{"services", {{services, 0}}}, {"reply_to", reply_to}, {"id", "7"}}.dump());
+        return last(reply_to);
+    }
+};
+
+TEST_F(ValuesOfBoard, Command_ShowsAtOnceToReadersThatAsk) {
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
+    bench.ask("asip/uno1/io/in", {{"write", {3, 1}}}, "2");
+    EXPECT_EQ(asked()["answer"]["values"]["io/3"]["value"], true);
+    bench.ask("asip/uno1/io/in", {{"write", {3, 0}}}, "3");
+    auto answer = asked();
+    EXPECT_EQ(answer["answer"]["values"]["io/3"]["value"], false);
+    EXPECT_EQ(answer["answer"]["values"]["io/3"]["how"], "set");
+    EXPECT_EQ(answer["id"], "7");
+    EXPECT_EQ(answer["status"], "ok");
+}
+
+TEST_F(ValuesOfBoard, Asked_TheBoardIsSentNothing) {
+    bench.ask("asip/uno1/io/in", {{"mode", {2, 2}}});
+    bench.board.executed.clear();
+    for (int i = 0; i < 100; ++i) {
+        asked();
+        bench.pass(100ms);
+    }
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
+TEST_F(ValuesOfBoard, AskedTooOften_AnswersTwentyASecond) {
+    for (int i = 0; i < 100; ++i)
+        asked();
+    EXPECT_THAT(bench.on("asip/reply/ann/uno1/c1"), SizeIs(BoardValues::kMaxAnswers));
+    bench.pass(1100ms);
+    asked();
+    EXPECT_THAT(bench.on("asip/reply/ann/uno1/c1"), SizeIs(BoardValues::kMaxAnswers + 1));
+}
+
+TEST_F(ValuesOfBoard, AskedToAnswerElsewhere_AnswersNothing) {
+    for (const auto* topic : {"asip/reply/bob/uno1/c1", "asip/uno2/in", "asip/reply/ann/uno2/c1", "x"})
+        EXPECT_EQ(asked("*", topic), json()) << topic;
+}
+
+TEST_F(ValuesOfBoard, ModeOfAPin_IsWhatThePinIsAndIsKept) {
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
+    bench.pass(1s);
+    auto list = last("asip/servicebus/uno1/$properties");
+    EXPECT_EQ(list["properties"].back()["id"], "io/3");
+    EXPECT_EQ(last("asip/servicebus/uno1/$description")["pin_modes"]["3"], 3);
+    bench.pass(20s);
+    ASSERT_THAT(bench.to_keep, SizeIs(1));
+    EXPECT_EQ(bench.to_keep[0].modes.at(3), 3);
+    bench.labels_kept();
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}}, "2");
+    bench.pass(20s);
+    EXPECT_THAT(bench.to_keep, SizeIs(1)) << "the same again is not written";
+}
+
+TEST_F(ValuesOfBoard, Meaning_IsKeptAndShownAnew) {
+    bench.ask("asip/uno1/io/in", {{"mode", {2, 1}}});
+    bench.say("@I,d,4,4\n");
+    bench.pass(1s);
+    EXPECT_EQ(values()["io/2"]["value"], true);
+    bench.ask("asip/uno1/in", {{"meanings", {{"io/2", {{"class", "door"}, {"inverted", true}}}}}}, "2");
+    ASSERT_THAT(bench.to_keep, SizeIs(1));
+    EXPECT_EQ(bench.to_keep[0].meanings.at("io/2").klass, "door");
+    bench.labels_kept();
+    bench.pass(1s);
+    EXPECT_EQ(values()["io/2"]["value"], false);
+    EXPECT_EQ(last("answers")["answer"]["meanings"]["io/2"]["class"], "door");
+}
+
+TEST_F(ValuesOfBoard, ClassThatIsNone_IsRefusedWithTheNearest) {
+    auto answer = bench.ask("asip/uno1/in", {{"meanings", {{"io/2", {{"class", "dor"}}}}}});
+    EXPECT_EQ(answer["status"], "refused");
+    EXPECT_THAT(answer["error"].get<std::string>(), testing::HasSubstr("did you mean \"door\""));
+}
+
+TEST_F(ValuesOfBoard, NumbersThatFlow_ArePacedAndTheLastIsTold) {
+    bench.published.clear();
+    for (int i = 0; i < 100; ++i) {
+        bench.say("@D,e,1,{" + std::to_string(i) + "}\n");
+        bench.pass(20ms);
+    }
+    bench.pass(2s);
+    EXPECT_LE(bench.on("asip/uno1/$values").size(), 5U);
+    EXPECT_EQ(values()["distance/0"]["value"], 99);
+}
+
+TEST_F(ValuesOfBoard, BoardAway_LastValuesStayAndAreUnknownAfterTheReturn) {
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
+    bench.ask("asip/uno1/io/in", {{"write", {3, 1}}}, "2");
+    bench.pass(1s);
+    bench.unplug();
+    bench.pass(1s);
+    EXPECT_EQ(values()["io/3"]["value"], true);
+    bench.plug();
+    bench.pass(10s);
+    EXPECT_EQ(values()["io/3"]["unknown"], "restart");
+}
+
+TEST_F(ValuesOfBoard, BrokerStartedAnew_IsToldBothAgain) {
+    bench.published.clear();
+    bench.connect();
+    bench.pass(1s);
+    EXPECT_THAT(bench.on("asip/servicebus/uno1/$properties"), SizeIs(1));
+    EXPECT_THAT(bench.on("asip/uno1/$values"), SizeIs(1));
+}
+
+TEST_F(ValuesOfBoard, Documents_CarrySessionAndRisingNumbers) {
+    std::uint64_t before = 0;
+    for (int i = 0; i < 3; ++i) {
+        bench.ask("asip/uno1/servo/in", {{"write", {0, 10 * i}}}, std::to_string(i));
+        bench.pass(1s);
+        auto document = last("asip/uno1/$values");
+        EXPECT_EQ(document["session"], "00000003e8111111");
+        EXPECT_GT(document["seq"].get<std::uint64_t>(), before);
+        before = document["seq"];
+    }
+}
+
+}  // namespace
+}  // namespace asip::agent
