@@ -120,15 +120,33 @@ Expected<json> decode_map(const EventModel& event, const protocol::Body& body) {
     return object;
 }
 
+/// One port, `4,2A`, or a list of them, `2,{3:0,4:2A}`.
+Expected<std::vector<protocol::PortState>> read_port_states(std::string_view body) {
+    std::vector<protocol::PortState> states;
+    if (body.find('{') == body.npos) {
+        const auto state = protocol::parse_port_state(body);
+        if (!state) return fail(state.error());
+        states.push_back(*state);
+        return states;
+    }
+    const auto list = protocol::PortMap::parse(body);
+    if (!list) return fail(list.error());
+    for (const auto& [port, levels] : list->positions())
+        states.push_back({port, levels});
+    return states;
+}
+
 Expected<json> decode_ports(std::string_view body, const DecodeContext& context) {
     if (context.ports == nullptr || context.ports->empty()) return fail("the board's port map is not known");
-    const auto state = protocol::parse_port_state(body);
-    if (!state) return fail(state.error());
+    const auto states = read_port_states(body);
+    if (!states) return fail(states.error());
     json levels = json::object();
-    for (const auto& level : context.ports->levels(*state)) {
-        const auto pin = static_cast<std::size_t>(level.pin);
-        if (pin < context.modes.size() && !protocol::is_digital_input(context.modes[pin])) continue;
-        levels[std::to_string(level.pin)] = level.high ? 1 : 0;
+    for (const auto& state : *states) {
+        for (const auto& level : context.ports->levels(state)) {
+            const auto pin = static_cast<std::size_t>(level.pin);
+            if (pin < context.modes.size() && !protocol::is_digital_input(context.modes[pin])) continue;
+            levels[std::to_string(level.pin)] = level.high ? 1 : 0;
+        }
     }
     return levels;
 }

@@ -49,7 +49,7 @@ enum class EventShape {
     kPerElement,  ///< COUNT,{...}: one item for each element -> array
     kOnce,        ///< COUNT,{...}: item i is field i -> object
     kPlain,       ///< a,b: no count and no braces -> object, or the value where there is one field
-    kPorts,       ///< PORT,HEXMASK -> {"PIN":0|1}, through the port map
+    kPorts,       ///< PORT,HEXMASK or COUNT,{PORT:HEXMASK,...} -> {"PIN":0|1}, through the port map
     kPortMap,     ///< COUNT,{PORT:HEXMASK} -> [{"port":,"mask":}]
     kMap,         ///< COUNT,{KEY:VALUE} -> {"KEY":VALUE}; without keys, the position is the key
 };

@@ -14,6 +14,7 @@ inline constexpr char kIdentity = 'I';       ///< a name kept in EEPROM
 inline constexpr char kLineRate = 'B';       ///< the rate of the serial line can be changed
 inline constexpr char kChecksum = 'C';       ///< lines with `*HH` at their end
 inline constexpr char kVerifiedFence = 'V';  ///< fences are answered with a digest of the requests
+inline constexpr char kLevels = 'D';         ///< `I,L`: the levels of all input pins, at once
 inline constexpr char kRequestLength = 'L';  ///< its "version" is the longest request in bytes
 
 /// What a board answered to `#,X`: tags and versions (0 to 255), in the board's order. Empty for a 0.4 board,

@@ -24,6 +24,7 @@ inline constexpr std::string_view kAskPortMap = "I,M";
 inline constexpr std::string_view kAskAnalogMap = "I,m";
 inline constexpr std::string_view kAskPinModes = "I,p";
 inline constexpr std::string_view kAskPinCapabilities = "I,c";
+inline constexpr std::string_view kAskLevels = "I,L";  ///< of boards with the extension kLevels
 
 /// Resets every service of the board and turns all auto-events off; has no answer.
 inline constexpr std::string_view kRestart = "#,R";

@@ -175,6 +175,13 @@ class Io(Service):
         Raises one of asip.errors: Invalid, BoardError, Refused, NotThere, Unproven, Disconnected.
         """
 
+    def levels(self, *, timeout: float | None = None) -> Any:
+        """Ask for the levels of all input pins (boards with the extension D).
+
+        Returns the board's answer.
+        Raises one of asip.errors: Invalid, BoardError, Refused, NotThere, Unproven, Disconnected.
+        """
+
     def ports(self, *, timeout: float | None = None) -> Any:
         """Ask for port and bit of each pin.
 

@@ -80,7 +80,7 @@ class OnItsLine(unittest.TestCase):
             self.assertEqual(self.line.ask(request), answer, request)
 
     def test_system_messages(self):
-        self.expect(("#,?", "@#,?,0,4,FE310,32,AsipPlainSerial"), ("#,N", "@#,N,1,{I:ASIP core IO}"), ("#,X", "@#,X,5,{E:1,I:1,B:1,C:1,V:1}"),
+        self.expect(("#,?", "@#,?,0,4,FE310,32,AsipPlainSerial"), ("#,N", "@#,N,1,{I:ASIP core IO}"), ("#,X", "@#,X,6,{E:1,I:1,B:1,C:1,V:1,D:1}"),
                     ("Z,x", "~Z,?,1{INVALID_SERVICE}"), ("#,y", "~#,y,2{UNKNOWN_REQUEST}"), ("#,I,desk", "@#,I,"))
         self.assertTrue(self.line.ask("#,S").startswith("@#,S,32,{I,I,"))
 

@@ -45,9 +45,9 @@ Error Board::processExtension(Request& request) {
 void Board::sendExtensions() {
     out.answer('#', 'X');
     if (longLineSize_ == 0) {
-        out.text(F("5,{E:1,I:1,B:1,C:1,V:1}"));
+        out.text(F("6,{E:1,I:1,B:1,C:1,V:1,D:1}"));
     } else {
-        out.text(F("6,{E:1,I:1,B:1,C:1,V:1,L:"));
+        out.text(F("7,{E:1,I:1,B:1,C:1,V:1,D:1,L:"));
         out.number(static_cast<uint8_t>(longLineSize_ - kBehindRequest));
         out.character('}');
     }

@@ -49,6 +49,7 @@ uint8_t IoService::capabilities(uint8_t pin) {
 }
 
 Error IoService::processRequest(Request& request) {
+    uint8_t count = hw::kPins;
     switch (request.tag()) {
         case 'd':
         case 'a':
@@ -57,12 +58,20 @@ Error IoService::processRequest(Request& request) {
         case 'M':
         case 'p':
         case 'c':
-            return listRequest(request, hw::kPins);
+            break;
         case 'm':
-            return listRequest(request, hw::kAnalogChannels);
+            count = hw::kAnalogChannels;
+            break;
+        case 'L':
+            if (!kExtensions) return Error::kUnknownRequest;
+            count = kPorts;
+            break;
         default:
             return Error::kUnknownRequest;
     }
+    if (!request.complete()) return Error::kBadArgument;
+    board.sendList(*this, request.tag(), count);
+    return Error::kNone;
 }
 
 Error IoService::pinRequest(Request& request) {
@@ -75,12 +84,6 @@ Error IoService::pinRequest(Request& request) {
     if (request.tag() == 'a') return writePwm(static_cast<uint8_t>(pin), value);
     if (value > static_cast<uint8_t>(PinMode::kPwm)) return Error::kInvalidMode;
     return setMode(static_cast<uint8_t>(pin), static_cast<PinMode>(value));
-}
-
-Error IoService::listRequest(Request& request, uint8_t count) {
-    if (!request.complete()) return Error::kBadArgument;
-    board.sendList(*this, request.tag(), count);
-    return Error::kNone;
 }
 
 bool IoService::canWrite(uint8_t pin) const {
@@ -130,7 +133,7 @@ inline Error IoService::setMode(uint8_t pin, PinMode wanted) {
     apply(pin, wanted);
     if (wanted == PinMode::kInput || wanted == PinMode::kPullUp) {
         const uint8_t port = static_cast<uint8_t>(hw::portOf(pin) - hw::kFirstPort);
-        sendPort(port, static_cast<uint8_t>(hw::readPort(hw::portOf(pin)) & inputs_[port]));
+        sendPort(port, inputLevels(port));
     }
     return Error::kNone;
 }
@@ -167,12 +170,14 @@ void IoService::pollInputs() {
     }
 }
 
+uint8_t IoService::inputLevels(uint8_t port) const {
+    return static_cast<uint8_t>(hw::readPort(hw::kFirstPort + port) & inputs_[port]);
+}
+
 void IoService::sendPort(uint8_t port, uint8_t levels) {
     levels_[port] = levels;
     out.answer('I', 'd');
-    out.number(static_cast<uint8_t>(hw::kFirstPort + port));
-    out.character(',');
-    out.hexByte(levels);
+    writePort(static_cast<uint8_t>(hw::kFirstPort + port), ',', levels);
     out.end();
 }
 
@@ -195,7 +200,7 @@ uint8_t IoService::countAnalogInputs() const {
 void IoService::reportValue(uint8_t index) {
     switch (board.listTag()) {
         case 'M':
-            return writePortAndMask(index);
+            return writePort(hw::portOf(index), ':', hw::maskOf(index));
         case 'm':
             out.number(static_cast<uint8_t>(hw::kFirstAnalogPin + index));
             out.character(':');
@@ -204,15 +209,17 @@ void IoService::reportValue(uint8_t index) {
             return out.number(static_cast<uint8_t>(mode(index)));
         case 'c':
             return out.number(capabilities(index));
+        case 'L':
+            return writePort(static_cast<uint8_t>(hw::kFirstPort + index), ':', inputLevels(index));
         default:
             return writeAnalogInput(index);
     }
 }
 
-void IoService::writePortAndMask(uint8_t pin) {
-    out.number(hw::portOf(pin));
-    out.character(':');
-    out.hexByte(hw::maskOf(pin));
+void IoService::writePort(uint8_t port, char separator, uint8_t mask) {
+    out.number(port);
+    out.character(separator);
+    out.hexByte(mask);
 }
 
 void IoService::writeAnalogInput(uint8_t nth) {

@@ -60,15 +60,15 @@ class IoService : public Service {
     Error pinRequest(Request& request) __attribute__((noinline));
     Error writeDigital(uint8_t pin, uint8_t high);
     Error writePwm(uint8_t pin, uint8_t duty) __attribute__((noinline));
-    Error listRequest(Request& request, uint8_t count);
     inline Error setMode(uint8_t pin, PinMode wanted) __attribute__((always_inline));
     void free(uint8_t pin);
     bool canWrite(uint8_t pin) const;
     void apply(uint8_t pin, PinMode mode);
+    uint8_t inputLevels(uint8_t port) const;
     void sendPort(uint8_t port, uint8_t levels);
     bool isAnalogInput(uint8_t channel) const;
     uint8_t countAnalogInputs() const;
-    void writePortAndMask(uint8_t pin);
+    static void writePort(uint8_t port, char separator, uint8_t mask);
     void writeAnalogInput(uint8_t nth);
 
     static constexpr uint8_t kPorts = hw::kLastPort - hw::kFirstPort + 1;

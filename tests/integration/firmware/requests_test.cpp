@@ -30,7 +30,7 @@ TEST(RequestsTest, SystemRequests) {
                                 {"#,?", "@#,?,0,4,ATmega328P,20,AsipServices"},
                                 {"#,N", "@#,N,3,{I:ASIP core IO,D:Distance,S:Servos}"},
                                 {"#,S", "@#,S,20,{@,@,I,I,I,I,I,D,D,S,S,I,I,I,I,I,I,I,I,I}"},
-                                {"#,X", "@#,X,5,{E:1,I:1,B:1,C:1,V:1}"},
+                                {"#,X", "@#,X,6,{E:1,I:1,B:1,C:1,V:1,D:1}"},
                                 {"#,q", "~#,q,2{UNKNOWN_REQUEST}"},
                                 {"#", "~#,?,2{UNKNOWN_REQUEST}"},
                                 {"#,?,1", "~#,?,11{BAD_ARGUMENT}"},
@@ -111,6 +111,33 @@ TEST(RequestsTest, PullUp_HoldsThePinHighAndAButtonPullsItLow) {
     EXPECT_EQ(board.next_line(), "@I,d,4,0");
     ASSERT_TRUE(board->part("button").command("release", ""));
     EXPECT_EQ(board.next_line(), "@I,d,4,10");
+}
+
+TEST(RequestsTest, Levels_ComeInOneEventAndLeaveALampOn) {
+    FirmwareBoard board("asip_uno", "uno",
+                        {{"button", {{"pin", 4}}, "button"}, {"led", {{"pin", 13}}, "lamp"}});
+    board.ask("I,P,4,2");
+    board.ask("I,P,13,3");
+    board.ask("I,d,13,1");
+    for (int i = 0; i < 100; ++i)
+        ASSERT_EQ(board.ask("I,L"), "@I,L,3,{2:0,3:0,4:10}");
+    EXPECT_EQ(board->part("lamp").state(), "on");
+    ASSERT_TRUE(board->part("button").command("press", ""));
+    EXPECT_EQ(board.next_line(), "@I,d,4,0");
+    EXPECT_EQ(board.ask("I,L"), "@I,L,3,{2:0,3:0,4:0}");
+    EXPECT_EQ(board.ask("I,p"), "@I,p,20,{6,6,1,1,2,1,1,1,1,1,1,1,1,3,4,4,4,4,4,4}");
+}
+
+TEST(RequestsTest, LevelsOfAMega_HaveEachOfItsPorts) {
+    FirmwareBoard board("asip_mega", "mega", {{"button", {{"pin", 22}, {"to_vcc", true}}, "switch"}});
+    ASSERT_TRUE(board->part("switch").command("press", ""));
+    EXPECT_EQ(board.next_line(), "@I,d,1,1");
+    EXPECT_EQ(board.ask("I,L"), "@I,L,12,{1:1,2:0,3:0,4:0,5:0,6:0,7:0,8:0,9:0,10:0,11:0,12:0}");
+}
+
+TEST(RequestsTest, LevelsWithoutTheExtension_AreAnUnknownRequest) {
+    FirmwareBoard board("asip_uno_04");
+    EXPECT_EQ(board.ask("I,L"), "~I,L,2{UNKNOWN_REQUEST}");
 }
 
 TEST(RequestsTest, AnalogEvents_ComeEachPeriodWithTheVoltages) {

@@ -17,9 +17,9 @@ std::string with_checksum(const std::string& line) {
     return line + end;
 }
 
-TEST(ExtensionsTest, List_NamesTheFive) {
+TEST(ExtensionsTest, List_NamesTheSix) {
     FakeBoard board;
-    EXPECT_EQ(board.ask("#,X"), "@#,X,5,{E:1,I:1,B:1,C:1,V:1}\n");
+    EXPECT_EQ(board.ask("#,X"), "@#,X,6,{E:1,I:1,B:1,C:1,V:1,D:1}\n");
     EXPECT_EQ(board.ask("#,X,1"), "~#,X,11{BAD_ARGUMENT}\n");
     EXPECT_EQ(board.ask("#,Y"), "~#,Y,2{UNKNOWN_REQUEST}\n");
 }

@@ -88,6 +88,39 @@ TEST(IoServiceTest, FullLine_KeepsTheLastChangeForLater) {
     EXPECT_EQ(board.settle(), "@I,d,4,C\n");
 }
 
+TEST(IoServiceTest, Levels_AreThoseOfTheInputsOfEveryPortAndSetNothing) {
+    FakeBoard board;
+    EXPECT_EQ(board.ask("I,L"), "@I,L,3,{2:0,3:0,4:0}\n");
+    board.ask("I,P,13,3");
+    board.ask("I,d,13,1");
+    board.ask("I,P,2,2");
+    board.hardware().levels[8] = true;
+    EXPECT_EQ(board.settle(), "@I,d,2,1\n");
+    const auto modes = board.hardware().modes;
+    EXPECT_EQ(board.ask("I,L"), "@I,L,3,{2:1,3:0,4:4}\n") << "pin 13 is high, but no input";
+    EXPECT_EQ(board.ask("I,L"), "@I,L,3,{2:1,3:0,4:4}\n");
+    EXPECT_EQ(board.hardware().modes, modes);
+    EXPECT_EQ(board.ask("I,L,1"), "~I,L,11{BAD_ARGUMENT}\n");
+}
+
+TEST(IoServiceTest, ChangeThatLevelsShowedFirst_IsAnEventAllTheSame) {
+    FakeBoard board;
+    board.hardware().levels[2] = true;
+    EXPECT_EQ(board.send("I,L\n"), "@I,d,4,4\n@I,L,3,{2:0,3:0,4:4}\n");
+    board.hardware().room = 42;
+    board.hardware().to_board = "I,L\n";
+    asip::board.run();
+    board.hardware().levels[9] = true;
+    const auto lines = board.settle();
+    EXPECT_NE(lines.find("@I,d,2,2\n"), std::string::npos) << lines;
+}
+
+TEST(IoServiceTest, LevelsOfABoardWithoutInputs_AreAllZero) {
+    FakeBoard board({}, true);
+    board.hardware().levels[2] = true;
+    EXPECT_EQ(board.ask("I,L"), "@I,L,3,{2:0,3:0,4:0}\n");
+}
+
 TEST(IoServiceTest, DigitalWriteInOneByteSteps_ActsOnlyAtTheLineEnd) {
     FakeBoard board;
     board.ask("I,P,13,3");

@@ -53,6 +53,20 @@ TEST_P(AnswersAtOnce, ReportsWereTurnedOff_ValueComesOnceTheyAreOver) {
     EXPECT_EQ(bench.end_of(second)->answer.text(), "@D,e,1,{7}");
 }
 
+TEST_P(AnswersAtOnce, LevelsWhileAnalogPinsReportAndInputsChange_AreAnsweredAtOnce) {
+    bench.board.replies["I,L"] = "@I,L,2,{3:0,4:4}";
+    bench.request("I,A,100");
+    bench.say_line("@I,a,1,{0:17}");
+    bench.say_line("@I,d,4,0");
+    bench.hold();
+    const auto id = bench.request("I,L", {.answer_tag = 'L'});
+    bench.say_line("@I,d,4,4");
+    bench.release();
+    ASSERT_NE(bench.end_of(id), nullptr);
+    EXPECT_EQ(ending(id), Ending::kExecuted);
+    EXPECT_EQ(bench.end_of(id)->answer.text(), "@I,L,2,{3:0,4:4}");
+}
+
 TEST_P(AnswersAtOnce, NoTimeToWait_IsAskedAndTheNextIsBelievedAgain) {
     report_for_a_while();
     bench.request("D,A,0");
