@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "asip/protocol/request.hpp"
 #include "asip/protocol/request_end.hpp"
 
 namespace asip::agent {
@@ -23,6 +22,7 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
     };
     if (kind_ == Kind::kLines) {
         lines_.push(bytes, [&](std::string_view line) { split(line, result); });
+        lines_.drop(protocol::ignored_before(lines_.partial()));
         while (!extended_) {
             const auto next = protocol::next_request(lines_.partial());
             if (next == std::string_view::npos) break;
@@ -41,6 +41,7 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
 
 // A line end says that a request is complete; what stands before another request in its line has to look so.
 void ClientFraming::split(std::string_view line, std::vector<std::string>& requests) {
+    line = protocol::significant(line);
     for (const std::string_view extension : {"#,E", "#,X", "#,I"})
         if (line.starts_with(extension)) extended_ = true;
     while (!extended_) {
@@ -49,7 +50,7 @@ void ClientFraming::split(std::string_view line, std::vector<std::string>& reque
         add(line.substr(0, next), requests);
         line.remove_prefix(next);
     }
-    if (const auto request = protocol::significant(line); !request.empty()) requests.emplace_back(request);
+    if (!line.empty()) requests.emplace_back(line);
 }
 
 void ClientFraming::add(std::string_view request, std::vector<std::string>& requests) {

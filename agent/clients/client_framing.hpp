@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "asip/protocol/line_reader.hpp"
+#include "asip/protocol/request.hpp"
 #include "asip/protocol/utf_frame.hpp"
 
 namespace asip::agent {
@@ -41,7 +42,7 @@ class ClientFraming {
 
     Kind kind_;
     bool found_;  // given, or seen in what the client sent
-    protocol::LineReader lines_;
+    protocol::LineReader lines_{protocol::kMaxBoardLineBytes, protocol::kRequestEnds};
     protocol::UtfFrameReader frames_;
     std::vector<std::string> halves_;
     bool extended_ = false;  // it uses an extension, and so ends its lines

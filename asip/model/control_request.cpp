@@ -6,18 +6,9 @@
 #include "asip/protocol/request.hpp"
 
 namespace asip::model {
-namespace {
-
-std::string_view without_line_end(std::string_view text) {
-    while (!text.empty() && (text.back() == '\n' || text.back() == '\r'))
-        text.remove_suffix(1);
-    return text;
-}
-
-}  // namespace
 
 Expected<EncodedCommand> encode_control_text(const ServiceModel* model, char letter, std::string_view text) {
-    text = without_line_end(text);
+    text = protocol::significant(text);
     if (model != nullptr) return encode_text_command(*model, text);
     const auto line = std::string{letter, ','} + std::string(text.substr(0, protocol::kMaxPayloadBytes));
     const auto request = protocol::parse_request(line);

@@ -3,7 +3,8 @@
 
 namespace asip::protocol {
 
-LineReader::LineReader(std::size_t max_line_bytes) : max_line_bytes_(max_line_bytes) {}
+LineReader::LineReader(std::size_t max_line_bytes, std::string_view ends)
+    : max_line_bytes_(max_line_bytes), ends_(ends) {}
 
 void LineReader::reset() {
     line_.clear();
@@ -12,7 +13,7 @@ void LineReader::reset() {
 
 bool LineReader::take_line(std::string_view& bytes) {
     while (!bytes.empty()) {
-        const auto end = bytes.find('\n');
+        const auto end = bytes.find_first_of(ends_);
         const auto piece = bytes.substr(0, end);
         bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
         // One byte more than the limit may be held: the \r that does not count.

@@ -9,13 +9,13 @@
 
 namespace asip::protocol {
 
-/// Cuts a byte stream into lines ended by `\n`; a `\r` before it is dropped, empty lines are skipped. Any
-/// bytes may be given, in pieces of any size. A line longer than the limit is dropped to its end and counted,
-/// and the next one is read as usual; memory never exceeds the limit.
+/// Cuts a byte stream into lines ended by `\n`, or by any of `ends`; a `\r` before it is dropped, empty lines
+/// are skipped. Any bytes may be given, in pieces of any size. A line longer than the limit is dropped to its
+/// end and counted, and the next one is read as usual; memory never exceeds the limit.
 class LineReader {
   public:
-    /// `max_line_bytes`: without the line end.
-    explicit LineReader(std::size_t max_line_bytes = kMaxBoardLineBytes);
+    /// `max_line_bytes`: without the line end. `ends` outlives the reader.
+    explicit LineReader(std::size_t max_line_bytes = kMaxBoardLineBytes, std::string_view ends = "\n");
 
     /// Calls `on_line(std::string_view)` for each line that these bytes complete. The view is valid during
     /// the call only. `on_line` must not call push(); it may call reset(), which forgets the partial line but
@@ -46,6 +46,7 @@ class LineReader {
     bool take_line(std::string_view& bytes);
 
     std::size_t max_line_bytes_;
+    std::string_view ends_;
     std::string line_;
     bool dropping_ = false;
     std::uint64_t overlong_lines_ = 0;

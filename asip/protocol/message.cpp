@@ -54,7 +54,9 @@ Message parse_line(std::string_view line) {
     if (line.size() < 4 || line[2] != ',') return Malformed{"line has no service and tag"};
     const char service = line[1];
     const char tag = line[3];
-    if (service != '#' && (service < 'A' || service > 'Z')) return Malformed{"no such service letter"};
+    // The error of a service that there is not has whatever letter the request had.
+    if (kind == '@' && service != '#' && (service < 'A' || service > 'Z'))
+        return Malformed{"no such service letter"};
     if (tag == ',') return Malformed{"line has no tag"};
     if (line.size() > 4 && line[4] != ',') return Malformed{"tag is longer than one character"};
     const auto body = line.size() > 5 ? line.substr(5) : std::string_view{};

@@ -61,10 +61,17 @@ Expected<Request> parse_request(std::string_view line) {
     return Request{line, line[0], line[2], line.size() > 4 ? line.substr(4) : std::string_view{}};
 }
 
+std::size_t ignored_before(std::string_view text) {
+    const auto first =
+        std::find_if(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) > ' '; });
+    return static_cast<std::size_t>(first - text.begin());
+}
+
 std::string_view significant(std::string_view line) {
-    const auto last = line.find_last_not_of("\r ");
-    if (last == std::string_view::npos || line.front() == '!') return {};
-    return line.substr(0, last + 1);
+    line.remove_prefix(ignored_before(line));
+    while (!line.empty() && static_cast<unsigned char>(line.back()) <= ' ')
+        line.remove_suffix(1);
+    return line.starts_with('!') ? std::string_view{} : line;
 }
 
 Expected<std::vector<Request>> split_requests(std::string_view payload) {
@@ -74,7 +81,7 @@ Expected<std::vector<Request>> split_requests(std::string_view payload) {
     }
     std::vector<Request> requests;
     while (!payload.empty()) {
-        const auto end = payload.find('\n');
+        const auto end = payload.find_first_of(kRequestEnds);
         const auto line = significant(payload.substr(0, end));
         payload.remove_prefix(end == std::string_view::npos ? payload.size() : end + 1);
         if (line.empty()) continue;

@@ -61,11 +61,17 @@ struct Request {
 /// request. A trailing line end is not allowed here; split_requests takes it off.
 Expected<Request> parse_request(std::string_view line);
 
-/// What a board reads of a line without its newline: no carriage return and no blanks at its end. Empty for a
-/// line that boards ignore: one of blanks alone, and debug text, which begins with `!`.
+/// Each of them ends a request, and so do both together.
+inline constexpr std::string_view kRequestEnds = "\r\n";
+
+/// How many characters at the beginning boards skip: blanks, zeros and control characters.
+std::size_t ignored_before(std::string_view text);
+
+/// What a board reads of a line without its end: none of these characters at its beginning, nor at its end.
+/// Empty for a line that boards ignore: one of them alone, and debug text, which begins with `!`.
 std::string_view significant(std::string_view line);
 
-/// Takes a control payload apart into requests, each of a line as significant() gives it: newline or CR LF
+/// Takes a control payload apart into requests, each of a line as significant() gives it: kRequestEnds
 /// between them, optional at the end; lines that boards ignore are skipped. Fails as a whole, with the
 /// reason, for one line that parse_request() refuses, and for more than kMaxRequestsPerPayload lines. The
 /// views point into the payload.

@@ -13,10 +13,10 @@ namespace asip::protocol {
 // The framing of clients written in Java (DataOutput.writeUTF): two bytes of big-endian length, then the
 // text.
 
-/// Whether a connection whose first byte is this one sends such frames. A length below 8 kB begins with a
-/// byte below the blank, a plain line never does.
+/// Whether a connection whose first byte is this one sends such frames. The length of one request begins with
+/// a zero; the other control characters are some that boards skip before a plain line.
 constexpr bool starts_utf_frame(unsigned char first_byte) {
-    return first_byte < 0x20 && first_byte != '\n' && first_byte != '\r';
+    return first_byte == 0;
 }
 
 /// One frame with its length. Fails when the text is longer than 65535 bytes or is not ASCII without NUL, as

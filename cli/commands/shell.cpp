@@ -16,11 +16,15 @@
 namespace asip::cli {
 namespace {
 
-/// One line, of which no more than the shell takes is kept. False: the input has ended.
-bool read_line(std::istream& in, std::string& line) {
+/// One line, of which no more than the shell takes is kept; its end is `\n`, `\r` or both. False: the input
+/// has ended. `last`: the character before, which the next call is to be given.
+bool read_line(std::istream& in, std::string& line, int& last) {
     line.clear();
     for (int c = in.get(); c != std::istream::traits_type::eof(); c = in.get()) {
-        if (c == '\n') return true;
+        const bool second = c == '\n' && last == '\r';
+        last = c;
+        if (second) continue;
+        if (c == '\n' || c == '\r') return true;
         if (line.size() <= kMaxShellLine) line += static_cast<char>(c);
     }
     return !line.empty();
@@ -34,8 +38,9 @@ class ScriptShell {
 
     int run() {
         std::string line;
+        int last = 0;
         for (std::size_t number = 1;
-             !ended_ && !environment_.output_ended() && read_line(environment_.in, line); ++number) {
+             !ended_ && !environment_.output_ended() && read_line(environment_.in, line, last); ++number) {
             const auto status = run_line(line);
             if (status && *status == program::kExitOk) continue;
             const int failed = status ? *status : program::kExitUsage;

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/buffers_iterator.hpp>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/post.hpp>
@@ -13,6 +14,8 @@
 #include <boost/asio/write.hpp>
 #include <cstdlib>
 #include <istream>
+
+#include "asip/protocol/request.hpp"
 
 namespace asip::sim {
 namespace {
@@ -35,6 +38,14 @@ std::string answer_text(const Expected<std::string>& answer) {
     return text + "ok\n";
 }
 
+using Place = boost::asio::buffers_iterator<boost::asio::streambuf::const_buffers_type>;
+
+std::pair<Place, bool> line_end(Place begin, Place end) {
+    using protocol::kRequestEnds;
+    const auto at = std::find_first_of(begin, end, kRequestEnds.begin(), kRequestEnds.end());
+    return {at == end ? end : std::next(at), at != end};
+}
+
 bool somebody_answers(boost::asio::io_context& context, const std::filesystem::path& path) {
     Protocol::socket probe(context);
     error_code error;
@@ -54,11 +65,12 @@ class ControlSocket::Connection : public std::enable_shared_from_this<Connection
 
     void read() {
         boost::asio::async_read_until(
-            socket_, input_, '\n', [self = shared_from_this()](error_code error, std::size_t) {
+            socket_, input_, line_end, [self = shared_from_this()](error_code error, std::size_t size) {
                 if (error) return;
-                std::string line;
-                std::istream stream(&self->input_);
-                std::getline(stream, line);
+                const auto begin = boost::asio::buffers_begin(self->input_.data());
+                const std::string line(begin, begin + static_cast<std::ptrdiff_t>(size - 1));
+                self->input_.consume(size);
+                if (line.empty()) return self->read();
                 self->execute_(line, [self](Expected<std::string> answer) {
                     boost::asio::post(self->context_,
                                       [self, text = answer_text(answer)] { self->write(text); });

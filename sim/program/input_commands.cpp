@@ -4,17 +4,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <boost/asio/read_until.hpp>
+#include <boost/asio/buffer.hpp>
 #include <csignal>
 #include <iostream>
+#include <string_view>
 #include <utility>
 
 #include "asip/text/file_text.hpp"
 
 namespace asip::sim {
 namespace {
-
-constexpr std::size_t kMaxLineBytes = 1024;
 
 bool is_file(int descriptor) {
     struct stat status{};
@@ -24,10 +23,11 @@ bool is_file(int descriptor) {
 }  // namespace
 
 InputCommands::InputCommands(boost::asio::io_context& context, Execute execute)
-    : descriptor_(context), input_(kMaxLineBytes), execute_(std::move(execute)) {
+    : descriptor_(context), execute_(std::move(execute)) {
     if (is_file(STDIN_FILENO)) {  // epoll refuses files
-        for (std::string line; std::getline(std::cin, line);)
-            execute(line);
+        for (ssize_t read = 0; (read = ::read(STDIN_FILENO, input_.data(), input_.size())) > 0;)
+            take(static_cast<std::size_t>(read));
+        take_end();
         return;
     }
     // In a shell's background reading the terminal would stop the program; ignored, it fails instead.
@@ -37,20 +37,27 @@ InputCommands::InputCommands(boost::asio::io_context& context, Execute execute)
     if (!error) read();
 }
 
-void InputCommands::execute(const std::string& line) {
-    execute_(std::exchange(first_, false) ? std::string(text::without_mark(line)) : line);
+void InputCommands::take(std::size_t size) {
+    const auto overlong = lines_.overlong_lines();
+    lines_.push(std::string_view(input_.data(), size), [this](std::string_view line) {
+        execute_(std::string(std::exchange(first_, false) ? text::without_mark(line) : line));
+    });
+    if (lines_.overlong_lines() != overlong) std::cerr << "asip-sim: a command is too long\n";
+}
+
+// The last line of a file may have no end.
+void InputCommands::take_end() {
+    input_[0] = '\n';
+    take(1);
 }
 
 void InputCommands::read() {
-    boost::asio::async_read_until(descriptor_, input_, '\n',
-                                  [this](boost::system::error_code error, std::size_t) {
-                                      if (error) return;
-                                      std::string line;
-                                      std::istream stream(&input_);
-                                      std::getline(stream, line);
-                                      execute(line);
-                                      read();
-                                  });
+    descriptor_.async_read_some(boost::asio::buffer(input_),
+                                [this](boost::system::error_code error, std::size_t size) {
+                                    take(size);
+                                    if (error) return take_end();
+                                    read();
+                                });
 }
 
 }  // namespace asip::sim

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/streambuf.hpp>
 #include <functional>
 #include <string>
 
+#include "asip/protocol/line_reader.hpp"
+#include "asip/protocol/request.hpp"
+
 namespace asip::sim {
 
-/// Commands on standard input, one a line. The end of the input ends nothing: a service has none.
+/// Commands on standard input, one a line, which ends as requests do (protocol::kRequestEnds). The end of the
+/// input ends nothing: a service has none.
 class InputCommands {
   public:
     using Execute = std::function<void(std::string line)>;
@@ -19,10 +23,12 @@ class InputCommands {
 
   private:
     void read();
-    void execute(const std::string& line);
+    void take(std::size_t size);
+    void take_end();
 
     boost::asio::posix::stream_descriptor descriptor_;
-    boost::asio::streambuf input_;
+    std::array<char, 1024> input_;
+    protocol::LineReader lines_{protocol::kMaxBoardLineBytes, protocol::kRequestEnds};
     Execute execute_;
     bool first_ = true;  // some editors put a mark before it
 };

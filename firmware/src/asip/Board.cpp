@@ -162,10 +162,13 @@ void Board::beginNext() {
     waitMs_ = kSilenceMs;
 }
 
-// True at the end of a request. Of one that is spoiled the first characters stay, to say which it was.
+// True at the end of a request. Of one that is spoiled the first characters stay, to say which it was. As on
+// 0.4 boards, blanks and control characters before a request do not count, and so does not the second
+// character of a line end; but a zero may stand for bytes that were lost, which a peer with extensions hears.
 bool Board::collect(char c) {
-    if (c == '\n' || beginsAnother(c)) return true;
     const uint8_t length = length_;
+    if (length == 0 && static_cast<uint8_t>(c) <= ' ' && (c != '\0' || !isExtended())) return false;
+    if (c == '\n' || c == '\r' || beginsAnother(c)) return true;
     if (length >= maxLength() || c == '\0') {
         if (length < 3) line()[length == 0 ? 0 : 2] = '\0';
         length_ = kSpoiled;
@@ -194,10 +197,10 @@ void Board::execute(bool executed) {
     char* const line = this->line();
     const bool spoiled = length == kSpoiled;
     if (spoiled) length = 3;
-    while (length != 0 && (line[length - 1] == '\r' || line[length - 1] == ' '))
+    while (line[length - 1] == ' ')  // the first is none
         --length;
     line[length] = '\0';
-    if (line[0] == '!' || (length == 0 && !spoiled)) return;
+    if (line[0] == '!') return;
     if (kExtensions && out.usesChecksum() && !acceptChecksum(length)) {
         return out.error('#', 'C', Error::kBadChecksum);
     }
@@ -206,9 +209,8 @@ void Board::execute(bool executed) {
     const Error error = spoiled ? Error::kBadArgument : process(length);
     if (error == Error::kNone) return;
     if (kExtensions) digest_ ^= static_cast<uint8_t>(error);
-    const char id = line[0];
-    if (id != '#' && find(id) == nullptr)
-        return out.error(id >= 'A' && id <= 'Z' ? id : 'Q', '?', Error::kInvalidService);
+    const char id = printable(line[0]);
+    if (id != '#' && find(id) == nullptr) return out.error(id, '?', Error::kInvalidService);
     out.error(id, length < 3 ? '?' : printable(line[2]), error);
 }
 

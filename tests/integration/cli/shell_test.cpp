@@ -34,6 +34,21 @@ TEST_F(ShellWithoutBoard, UnknownBoard_IsAnErrorWhateverTheInput) {
     EXPECT_EQ(shell.wait_exit(), 0) << shell.errors();
 }
 
+TEST_F(ShellWithoutBoard, EachLineEnd_EndsOneLine) {
+    announce("uno1");
+    for (const std::string end : {"\n", "\r", "\r\n"}) {
+        ChildProcess shell(program({"shell", "uno1"}), environment());
+        shell.write_input("help" + end + "nonsense here" + end + "help" + end);
+        shell.close_input();
+        shell.wait_exit();
+        EXPECT_THAT(shell.errors(), HasSubstr("line 2: ")) << end;
+        const auto output = shell.output();
+        EXPECT_EQ(output.size() % 2, 0u);
+        EXPECT_EQ(output.substr(0, output.size() / 2), output.substr(output.size() / 2)) << "help twice";
+        EXPECT_NE(output, "");
+    }
+}
+
 class ShellTest : public BusTest, public ::testing::WithParamInterface<const char*> {
   protected:
     std::string board_file() const {

@@ -180,6 +180,28 @@ TEST(RequestsTest, Restart_TurnsEverythingOffAndKeepsAnswering) {
     EXPECT_EQ(board->resets(), 0u);
 }
 
+// What terminals send for the key Return, and what a wire or a program leaves before a request.
+TEST(RequestsTest, EachLineEnd_EndsOneRequestAtOnce) {
+    FirmwareBoard board("asip_uno_serial");
+    board->reset();
+    board->run_for(milliseconds(200));
+    board->send("I,A,0\n");
+    board->run_for(milliseconds(100));
+    board->take_output();
+    for (const std::string end : {"\r", "\n", "\r\n", "\n\r"})
+        for (const std::string& before : {std::string(), std::string(" \0\t", 3)}) {
+            board->send(before + "#,?" + end);
+            EXPECT_EQ(board.next_line(milliseconds(20)), "@#,?,0,4,ATmega328P,20,AsipPlainSerial");
+            board->send(before + "I,P,13,3" + end + before + "I,d,13,1" + end);
+            board->run_for(milliseconds(10));
+            EXPECT_EQ(board->pin(13), sim::Level::kHigh);
+            board->send("I,d,13,0" + end);
+            board->run_for(milliseconds(10));
+            EXPECT_EQ(board->pin(13), sim::Level::kLow);
+        }
+    EXPECT_EQ(board.lines_within(milliseconds(1200)), std::vector<std::string>());
+}
+
 TEST(RequestsTest, SlowBytes_HoldNothingUp) {
     FirmwareBoard board("asip_uno", "uno", {{"button", {{"pin", 4}, {"to_vcc", true}}, "button"}});
     for (char c : std::string("I,P,13,3")) {

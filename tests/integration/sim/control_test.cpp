@@ -70,6 +70,24 @@ TEST(Control, StandardInput_TakesTheSameCommands) {
     EXPECT_EQ(sim.process().wait_exit(), 0);
 }
 
+TEST(Control, EachLineEndThatTerminalsSend_EndsACommand) {
+    const TempDir folder;
+    SimProgram sim(folder, {board_file(folder, "uno.json", kParts)});
+    sim.process().write_input(std::string(3000, 'x') + "\r\npress button1\r");
+    EXPECT_TRUE(sim.process().wait_for_errors("a command is too long"));
+    EXPECT_TRUE(sim.process().wait_for_output("button1 pressed"));
+    sim.process().write_input("release button1\r\n");
+    EXPECT_TRUE(sim.process().wait_for_output("button1 released"));
+    auto control = StreamClient::unix_socket(sim.socket());
+    for (const char* end : {"\r", "\n", "\r\n", "\n\r"}) {
+        const auto before = control.received().size();
+        control.write(std::string("list") + end);
+        EXPECT_TRUE(wait_until([&] { return control.received().find("ok\n", before) != std::string::npos; }))
+            << end;
+    }
+    EXPECT_EQ(control.received().find("error"), std::string::npos);
+}
+
 TEST(Control, BackgroundOfAShell_DoesNotStopIt) {
     const TempDir folder;
     const auto file = board_file(folder, "uno.json", kParts);

@@ -6,6 +6,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -55,6 +56,17 @@ StreamClient StreamClient::tcp(int port) {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (::connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
         throw std::runtime_error("cannot connect to port " + std::to_string(port));
+    fcntl(descriptor, F_SETFL, O_NONBLOCK);
+    return StreamClient(descriptor);
+}
+
+StreamClient StreamClient::unix_socket(const std::string& path) {
+    const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    if (::connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+        throw std::runtime_error("cannot connect to " + path);
     fcntl(descriptor, F_SETFL, O_NONBLOCK);
     return StreamClient(descriptor);
 }

@@ -13,6 +13,7 @@ class StreamClient {
     /// Opens a terminal, raw, at a rate. Throws std::runtime_error if it is not there.
     static StreamClient terminal(const std::string& path, int baud = 57600);
     static StreamClient tcp(int port);
+    static StreamClient unix_socket(const std::string& path);
     ~StreamClient();
     StreamClient(StreamClient&& other) noexcept;
     StreamClient(const StreamClient&) = delete;

@@ -24,6 +24,30 @@ TEST(ClientFraming, JavaClient_SendsAndGetsFrames) {
     EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));
 }
 
+TEST(ClientFraming, EachLineEndThatTerminalsSend_EndsOneRequestAtOnce) {
+    for (const std::string end : {"\n", "\r", "\r\n", "\n\r"}) {
+        ClientFraming framing;
+        EXPECT_THAT(framing.decode("#,?" + end), ElementsAre("#,?"));
+        EXPECT_THAT(framing.decode("I,d,13,1" + end + "#,E,a" + end), ElementsAre("I,d,13,1", "#,E,a"));
+        EXPECT_THAT(framing.decode("I,d,13,0" + end), ElementsAre("I,d,13,0"));
+        EXPECT_FALSE(framing.waits_for_silence());
+        ClientFraming frames;
+        EXPECT_THAT(frames.decode(std::string("\0", 1) + static_cast<char>(3 + end.size()) + "#,?" + end),
+                    ElementsAre("#,?"));
+    }
+}
+
+TEST(ClientFraming, WhatBoardsSkipBeforeARequest_DoesNotCount) {
+    ClientFraming lines;
+    EXPECT_THAT(lines.decode("\t #,?\n"), ElementsAre("#,?"));
+    EXPECT_THAT(lines.decode(std::string("\0\x1b  M,m,1,100M,m,0,5", 22)), ElementsAre("M,m,1,100"));
+    EXPECT_THAT(lines.after_silence(), ElementsAre("M,m,0,5"));
+    EXPECT_THAT(lines.decode("  "), IsEmpty());
+    EXPECT_FALSE(lines.waits_for_silence());
+    EXPECT_THAT(lines.decode(" #,I,aT,s\n"), ElementsAre("#,I,aT,s")) << "text is not cut";
+    EXPECT_THAT(lines.take_halves(), IsEmpty());
+}
+
 TEST(ClientFraming, WhatBoardsIgnore_IsNoRequest) {
     ClientFraming lines;
     EXPECT_THAT(lines.decode("#,?  \n!debug\n \n\n#,N \r\n"), ElementsAre("#,?", "#,N"));

@@ -96,6 +96,28 @@ TEST_F(OnlineBridge, TextAndRawLines_AreExecuted) {
     EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90", "I,d,13,1", "I,d,13,0"));
 }
 
+TEST_F(OnlineBridge, EachPayload_IsExecutedOrReportedWhateverItHolds) {
+    for (const char* end : {"", "\n", "\r", "\r\n", "\n\r"})
+        for (const std::string& before : {std::string(), std::string("  "), std::string("\0\t\x1b", 3)}) {
+            bench.board.executed.clear();
+            bench.hear("asip/uno1/in", before + "I,d,13,1" + end);
+            bench.hear("asip/uno1/in", before + "I,d,13,0\r" + before + "I,d,13,1" + end);
+            bench.hear("asip/uno1/servo/in", before + "W,0,90" + end);
+            EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1", "I,d,13,0", "I,d,13,1", "S,W,0,90"));
+        }
+    EXPECT_THAT(bench.on("asip/uno1/io/error"), IsEmpty());
+    bench.board.executed.clear();
+    for (const std::string& bad :
+         {std::string("a\rb"), std::string("\r"), std::string(1, '\0'), std::string(" "),
+          std::string("!hello"), std::string("x"), std::string("I,\0d", 4), std::string("\xff"),
+          std::string("I,d,13,1\rI")}) {
+        const auto errors = bench.on("asip/uno1/io/error").size();
+        bench.hear("asip/uno1/in", bad);
+        EXPECT_EQ(bench.on("asip/uno1/io/error").size(), errors + 1) << bad;
+    }
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+}
+
 TEST_F(OnlineBridge, ManyLinesInOnePayload_OneAnswerWithTheFirstError) {
     bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
     const auto answer = bench.ask("asip/uno1/in", {{"raw", "I,d,13,1\nS,W,9,90\nI,d,13,0"}});

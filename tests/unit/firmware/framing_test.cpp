@@ -9,9 +9,41 @@ namespace {
 
 const std::string kFence = "@#,E,ok\n";
 
-TEST(FramingTest, CarriageReturnBeforeTheNewline_IsIgnored) {
+TEST(FramingTest, EachLineEndThatTerminalsSend_EndsOneRequestAtOnce) {
+    const std::string version = "@#,?,0,4,ATmega328P,20,Test\n";
+    for (const char* end : {"\n", "\r", "\r\n", "\n\r"}) {
+        FakeBoard board;
+        EXPECT_EQ(board.ask("I,P,13,3"), "");
+        EXPECT_EQ(board.send(std::string("#,?") + end), version);
+        EXPECT_EQ(board.send(std::string("I,d,13,1") + end + "#,?" + end), version);
+        EXPECT_TRUE(board.hardware().levels[13]);
+        EXPECT_EQ(board.send(std::string("#,E,ok") + end + "I,d,13,0" + end), kFence);
+        EXPECT_FALSE(board.hardware().levels[13]) << "with extensions, too";
+        EXPECT_EQ(board.pass_time(2000), "");
+    }
+}
+
+TEST(FramingTest, WhatAnOldBoardSkipsBeforeARequest_DoesNotCount) {
+    std::string skipped(1, '\0');
+    for (char c = 1; c <= ' '; ++c)
+        skipped += c;
     FakeBoard board;
-    EXPECT_EQ(board.send("#,E,ok\r\n"), kFence);
+    board.ask("I,P,13,3");
+    EXPECT_EQ(board.send(skipped + "I,d,13,1\n"), "");
+    EXPECT_TRUE(board.hardware().levels[13]);
+    EXPECT_EQ(board.send("  #,E,ok\n"), kFence);
+    EXPECT_EQ(board.send(skipped.substr(1) + "#,E,ok\n"), kFence);
+    EXPECT_EQ(board.send(skipped.substr(1) + "\n"), "");
+    EXPECT_EQ(board.pass_time(2000), "");
+}
+
+TEST(FramingTest, BytesLostBeforeARequest_SpoilItWhereAnExtensionIsInUse) {
+    FakeBoard board;
+    board.ask("I,P,13,3");
+    board.ask("#,E,ok");
+    EXPECT_EQ(board.send(std::string(1, '\0') + "I,d,13,1\n"), "~?,?,1{INVALID_SERVICE}\n");
+    EXPECT_FALSE(board.hardware().levels[13]);
+    EXPECT_EQ(board.ask("#,E,ok"), kFence);
 }
 
 TEST(FramingTest, BytesThatComeOneByOne_AreARequestOnlyWhenTheLineEnds) {
@@ -40,8 +72,8 @@ TEST(FramingTest, EmptyLinesAndDebugText_AreIgnored) {
 TEST(FramingTest, UnknownService_IsReportedAsTheProtocolSays) {
     FakeBoard board;
     EXPECT_EQ(board.ask("Z,x,1"), "~Z,?,1{INVALID_SERVICE}\n");
-    EXPECT_EQ(board.ask("hello"), "~Q,?,1{INVALID_SERVICE}\n");
-    EXPECT_EQ(board.ask("\x80\xFF"), "~Q,?,1{INVALID_SERVICE}\n");
+    EXPECT_EQ(board.ask("hello"), "~h,?,1{INVALID_SERVICE}\n");
+    EXPECT_EQ(board.ask("\x80\xFF"), "~?,?,1{INVALID_SERVICE}\n");
     EXPECT_EQ(board.ask("#,E,ok"), kFence);
 }
 
@@ -51,7 +83,8 @@ TEST(FramingTest, ShortRequests_AreAnsweredAtOnce) {
     EXPECT_EQ(board.ask("I,"), "~I,?,2{UNKNOWN_REQUEST}\n");
     EXPECT_EQ(board.ask("I,z"), "~I,z,2{UNKNOWN_REQUEST}\n");
     EXPECT_EQ(board.ask("#"), "~#,?,2{UNKNOWN_REQUEST}\n");
-    EXPECT_EQ(board.ask("x"), "~Q,?,1{INVALID_SERVICE}\n");
+    EXPECT_EQ(board.ask(",x"), "~,,?,1{INVALID_SERVICE}\n");
+    EXPECT_EQ(board.ask("x"), "~x,?,1{INVALID_SERVICE}\n");
 }
 
 TEST(FramingTest, TagOfTwoCharacters_IsUnknown) {
@@ -84,15 +117,13 @@ TEST(FramingTest, TooLongForBuffer_DropsLineAndRecovers) {
 
 TEST(FramingTest, DamagedByteAnywhere_SpoilsItsLineOnly) {
     const std::string line = "I,d,13,1";
-    for (std::size_t at = 0; at <= line.size(); ++at) {
+    for (std::size_t at = 1; at <= line.size(); ++at) {
         FakeBoard board;
         board.ask("I,P,13,3");
         std::string damaged = line;
         damaged.insert(at, 1, '\0');
         // As much of it is named as came before the damage.
-        const std::string error = at == 0  ? "~Q,?,1{INVALID_SERVICE}\n"
-                                  : at < 3 ? "~I,?,11{BAD_ARGUMENT}\n"
-                                           : "~I,d,11{BAD_ARGUMENT}\n";
+        const std::string error = at < 3 ? "~I,?,11{BAD_ARGUMENT}\n" : "~I,d,11{BAD_ARGUMENT}\n";
         EXPECT_EQ(board.ask(damaged), error) << at;
         EXPECT_FALSE(board.hardware().levels[13]) << at;
         EXPECT_EQ(board.ask(line), "") << at;

@@ -50,6 +50,8 @@ TEST(ParseLine, ErrorOfUnknownService_IsUnderstood) {
     EXPECT_EQ(error.service, 'Q');
     EXPECT_EQ(error.tag, '?');
     EXPECT_EQ(error.code, 1);
+    EXPECT_EQ(parse_as<ErrorReply>("~h,?,1{INVALID_SERVICE}").service, 'h');
+    EXPECT_EQ(parse_as<ErrorReply>("~,,?,1{INVALID_SERVICE}").service, ',');
 }
 
 TEST(ParseLine, ErrorWithCommaOrWithoutText_IsUnderstood) {

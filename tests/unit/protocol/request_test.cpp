@@ -56,18 +56,19 @@ std::vector<std::string_view> lines_of(std::string_view payload) {
 }
 
 TEST(SplitRequests, NewlinePresentOrNot_GivesTheSame) {
-    for (const std::string_view payload : {"I,M", "I,M\n", "I,M\r\n", "\nI,M\n\n"}) {
+    for (const std::string_view payload : {"I,M", "I,M\n", "I,M\r\n", "\nI,M\n\n", "I,M\r", "I,M\n\r"}) {
         EXPECT_THAT(lines_of(payload), ElementsAre("I,M")) << payload;
     }
-    EXPECT_THAT(lines_of("I,M\nI,m\r\nI,p"), ElementsAre("I,M", "I,m", "I,p"));
+    EXPECT_THAT(lines_of("I,M\nI,m\r\nI,p\rI,c\n\rI,M"), ElementsAre("I,M", "I,m", "I,p", "I,c", "I,M"));
 }
 
 TEST(SplitRequests, WhatBoardsIgnore_IsLeftOut) {
-    for (const std::string_view payload :
-         {"I,M ", "I,M  \r\n", "I,M \r", "!hello\nI,M", "I,M\n!bye", "   \nI,M\n \r\n"}) {
+    for (const std::string_view payload : {"I,M ", "I,M  \r\n", "I,M \r", "!hello\nI,M", "I,M\n!bye",
+                                           "   \nI,M\n \r\n", " I,M", "\t\x1b I,M", "I,M\t"}) {
         EXPECT_THAT(lines_of(payload), ElementsAre("I,M")) << payload;
     }
-    EXPECT_FALSE(split_requests(" I,M")) << "a board reads a blank as the service";
+    EXPECT_THAT(lines_of(std::string_view("\0I,M\0\n\0", 7)), ElementsAre("I,M"))
+        << "as C programs end texts";
     EXPECT_FALSE(split_requests("!hello"));
 }
 
@@ -90,7 +91,8 @@ TEST(SplitRequests, TooManyOrTooMuch_IsRefused) {
 }
 
 TEST(SplitRequests, BinaryPayload_IsRefused) {
-    EXPECT_FALSE(split_requests(std::string_view("I,M\0\n", 5)));
+    EXPECT_FALSE(split_requests(std::string_view("I,\0M\n", 5)));
+    EXPECT_FALSE(split_requests("\xffI,M"));
 }
 
 }  // namespace
