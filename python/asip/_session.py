@@ -239,6 +239,12 @@ class Session:
         self._demands.setdefault(board, {})[id(sink)] = (service, hz)
         return self._want(topic, 0) + self._demand(board, now)
 
+    def watch_set(self, board: str, service: str, sink: Sink) -> list[Action]:
+        """`sink(payload, now)` for what was set on the service, by whichever program; without members where nothing is known."""
+        topic = self.topics.set(board, service)
+        self._values.setdefault(topic, []).append(sink)
+        return self._want(topic, 1)
+
     def unwatch(self, now: float, board: str, service: str, sink: Sink) -> list[Action]:
         topic = self.topics.event(board, service)
         sinks = self._values.get(topic, [])
@@ -291,13 +297,13 @@ class Session:
     # Messages and time --------------------------------------------------------------------------------------------------
 
     def is_value(self, topic: str) -> bool:
-        """Whether reports of a service that is watched come on this topic."""
+        """Whether reports of a service that is watched, or what was set on it, come on this topic."""
         return topic in self._values
 
     def message(self, topic: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> list[Action]:
         sinks = self._values.get(topic)
         if sinks is not None:
-            value = _envelope.read_object(payload)
+            value = _envelope.read_object(payload) if payload else {}
             return [] if value is None else [Tell(sink, (value, now)) for sink in sinks]
         levels = self.topics.split(topic)
         if levels is None:

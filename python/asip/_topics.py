@@ -61,6 +61,9 @@ class Topics:
     def fault(self, board: str, service: str) -> str:
         return f"{self.root}/{board}/{service}/error"
 
+    def set(self, board: str, service: str) -> str:
+        return f"{self.root}/{board}/{service}/set"
+
     def query(self) -> str:
         return f"{self.root}/registry/query"
 

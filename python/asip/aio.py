@@ -336,8 +336,9 @@ class Pin:
     async def pwm(self, duty: int, *, timeout: float | None = None) -> None:
         await _run(self._pin.pwm, duty, timeout=timeout)
 
-    async def read(self, *, pull_up: bool = True, timeout: float | None = None) -> bool:
-        return bool(await _run(self._pin.read, pull_up=pull_up, timeout=timeout))
+    async def read(self, *, timeout: float | None = None) -> bool | int:
+        value: bool | int = await _run(self._pin.read, timeout=timeout)
+        return value
 
     async def wait_for(self, level: bool, *, pull_up: bool = True, timeout: float | None = None) -> None:
         await _run(self._pin.wait_for, level, pull_up=pull_up, timeout=timeout)

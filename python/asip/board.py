@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Mapping
 from . import _model, _wait, errors
 from ._catalogue import STATES, THERE, Entry
 from ._topics import valid_name
-from .pin import Pin
+from .pin import Bank, Pin
 from .service import Service, class_of
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class Board:
         self._services: dict[str, Service] = {}
         self._described: tuple[str, int] = ("", -2)
         self._reading = threading.Lock()
-        self._pins: dict[int, Pin] = {}
+        self._bank = Bank(self)
 
     # State --------------------------------------------------------------------------------------------------------------
 
@@ -248,18 +248,17 @@ class Board:
         self._ask({"resume": True}, "resume", timeout)
 
     def pin(self, which: int | str) -> Pin:
-        """A pin by its number, or by the friendly name that people gave it."""
+        """A pin by its number, by the friendly name that people gave it, or an analog one as `A0`."""
         if isinstance(which, str):
-            names = self._pin_names()
-            number = next((int(key) for key, name in names.items() if name == which and key.isdigit()), None)
+            number = self._bank.number_of(which)
             if number is None:
-                raise errors.Invalid(f"{self.name} has no pin named {which!r}" + _model.near(which, names.values()), board=self.name)
+                raise errors.Invalid(f"{self.name} has no pin named {which!r}" + _model.near(which, self._bank.names().values()), board=self.name)
             which = number
         if not isinstance(which, int) or isinstance(which, bool) or not 0 <= which <= 255:
             raise errors.Invalid(f"{self.name}: {which!r} is no pin: a number from 0 to 255, or a name", board=self.name)
-        if which not in self._pins:
-            self._pins[which] = Pin(self, which)
-        return self._pins[which]
+        if which not in self._bank.pins:
+            self._bank.pins[which] = Pin(self._bank, which)
+        return self._bank.pins[which]
 
     def _timeout(self, given: float | None) -> float:
         return max(0.05, _wait.seconds(self.bus.timeout if given is None else given, "timeout", 0.001, 60))

@@ -127,7 +127,7 @@ class Service:
                 return self.command(asker.name, timeout=max(0.05, end - time.monotonic()))
             reading = values.wait(seconds)
         if reading is None:
-            hint = "; pins report when they change: board.pin(2).read() sets the mode of one, and reads it" if found.name == "digital" else None
+            hint = '; pins report when they change: board.pin(2).mode("input-pullup") makes one an input, which tells its level' if found.name == "digital" else None
             raise errors.Unproven(f"{self.board.name}/{self.name}: no value within {seconds:g} s{hint or self._how_to_report()}", board=self.board.name,
                                   service=self.name, reason="no-value")
         return reading.value

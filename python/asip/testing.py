@@ -40,6 +40,7 @@ class FakeBoard:
         self.modes: dict[int, int] = {}
         self.labels: dict[str, str] = {}
         self._pin_names: dict[str, str] = {}
+        self._set: dict[str, dict[str, int]] = {}  # what its agent says was set on its pins
         self.state = "online"
         self._memory = memory
         self._seq = 0
@@ -95,6 +96,9 @@ class FakeBoard:
 
     def _say(self, state: str, reason: str) -> None:
         self.state = state
+        if state != "online" and self._set:
+            self._set = {}
+            self._memory._publish(f"{self.name}/io/set", "", retained=True)
         self._seq += 1
         self._announce(reason)
 
@@ -102,6 +106,7 @@ class FakeBoard:
         described = [{"name": name, "id": model.letter, "title": model.title, "model": model.document} for name, model in self._models.items()]
         self._memory._publish(f"servicebus/{self.name}/$description", {
             "board": self.name, "session": "00000000000000aa", "seq": self._seq, "lease": 86400, "services": described, "labels": self.labels, "names": {"pins": self._pin_names},
+            "pins": {"modes": "".join(map(str, self._all_modes())), "analog": {str(14 + channel): channel for channel in range(6)}},
             "state": {"is": self.state, "reason": reason, "age": 0}}, retained=True)
         self._memory._publish(f"servicebus/{self.name}/$state", self.state, retained=True)
 
@@ -143,19 +148,37 @@ class FakeBoard:
         faulty = self._fault(service, command.name)
         if faulty is not None and faulty["status"] != "timeout":
             return faulty
+        if model.name == "io" and command.name == "modes":
+            return {"status": "ok", "proof": "answer", "answer": {"modes": self._all_modes()}}
         self.commands.append((service, command.name, values))
-        if model.name == "io" and command.name == "write":
-            self.levels[values[0]] = values[1]
-        if model.name == "io" and command.name == "mode":
-            self.modes[values[0]] = values[1]
-            if values[1] in (1, 2):
-                self._memory._publish(f"{self.name}/io/out", {"digital": {str(values[0]): self._inputs.get(values[0], 0)}})
+        if model.name == "io" and faulty is None:
+            self._set_pin(command.name, values)
         event = model.answer_of(command)
         if faulty is None and event is not None:
             if (service, event.name) not in self._values:
                 return {"status": "timeout", "reason": "no-value"}
             return {"status": "ok", "proof": "answer", "answer": {event.name: self._values[service, event.name]}}
         return faulty or {"status": "ok", "proof": "fence"}
+
+
+    def _all_modes(self) -> list[int]:
+        """As the standard firmware starts: digital pins are inputs, analog ones analog."""
+        return [self.modes.get(pin, 4 if 14 <= pin < 20 else 1) for pin in range(max(19, *self.modes, 0) + 1)]
+
+    def _set_pin(self, command: str, values: list[Any]) -> None:
+        if command not in ("mode", "write", "pwm"):
+            return
+        pin, value = values
+        if command == "write":
+            self.levels[pin] = value
+        else:
+            self.modes[pin] = 5 if command == "pwm" else value
+        if command != "mode":
+            self._set.get("pwm" if command == "write" else "write", {}).pop(str(pin), None)
+        self._set.setdefault(command, {})[str(pin)] = value
+        self._memory._publish(f"{self.name}/io/set", {name: told for name, told in self._set.items() if told}, retained=True)
+        if command == "mode" and value in (1, 2):
+            self._memory._publish(f"{self.name}/io/out", {"digital": {str(pin): self._inputs.get(pin, 0)}})
 
 
 class MemoryBus:

@@ -15,7 +15,7 @@ import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "tests" / "support"))
-from bus import Bus as RealBus  # noqa: E402
+from bus import BIN, Bus as RealBus  # noqa: E402
 from bus import eventually, paho_client  # noqa: E402
 
 import asip  # noqa: E402
@@ -147,6 +147,31 @@ class Board(Live):
             self.assertEqual(next(stream), [42, 0])
         for stream in streams:
             stream.close()
+
+    def test_lamp_that_another_program_switched_on_stays_on_while_it_is_read(self):
+        switch = str(BIN / "asipctl")
+        for word in ("high", "low", "high"):
+            subprocess.run([switch, "pin", "desk", "13", word], env={**os.environ, "ASIP_BROKER": self.address}, check=True, stdout=subprocess.DEVNULL)
+            with asip.connect(self.address, timeout=20) as bus:
+                lamp, seen = bus.board("desk", timeout=20).pin(13), []
+                lamp.when_changed = seen.append
+                eventually(lambda: lamp.read(timeout=20) is (word == "high"), "what was set")
+                self.assertEqual(self.part("led"), "on" if word == "high" else "off")
+        with asip.connect(self.address, timeout=20) as bus:
+            bus.board("desk", timeout=20).pin(13).toggle()
+        self.assertEqual(self.part("led"), "off")
+
+    def test_pins_of_a_board_that_nothing_decided_yet(self):
+        lamp = self.bus.board("lamp", timeout=20)
+        for call in (lamp.pin(7).read, lambda: lamp.pin("A3").wait_for(True)):
+            with self.assertRaises(asip.Invalid):
+                call()
+        value = lamp.pin("A3").read(timeout=20)  # this board reports analog pins by itself
+        self.assertTrue(isinstance(value, int) and 0 <= value <= 1023, value)
+        lamp.pin(7).wait_for(True, timeout=20)  # an input with a pull-up resistor now
+        self.assertIs(lamp.pin(7).read(), True)
+        lamp.pin(8).mode("input-pullup")
+        self.assertIs(lamp.pin(8).read(), True)
 
     def test_button_of_one_board_lights_the_lamp_of_the_other(self):
         lamp = self.bus.board("lamp", timeout=20)

@@ -317,6 +317,117 @@ class Pins(Memory):
         eventually(lambda: seen == [False, True, False])
         self.assertEqual(self.memory.desk.modes[2], 2)
 
+    def as_set(self, pin, **done):
+        """Another program sets a pin of the desk: mode=3, write=1, pwm=128."""
+        for command, value in done.items():
+            self.memory.desk._set_pin(command, [pin, value])
+
+    def test_reading_sets_nothing_whatever_the_pin_is(self):
+        self.as_set(13, mode=3, write=1)
+        self.as_set(3, pwm=128)
+        self.as_set(12, mode=3)
+        self.as_set(4, mode=2)
+        self.memory.desk.press(4)
+        seen, desk = [], self.memory.connect(timeout=5).board("desk")
+        self.assertIs(desk.pin(13).read(), True)
+        self.assertEqual(desk.pin(3).read(), 128)
+        with self.assertRaises(asip.Unproven) as raised:
+            desk.pin(12).read()
+        self.assertIn("what was set", str(raised.exception))
+        desk.pin(13).wait_for(True, timeout=5)
+        desk.pin(13).on_change(seen.append, initial=True)
+        desk.pin("A0").when_changed = seen.append
+        for call in (lambda: desk.pin(2).read(), lambda: desk.pin("A1").wait_for(True), lambda: desk.pin(3).wait_for(True)):
+            with self.assertRaises(asip.Invalid) as raised:
+                call()
+            self.assertIn('.mode("input-pullup")', str(raised.exception))
+        with self.assertRaises(asip.Unproven):
+            desk.pin(4).read(timeout=0.1)  # an input already; its level was not told since
+        self.assertEqual(self.commands(), [])
+        self.as_set(13, write=0)
+        eventually(lambda: seen == [True, False])
+        self.assertIs(desk.pin(13).read(), False)
+        self.assertEqual(self.commands(), [])
+
+    def test_toggle_works_from_what_any_program_set(self):
+        self.as_set(13, mode=3, write=1)
+        self.desk.pin(13).toggle()
+        self.assertEqual(self.commands(), [("io", "write", [13, 0])])
+        self.as_set(13, write=1)
+        eventually(lambda: self.desk.pin(13).read() is True)
+        self.desk.pin(13).toggle()
+        self.desk.pin(13).toggle()
+        self.assertEqual(self.memory.desk.levels[13], 1)
+        self.desk.pin(7).toggle()  # nothing was set on it
+        self.assertEqual(self.commands()[-2:], [("io", "mode", [7, 3]), ("io", "write", [7, 1])])
+
+    def test_input_keeps_the_mode_that_another_program_gave_it(self):
+        self.as_set(4, mode=1)
+        self.memory.desk.press(4)
+        self.desk.pin(4).wait_for(True, timeout=5)
+        self.assertEqual(self.commands(), [("io", "mode", [4, 1])])  # the same again: so the board tells the level
+        self.desk.pin(4).wait_for(True, timeout=5)
+        self.assertIs(self.desk.pin(4).read(), True)
+        self.assertEqual(len(self.commands()), 1)
+
+    def test_read_of_an_input_that_the_program_made(self):
+        button = self.desk.pin(2)
+        button.mode("input-pullup")
+        self.assertIs(button.read(), False)
+        self.memory.desk.press(2)
+        eventually(lambda: button.read() is True)
+
+    def test_analog_pin_by_name(self):
+        knob = self.desk.pin("A0")
+        self.assertEqual((knob.number, self.desk.pin("A5").number), (14, 19))
+        with self.assertRaises(asip.Invalid):
+            self.desk.pin("A6")
+        with self.assertRaises(asip.Unproven):
+            knob.read(timeout=0.1)
+        threading.Timer(0.1, lambda: self.memory.desk.report("io", {"0": 512, "1": 3}, "analog")).start()
+        self.assertEqual(knob.read(timeout=5), 512)
+        seen = []
+        knob.when_changed = seen.append
+        for value in (512, 512, 600):
+            self.memory.desk.report("io", {"0": value}, "analog")
+        eventually(lambda: seen == [600])
+        self.assertEqual(self.commands(), [])
+
+    def test_returning_board_whose_input_became_an_output_meanwhile_keeps_it(self):
+        button = self.desk.pin(2)
+        button.mode("input-pullup")
+        self.memory.desk.lose()
+        eventually(lambda: self.desk.state == "lost")
+        self.as_set(2, mode=3, write=1)
+        self.memory.desk.back()
+        self.desk.wait_for("online")
+        eventually(lambda: button.read() is True)
+        self.desk.servo.write(0, 1)
+        self.assertEqual(self.memory.desk.modes[2], 3)
+
+    def test_what_was_set_ends_when_the_board_restarts(self):
+        self.as_set(13, mode=3, write=1)
+        lamp = self.desk.pin(13)
+        self.assertIs(lamp.read(), True)
+        self.memory.desk.lose()
+        self.desk.wait_for("lost")
+        self.memory.desk.modes.clear()
+        self.memory.desk.back()
+        self.desk.wait_for("online")
+        with self.assertRaises(asip.Invalid):
+            lamp.read()
+        lamp.on()
+        self.assertEqual(self.commands(), [("io", "mode", [13, 3]), ("io", "write", [13, 1])])
+
+    def test_damaged_set_is_ignored(self):
+        pin = self.desk.pin(13)
+        pin.on()
+        for set in ([], {"mode": 3}, {"mode": {"13": {}}}, {"mode": {"\u0661": 1, "9" * 400: 1, "-1": 2}}, {"write": {"13": 1e300}}, {"pwm": {"13": "x"}}):
+            self.memory._publish("desk/io/set", set)
+        self.memory._publish("desk/io/set", "[[[")
+        self.as_set(13, write=0)
+        eventually(lambda: pin.read() is False)
+
     def test_wait_for_and_function_without_argument(self):
         called = threading.Event()
         self.desk.pin(2).when_changed = called.set

@@ -25,7 +25,7 @@ class Vectors(unittest.TestCase):
             topics, board, service = _topics.Topics(vector["root"], vector["user"], vector["client"]), vector["board"], vector["service"]
             made = {"state": topics.state(board), "description": topics.description(board), "demand": topics.demand(board), "probe": topics.probe(),
                     "lines": topics.lines_in(board), "command": topics.command(board, service), "stop": topics.stop(board),
-                    "event": topics.event(board, service), "fault": topics.fault(board, service), "reply": topics.reply(board),
+                    "event": topics.event(board, service), "fault": topics.fault(board, service), "set": topics.set(board, service), "reply": topics.reply(board),
                     "replies": topics.replies(), "own": topics.own()}
             self.assertEqual(made, {name: vector[name] for name in made})
 
