@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import _model
+from . import _description, _model
+from ._description import STATES
+from ._topics import valid_board
 
 THERE = ("online", "sleeping", "updating")
-STATES = (*THERE, "offline", "lost")
-DEFAULT_LEASE = 60.0
 # Agents publish `$state` with this expiry, in seconds: what is left of it says how old a retained one is.
 _STATE_EXPIRY = 3_000_000_000
 # Of two messages whose ages are whole seconds, the one that is this much older was published first.
@@ -35,7 +35,7 @@ class Entry:
         self.since: float | None = None
         self.session = ""
         self.seq = -1
-        self.lease = DEFAULT_LEASE
+        self.lease = float(_description.DEFAULT_LEASE)
         self.deadline: float | None = None
         self.description: dict[str, Any] = {}
         self.says_state = False
@@ -78,7 +78,9 @@ class Catalogue:
         return [name for name, entry in self.boards.items() if entry.state != "unknown"]
 
     def on_state(self, board: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> bool:
-        word = payload.decode("utf-8", "replace").rstrip("\r\n")
+        if not valid_board(board):
+            return False
+        word = payload.decode("utf-8", "replace").rstrip("\r\n ")
         if not word:
             return self.boards.pop(board, None) is not None
         if word not in STATES:
@@ -102,17 +104,15 @@ class Catalogue:
         return self._judge(entry, now)
 
     def on_description(self, board: str, document: dict[str, Any] | None, retained: bool, expiry: int | None, now: float) -> bool:
-        if document is None or document.get("board") != board or not isinstance(document.get("services"), list):
+        document = _description.read(document, board)
+        if document is None:
             return False
-        session, seq = str(document.get("session", "")), document.get("seq", 0)
-        if not isinstance(seq, int):
-            return False
+        session, seq = document["session"], document["seq"]
         entry = self.boards.setdefault(board, Entry(board))
         if entry.session == session and seq < entry.seq or entry.session > session and retained:
             return False
         news = entry.session != session or seq > entry.seq
-        lease = document.get("lease", DEFAULT_LEASE)
-        entry.lease = float(lease) if isinstance(lease, (int, float)) and 1 <= lease <= 86_400 else DEFAULT_LEASE
+        entry.lease = float(document["lease"])
         left = entry.lease if not retained or expiry is None else min(float(expiry), entry.lease)
         entry.deadline = now + left
         if news:
@@ -122,7 +122,7 @@ class Catalogue:
 
     @staticmethod
     def _take_state(entry: Entry, said: Any, retained: bool, published: float, now: float) -> None:
-        entry.says_state = isinstance(said, dict) and said.get("is") in STATES
+        entry.says_state = said is not None
         if not entry.says_state:
             if entry.said == "unknown":
                 entry.said = "online"
@@ -131,25 +131,25 @@ class Catalogue:
         if retained and said["is"] in THERE and entry.said not in (*THERE, "unknown") and entry.gone_at is not None \
                 and published <= entry.gone_at + _APART:
             return  # the broker's word for an agent that is gone came behind the description that is stored
-        age = said.get("age")
-        since = published - (float(age) if isinstance(age, (int, float)) else 0.0)
+        since = published - float(said.get("age", 0))
         if entry.said != said["is"] or entry.since is None or abs(entry.since - since) > 5:
             entry.since = since
-        entry.said, entry.reason = said["is"], str(said.get("reason", ""))
+        entry.said, entry.reason = said["is"], said.get("reason", "")
 
     def on_listed(self, item: dict[str, Any], now: float) -> None:
         """A board as a registry lists it."""
-        name = item.get("board")
-        if not isinstance(name, str) or item.get("state") not in STATES:
+        name, services = item.get("board"), item.get("services", [])
+        if not isinstance(name, str) or not valid_board(name) or item.get("state") not in STATES or not isinstance(services, list):
             return
         entry = self.boards.setdefault(name, Entry(name))
-        document = item.get("description")
-        if isinstance(document, dict) and (entry.session != document.get("session") or entry.seq <= document.get("seq", 0)):
+        document = _description.read(item.get("description"), name)
+        if document is not None and (entry.session != document["session"] or entry.seq <= document["seq"]):
             self.on_description(name, document, True, None, now)
         entry.state = entry.said = item["state"]
         entry.reason = str(item.get("reason", ""))
         if not entry.description:
-            entry.description = {"board": name, "services": item.get("services", []), "labels": item.get("labels", {})}
+            plain = {"board": name, "session": "-", "seq": 0, "services": services, "labels": item.get("labels", {})}
+            entry.description = _description.read(plain, name) or {}
 
     def expire(self, now: float) -> list[str]:
         """Boards whose lease is over since the last call."""

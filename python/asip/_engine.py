@@ -62,6 +62,8 @@ class Engine:
         self._failures = 0
         self._not_before = 0.0
         self._replace: str | None = None
+        self.faults = 0  # messages and other events that raised here: each was dropped
+        self._faulty: set[str] = set()
         self.session.watch_boards(self._board_changed)
         _all.add(self)
         self._thread = threading.Thread(target=self._run, name="asip-clock", daemon=True)
@@ -189,17 +191,35 @@ class Engine:
             elif isinstance(action, Drop):
                 self._replace = action.why
             else:
+                self._tell_all([action])
+
+    def _tell_all(self, actions: list[Action]) -> None:
+        for action in actions:
+            try:
                 _tell(action)
+            except Exception as fault:  # noqa: BLE001: one that fails keeps no other from being told
+                self._failed("what was told", fault)
+
+    def _failed(self, what: str, fault: Exception) -> None:
+        """A fault of this package, or of a message that nobody thought of: counted, logged once, dropped."""
+        self.faults += 1
+        kind = f"{type(fault).__name__} {fault.__traceback__.tb_next.tb_lineno if fault.__traceback__ and fault.__traceback__.tb_next else ''}"
+        if kind not in self._faulty and len(self._faulty) < 100:
+            self._faulty.add(kind)
+            log.error("asip: %s was dropped; others of this kind will be without a line here", what, exc_info=fault)
 
     def _message(self, link: Link, topic: str, payload: bytes, retained: bool, expiry: int | None) -> None:
         """In paho's thread. Values, which come by the thousand, need nothing but to be told."""
         if self.session.is_value(topic):
-            with self._lock:
-                if link is not self._link or self.closed:
-                    return
-                actions = self.session.message(topic, payload, retained, expiry, time.monotonic())
-            for action in actions:
-                _tell(action)
+            try:
+                with self._lock:
+                    if link is not self._link or self.closed:
+                        return
+                    actions = self.session.message(topic, payload, retained, expiry, time.monotonic())
+            except Exception as fault:  # noqa: BLE001: whatever arrives, the thread that carries messages goes on
+                self._failed(f"a message on {topic!r}", fault)
+                return
+            self._tell_all(actions)
         else:
             self._happened(link, lambda now: self.session.message(topic, payload, retained, expiry, now))
 
@@ -209,13 +229,16 @@ class Engine:
             if link is not self._link or self.closed:
                 return
             was_ready = self.session.ready
-            actions = event(time.monotonic())
+            try:
+                actions = event(time.monotonic())
+            except Exception as fault:  # noqa: BLE001: as above
+                self._failed("a message", fault)
+                return
             ready = self.session.ready
             sends = [action for action in actions if not isinstance(action, (Tell, Resolve))]
             if sends:
                 self._late.extend(sends)
-        for action in actions:
-            _tell(action)
+        self._tell_all(actions)
         if sends:
             self._wake.set()
         if ready and not was_ready:
@@ -234,8 +257,7 @@ class Engine:
             actions = self.session.disconnected(time.monotonic(), why)
             self._link = None
             self._late.clear()
-        for action in actions:
-            _tell(action)
+        self._tell_all(actions)
         log.info("asip: %s", why)
         # paho's thread cannot end itself: the clock's does.
         self._late_links.append(link)
@@ -253,7 +275,11 @@ class Engine:
     def _run(self) -> None:
         _wait.forbid()
         while not self.closed:
-            due = self._turn()
+            try:
+                due = self._turn()
+            except Exception as fault:  # noqa: BLE001: this thread keeps the connection up
+                self._failed("a turn of the clock", fault)
+                due = time.monotonic() + 0.1
             self._wake.wait(max(0.0, due - time.monotonic()))
             self._wake.clear()
         while self._late_links:
@@ -261,7 +287,10 @@ class Engine:
 
     def _turn(self) -> float:
         while self._chores:
-            self._chores.popleft()()
+            try:
+                self._chores.popleft()()
+            except Exception as fault:  # noqa: BLE001
+                self._failed("a chore", fault)
         while self._late_links:
             self._late_links.popleft().close()
         with self._sending:
@@ -312,8 +341,7 @@ class Engine:
             link, self._link = self._link, None
             self._back_off()
             actions = self.session.disconnected(time.monotonic(), why)
-        for action in actions:
-            _tell(action)
+        self._tell_all(actions)
         log.warning("asip: %s", why)
         if link is not None:
             link.close()

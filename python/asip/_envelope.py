@@ -7,9 +7,14 @@ speaks MQTT 3.1.1 drops those.
 from __future__ import annotations
 
 import json
+import math
+import re
 from typing import Any
 
 _decode = json.JSONDecoder().decode
+_MAX_DEPTH = 32
+# Numbers that may be none, or beyond what a double holds, and halves of characters: such a text is read with care.
+_ODD = re.compile(rb"NaN|Infinity|[0-9]{19}|[0-9.][eE]\+?[0-9]{3}|\\u[dD][89a-fA-F]")
 MAX_REQUEST_BYTES = 16_384
 MAX_ANSWER_BYTES = 1 << 20
 
@@ -41,10 +46,37 @@ def read_object(payload: bytes, limit: int = MAX_ANSWER_BYTES) -> dict[str, Any]
     if len(payload) > limit:
         return None
     try:
-        value = _decode(payload.decode())
+        text = payload.decode()
+        value = _careful(text) if _ODD.search(payload) else _decode(text)
     except (ValueError, RecursionError):
         return None
-    return value if isinstance(value, dict) else None
+    if not isinstance(value, dict) or payload.count(b"[") + payload.count(b"{") > _MAX_DEPTH and not _is_flat(value):
+        return None
+    return value
+
+
+def _careful(text: str) -> Any:
+    """Refuses what is no number and no text; whole numbers of many digits become doubles, as elsewhere."""
+    value = json.loads(text, parse_constant=_finite, parse_float=_finite, parse_int=lambda digits: int(digits) if len(digits) < 20 else _finite(digits))
+    json.dumps(value, ensure_ascii=False).encode()
+    return value
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(text)
+    return number
+
+
+def _is_flat(value: Any) -> bool:
+    """Whether it nests at most _MAX_DEPTH deep."""
+    level = [value]
+    for _ in range(_MAX_DEPTH):
+        level = [inner for one in level for inner in (one.values() if isinstance(one, dict) else one) if isinstance(inner, (dict, list))]
+        if not level:
+            return True
+    return False
 
 
 def demand_text(services: dict[str, float], lease: int) -> bytes:

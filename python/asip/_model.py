@@ -51,21 +51,43 @@ def _number_text(number: float) -> str:
     return str(int(number)) if number == math.floor(number) else repr(number)
 
 
+_REQUIRED: Any = object()
+
+
+def _member(document: Any, name: str, kind: type, default: Any = _REQUIRED) -> Any:
+    """A member of this type; another type is a ValueError, a missing one a KeyError where there is no default."""
+    if not isinstance(document, dict):
+        raise ValueError(f"what should have {name!r} is no object")
+    value = document[name] if default is _REQUIRED else document.get(name, default)
+    if value is not default and (not isinstance(value, kind) or isinstance(value, bool)):
+        raise ValueError(f"{name!r} is of another type")
+    return value
+
+
+def _number(document: dict[str, Any], name: str) -> float | None:
+    value = document.get(name)
+    if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < 1e15):
+        raise ValueError(f"{name!r} is no number")
+    return value
+
+
 class Field:
     """One argument of a command, or one field of an event or of an item of a list."""
 
     def __init__(self, document: dict[str, Any]):
-        self.name: str = str(document["name"])
-        self.type: str = str(document["type"])
-        self.title: str = str(document.get("title", ""))
-        self.unit: str = str(document.get("unit", ""))
-        self.min: float | None = document.get("min")
-        self.max: float | None = document.get("max")
-        self.names: dict[str, int] = dict(document.get("names", {}))
-        self.items = [Field(item) for item in document.get("items", [])]
-        self.of: str = str(document.get("of", ""))
-        self.max_length: int | None = document.get("max_length")
+        self.name: str = _member(document, "name", str)
+        self.type: str = _member(document, "type", str)
+        self.title: str = _member(document, "title", str, "")
+        self.unit: str = _member(document, "unit", str, "")
+        self.min: float | None = _number(document, "min")
+        self.max: float | None = _number(document, "max")
+        self.names: dict[str, int] = dict(_member(document, "names", dict, {}))
+        self.items = [Field(item) for item in _member(document, "items", list, [])]
+        self.of: str = _member(document, "of", str, "")
+        self.max_length: int | None = _member(document, "max_length", int, None)
         self.braces: bool = bool(document.get("braces", False))
+        if any(type(number) is not int for number in self.names.values()):
+            raise ValueError("'names' are names of numbers")
 
     @property
     def what(self) -> str:
@@ -182,12 +204,17 @@ class Command:
 
     def __init__(self, letter: str, name: str, document: dict[str, Any]):
         self.name = name
-        self.title: str = str(document.get("title", ""))
-        self.tag: str = str(document.get("tag", ""))
-        self.answer: str | None = document.get("answer")
+        self.title: str = _member(document, "title", str, "")
+        self.tag: str = _member(document, "tag", str, "")
+        self.answer: str | None = _member(document, "answer", str, None)
         self.safe: Any = document.get("safe")
-        self.all_args = [Field(field) for field in document.get("args", [])]
+        self.all_args = [Field(field) for field in _member(document, "args", list, [])]
         self.args = [field for field in self.all_args if field.type != "count"]
+        if any(field.type == "count" and field.of not in [one.name for one in self.args if one.type == "list"] for field in self.all_args):
+            raise ValueError(f"{name!r} counts what is no list of it")
+        identifiers = ["self", "timeout", *(identifier(field.name) for field in self.args)]
+        if len({*identifiers}) != len(identifiers):
+            raise ValueError(f"{name!r} has two arguments of one name")
         self._letter = letter
 
     def values(self, args: tuple[Any, ...], named: dict[str, Any]) -> list[Any]:
@@ -259,9 +286,9 @@ class Event:
 
     def __init__(self, tag: str, document: dict[str, Any]):
         self.tag = tag
-        self.name: str = str(document["name"])
-        self.title: str = str(document.get("title", ""))
-        self.fields = [Field(field) for field in document.get("fields", [])]
+        self.name: str = _member(document, "name", str)
+        self.title: str = _member(document, "title", str, "")
+        self.fields = [Field(field) for field in _member(document, "fields", list, [])]
 
     @property
     def unit(self) -> str:
@@ -273,14 +300,15 @@ class Model:
 
     def __init__(self, document: dict[str, Any]):
         try:
-            self.name: str = str(document["name"])
-            self.version = int(document.get("version", 1))
-            self.letter: str = str(document.get("id", ""))
-            self.title: str = str(document.get("title", self.name))
-            self.element: str = str(document.get("element", ""))
-            self.commands = {name: Command(self.letter, name, one) for name, one in document.get("commands", {}).items()}
-            self.events = {str(one["name"]): Event(tag, one) for tag, one in document.get("events", {}).items()}
-        except (KeyError, TypeError, ValueError, AttributeError) as fault:
+            self.name: str = _member(document, "name", str)
+            self.version: int = _member(document, "version", int, 1)
+            self.letter: str = _member(document, "id", str, "")
+            self.title: str = _member(document, "title", str, self.name)
+            self.element: str = _member(document, "element", str, "")
+            self.commands = {name: Command(self.letter, name, one) for name, one in _member(document, "commands", dict, {}).items()}
+            events = [Event(tag, one) for tag, one in _member(document, "events", dict, {}).items()]
+            self.events = {event.name: event for event in events}
+        except (KeyError, ValueError) as fault:
             raise ModelError(f"this is no service model: {fault}") from None
         self.document = document
         self.attributes = {identifier(name): command for name, command in self.commands.items()}

@@ -32,6 +32,24 @@ class Refused(Exception):
         self.version = version
 
 
+class _Client(mqtt.Client):  # type: ignore[misc]  # paho-mqtt 1.6 has no types
+    """paho's thread runs loop_forever(): when that ends, by whatever a packet raised there, the connection has ended."""
+
+    ended: Callable[[str], None] | None = None
+
+    def loop_forever(self, *args: Any, **named: Any) -> Any:
+        why = "its thread ended"
+        try:
+            return super().loop_forever(*args, **named)
+        except Exception as fault:  # noqa: BLE001: what a broker sends may raise anything in paho
+            why = f"a packet that cannot be read: {fault!r}"
+            return None
+        finally:
+            ended = self.ended
+            if ended is not None:
+                ended(why)
+
+
 class Link:
     """One connection, from its first packet to its end.
 
@@ -53,8 +71,9 @@ class Link:
         extra: dict[str, Any] = {}
         if hasattr(mqtt, "CallbackAPIVersion"):
             extra["callback_api_version"] = mqtt.CallbackAPIVersion.VERSION2
-        self._client: Any = mqtt.Client(client_id=client_id, protocol=mqtt.MQTTv5 if v5 else mqtt.MQTTv311, reconnect_on_failure=False, **extra)
+        self._client: Any = _Client(client_id=client_id, protocol=mqtt.MQTTv5 if v5 else mqtt.MQTTv311, reconnect_on_failure=False, **extra)
         client = self._client
+        client.ended = self._thread_ended
         client.on_connect = self._connected
         client.on_disconnect = self._disconnected
         client.on_message = self._received
@@ -133,6 +152,7 @@ class Link:
         with contextlib.suppress(Exception):
             client.loop_stop()
         # paho closes its inner sockets when nothing refers to the client any more.
+        client.ended = None
         for name in ("on_connect", "on_disconnect", "on_message", "on_publish", "on_socket_open"):
             setattr(client, name, None)
         del self._on_up, self._on_down, self._on_message, self._on_denied
@@ -167,6 +187,9 @@ class Link:
         # (reason, properties) with 1.6, (flags, reason, properties) with 2.x
         reason = rest[1] if len(rest) >= 3 else rest[0] if rest else ""
         self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({reason})", False)
+
+    def _thread_ended(self, why: str) -> None:
+        self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({why})", False)
 
     def _ended(self, why: str, version: bool) -> None:
         if not self._down:

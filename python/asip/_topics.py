@@ -8,12 +8,12 @@ _NAME = re.compile(r"[A-Za-z0-9._-]{1,64}\Z")
 _RESERVED = ("servicebus", "registry")
 
 
-def valid_name(name: str) -> bool:
+def valid_name(name: object) -> bool:
     """Whether a board or service can have this name."""
     return isinstance(name, str) and bool(_NAME.match(name)) and name not in (".", "..")
 
 
-def valid_board(name: str) -> bool:
+def valid_board(name: object) -> bool:
     return valid_name(name) and name not in _RESERVED
 
 

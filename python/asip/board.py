@@ -9,7 +9,8 @@ import time
 from typing import TYPE_CHECKING, Any, Iterator, Mapping
 
 from . import _model, _wait, errors
-from ._catalogue import STATES, THERE, Entry
+from ._catalogue import THERE, Entry
+from ._description import STATES
 from ._topics import valid_name
 from .pin import Bank, Pin
 from .service import Service, class_of
@@ -174,11 +175,7 @@ class Board:
     def _read_services(self, description: dict[str, Any]) -> None:
         kept = {}
         for described in description.get("services") or []:
-            if isinstance(described, str):
-                described = {"name": described}
-            name = described.get("name") if isinstance(described, dict) else None
-            if not isinstance(name, str) or not valid_name(name):
-                continue
+            name = described["name"]
             made = class_of(model_of(described, self.bus._models))
             old = self._services.get(name)
             kept[name] = old if type(old) is made else made(self, name, str(described.get("title", "")))
@@ -186,7 +183,7 @@ class Board:
 
     def _unknown_models(self) -> set[str]:
         """The models that its description refers to, and that are not known here: `lights@3`."""
-        described = [one for one in self.description.get("services") or [] if isinstance(one, dict) and isinstance(one.get("model"), str)]
+        described = [one for one in self.description.get("services") or [] if isinstance(one.get("model"), str)]
         return {one["model"] for one in described if model_of(one, self.bus._models) is None}
 
     def __getitem__(self, name: str) -> Service:

@@ -104,7 +104,7 @@ class Bus:
                     answer = self.query(query, timeout=max(0.05, min(_REGISTRY_SECONDS, end - time.monotonic())))
                 except errors.Error:  # none answers, or it is of a version that tells no models: such services have no commands here
                     return
-                for item in answer.get("items", []):
+                for item in _items(answer):
                     self._told_model(item)
                 if not answer.get("cursor"):
                     break
@@ -115,7 +115,7 @@ class Bus:
     def _told_model(self, item: Any) -> None:
         try:
             model = Model(item)
-        except (ModelError, TypeError):
+        except ModelError:
             return
         reference = f"{model.name}@{model.version}"
         self._models[reference] = model
@@ -153,10 +153,10 @@ class Bus:
                 answer = self.query(query, timeout=min(seconds, _REGISTRY_SECONDS) if not names else seconds)
             except errors.NotThere:
                 return None
-            for item in answer.get("items", []):
-                if isinstance(item, dict):
+            for item in _items(answer):
+                if valid_board(item.get("board")):
                     self._engine.listed(item)
-                    names.append(str(item.get("board")))
+                    names.append(item["board"])
             if not answer.get("cursor"):
                 return names
             query["cursor"] = answer["cursor"]
@@ -272,6 +272,11 @@ class Bus:
         rows = "".join(f"<tr><td>{html.escape(one.name)}</td><td>{html.escape(one.status)}</td><td>{html.escape(' '.join(one.services))}</td></tr>"
                        for one in self.boards())
         return f"<table><tr><th>board</th><th>state</th><th>services</th></tr>{rows}</table>"
+
+
+def _items(answer: dict[str, Any]) -> list[dict[str, Any]]:
+    items = answer.get("items")
+    return [item for item in items if isinstance(item, dict)] if isinstance(items, list) else []
 
 
 def _matching(names: Iterable[str], pattern: str) -> list[str]:

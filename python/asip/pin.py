@@ -2,6 +2,7 @@
 """One pin of a board: `desk.pin(13).on()`, `desk.pin(2).when_changed = print`, `desk.pin("A0").read()`."""
 from __future__ import annotations
 
+import contextlib
 import threading
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any, Callable
@@ -334,12 +335,14 @@ class Pin:
     def _ask_again(self) -> None:
         """Another program may have made it an output meanwhile: the board says."""
         put = self.board._engine.dispatcher.put
-        self._bank.io().begin("modes").add_done_callback(lambda answer: put(self._set_again, (answer,)))
+        with contextlib.suppress(errors.Error):
+            self._bank.io().begin("modes").add_done_callback(lambda answer: put(self._set_again, (answer,)))
 
     def _set_again(self, answer: "Future[Any]") -> None:
         modes = _by_pin(answer.result()) if answer.exception() is None else {}
         if self._again is not None and modes.get(self.number, _OUTPUT) <= _PULLUP:
-            self._bank.io().begin("mode", self.number, self._again)
+            with contextlib.suppress(errors.Error):
+                self._bank.io().begin("mode", self.number, self._again)
 
     def __repr__(self) -> str:
         return f"<asip pin {self.number} of {self.board.name}>"

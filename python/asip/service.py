@@ -361,7 +361,10 @@ def class_of(model: _model.Model | None) -> type[Service]:
                 members[attribute] = _method(attribute, command)
         if len(_classes) >= 4096:
             _classes.clear()
-        _classes[key] = type(identifier_of_class(model.name), (Service,), members)
+        try:
+            _classes[key] = type(identifier_of_class(model.name), (Service,), members)
+        except ValueError:  # a name that no class can have
+            _classes[key] = type("Service", (Service,), members)
     return _classes[key]
 
 
