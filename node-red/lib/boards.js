@@ -2,22 +2,16 @@
 // The boards on the bus: their state, why, and their services (docs/service-bus.md, "Liveness"). Pure.
 'use strict';
 
-const { readObject } = require('./protocol');
+const { readObject, validBoard } = require('./protocol');
+const { STATES, readDescription } = require('./description');
 
 const THERE = ['online', 'sleeping', 'updating'];
-const STATES = [...THERE, 'offline', 'lost'];
 const WORDS = {
+  __proto__: null,
   latched: 'STOPPED until it is resumed', unplugged: 'cable unplugged', silent: 'the board does not answer', 'agent-gone': 'its agent ended or lost the broker',
   expired: 'nothing renewed its lease', released: 'another program has its port', stopped: 'its agent was stopped', conflict: 'two agents claim its name',
 };
 const REASON_OF_WORD = { lost: 'agent-gone', offline: 'stopped', updating: 'released' };
-
-// A description whose services and labels have the form that nodes count on: anybody may publish anything.
-function readable(document) {
-  const services = document.services.map((one) => (typeof one === 'string' ? { name: one } : one)).filter((one) => one && typeof one.name === 'string');
-  const labels = document.labels && typeof document.labels === 'object' && !Array.isArray(document.labels) ? document.labels : {};
-  return { ...document, services, labels };
-}
 
 class Boards {
   constructor() { this.all = new Map(); }
@@ -32,7 +26,7 @@ class Boards {
       this.all.delete(name);
       return gone && { ...gone, state: 'forgotten' };
     }
-    if (!STATES.includes(word)) return undefined;
+    if (!STATES.includes(word) || !validBoard(name)) return undefined;
     const board = this.of(name);
     board.word = word;
     // A description says the state with its reason; only the broker's word for a board that was there is news.
@@ -41,21 +35,21 @@ class Boards {
   }
 
   onDescription(name, payload, retained, expiry, now) {
-    const document = readObject(payload, 1 << 16);
-    if (!document || document.board !== name || !Array.isArray(document.services) || !Number.isInteger(document.seq)) return undefined;
+    const document = readDescription(readObject(payload, 1 << 16), name);
+    if (!document) return undefined;
     const board = this.of(name);
     if (board.session === document.session && document.seq < board.seq) return undefined;
-    if (retained && board.session > String(document.session)) return undefined;
+    if (retained && board.session > document.session) return undefined;
     const news = board.session !== document.session || document.seq > board.seq;
-    const lease = document.lease >= 1 && document.lease <= 86400 ? document.lease : 60;
+    const { lease } = document;
     board.deadline = now + (retained && expiry !== undefined ? Math.min(expiry, lease) : lease);
     if (!news) return undefined;
-    Object.assign(board, { session: String(document.session), seq: document.seq, description: readable(document) });
+    Object.assign(board, { session: document.session, seq: document.seq, description: document });
     const said = document.state;
-    board.saysState = Boolean(said && STATES.includes(said.is));
+    board.saysState = Boolean(said);
     // What is retained on `$state` is newer than a description that is retained: a will does not change that.
     const older = retained && board.word && !THERE.includes(board.word) && board.saysState && THERE.includes(said.is);
-    const changed = older ? undefined : board.saysState ? this.become(board, said.is, String(said.reason || ''), now)
+    const changed = older ? undefined : board.saysState ? this.become(board, said.is, said.reason || '', now)
       : board.state === 'unknown' ? this.become(board, 'online', '', now) : undefined;
     return changed || board;
   }
@@ -73,7 +67,7 @@ class Boards {
   }
 
   of(name) {
-    if (!this.all.has(name)) this.all.set(name, { name, state: 'unknown', reason: '', session: '', seq: -1, description: { services: [] } });
+    if (!this.all.has(name)) this.all.set(name, { name, state: 'unknown', reason: '', session: '', seq: -1, description: { services: [], labels: {} } });
     return this.all.get(name);
   }
 

@@ -42,11 +42,19 @@ class Bus extends EventEmitter {
     this.place = 0;
     this.version = 5;
     this.failures = 0;
+    this.faults = 0;
+    this.faulty = new Set();
+  }
+
+  // Each who listens is called, whatever the others throw.
+  emit(event, ...args) {
+    for (const listener of this.rawListeners(event)) this.guard(`what ${event} tells`, () => listener.apply(this, args));
+    return true;
   }
 
   start() {
     this.closed = false;
-    this.timer = setInterval(() => this.tick(), 1000);
+    this.timer = setInterval(() => this.guard('a turn of the clock', () => this.tick()), 1000);
     this.begin();
   }
 
@@ -67,7 +75,7 @@ class Bus extends EventEmitter {
       link.publish(this.topics.own(), 'hello', { qos: 1 });
       this.hello = setTimeout(() => this.drop(link, 'the broker keeps answers from this user: see its access rules'), HELLO_SECONDS * 1000);
     });
-    link.on('message', (topic, payload, packet) => this.onMessage(topic, payload, packet));
+    link.on('message', (topic, payload, packet) => this.guard(`a message on ${topic}`, () => this.onMessage(topic, payload, packet)));
     link.on('error', (error) => {
       refused = error.message;
       if (this.version === 5 && (error.code === 1 || error.code === 132 || /protocol version/i.test(error.message))) this.version = 4;
@@ -157,7 +165,7 @@ class Bus extends EventEmitter {
 
   // The model of a service of a board; undefined where none is known.
   modelOf(board, service) {
-    return this.models.of(this.boards.get(board)?.description.services.find((one) => one?.name === service));
+    return this.models.of(this.boards.get(board)?.description.services.find((one) => one.name === service));
   }
 
   // Asks a registry for the models that a description refers to and this package does not have.
@@ -166,6 +174,7 @@ class Bus extends EventEmitter {
     for (let first = 0; first < kind.length; first += 32) {
       const id = `${this.client}-${this.count += 1}`;
       const forget = setTimeout(() => this.queries.delete(id), 5000);
+      forget.unref?.(); // nothing waits for it
       this.queries.set(id, (answer) => { clearTimeout(forget); this.models.take(answer.items); });
       this.publish(this.topics.query(), { find: 'models', kind: kind.slice(first, first + 32), id, reply_to: this.topics.reply('registry') }, 5);
     }
@@ -188,7 +197,7 @@ class Bus extends EventEmitter {
     const demands = this.demands.get(board) || new Map();
     this.demands.set(board, demands.set(take, [service, hz]));
     this.demand(board);
-    if (this.newest.has(topic)) setImmediate(() => takers.has(take) && take(this.newest.get(topic), true));
+    if (this.newest.has(topic)) setImmediate(() => takers.has(take) && this.guard(`a value on ${topic}`, () => take(structuredClone(this.newest.get(topic)), true)));
     return () => {
       takers.delete(take);
       demands.delete(take);
@@ -212,6 +221,19 @@ class Bus extends EventEmitter {
     if (demands.size === 0) this.demands.delete(board);
   }
 
+  // Whatever arrives: what raises is counted, told once as `fault`, and dropped.
+  guard(what, action) {
+    try {
+      action();
+    } catch (error) {
+      this.faults += 1;
+      const kind = String(error?.stack || error).split('\n').slice(0, 2).join(' ');
+      if (this.faulty.has(kind) || this.faulty.size >= 100) return;
+      this.faulty.add(kind);
+      this.emit('fault', `${what} was dropped; others of this kind will be without a line here: ${kind}`);
+    }
+  }
+
   onMessage(topic, payload, packet) {
     const levels = this.topics.split(topic);
     if (!levels) return;
@@ -225,7 +247,7 @@ class Bus extends EventEmitter {
       const value = readObject(payload);
       if (!value) return;
       this.newest.set(topic, value);
-      for (const take of [...this.values.get(topic)]) take(value, false);
+      for (const take of [...this.values.get(topic)]) this.guard(`a value on ${topic}`, () => take(structuredClone(value), false)); // flows change what they get
     }
   }
 

@@ -5,6 +5,7 @@
 
 const { existsSync, readFileSync, readdirSync } = require('node:fs');
 const { join } = require('node:path');
+const { isObject } = require('./protocol');
 
 // The models of a folder, by name, without their examples.
 function readStandard(folder) {
@@ -21,7 +22,6 @@ const standard = existsSync(packed) ? JSON.parse(readFileSync(packed)) : readSta
 
 const refOf = (model) => `${model.name}@${model.version ?? 1}`;
 const own = new Map(Object.values(standard).map((model) => [refOf(model), model]));
-const isObject = (value) => Boolean(value) && typeof value === 'object' && !Array.isArray(value);
 
 class Models {
   constructor() {
@@ -48,14 +48,17 @@ class Models {
 
   // Takes the items of a registry's answer.
   take(items) {
-    for (const model of Array.isArray(items) ? items : []) if (isObject(model) && typeof model.name === 'string') this.told.set(refOf(model), model);
+    for (const model of Array.isArray(items) ? items : []) if (isObject(model) && typeof model.name === 'string' && Number.isInteger(model.version ?? 1) && this.told.size < 4096) this.told.set(refOf(model), model);
   }
 }
 
 const eventsOf = (model) => (isObject(model?.events) ? Object.entries(model.events) : []);
 
 // The unit of an event's first field; undefined: it has none.
-const unitOf = (model, event) => eventsOf(model).find(([, one]) => one?.name === event)?.[1].fields?.[0]?.unit;
+const unitOf = (model, event) => {
+  const unit = eventsOf(model).find(([, one]) => one?.name === event)?.[1].fields?.[0]?.unit;
+  return typeof unit === 'string' ? unit : undefined;
+};
 
 // The command without arguments by which the board tells this event (the first one where none is named).
 function askerOf(model, event) {
@@ -67,9 +70,9 @@ function askerOf(model, event) {
 // The commands of a model as a form shows them. What is counted is not asked.
 const commandsOf = (model) => Object.entries(isObject(model?.commands) ? model.commands : {}).map(([name, one]) => ({
   name,
-  title: one?.title || '',
-  args: (Array.isArray(one?.args) ? one.args : []).filter((arg) => arg.type !== 'count').map(({ name: arg, title, type, unit, min, max, names, items, max_length: most }) => ({
-    name: arg, title, type, unit, min, max, names: names && Object.keys(names), items: items?.map((item) => item.name), most,
+  title: typeof one?.title === 'string' ? one.title : '',
+  args: (Array.isArray(one?.args) ? one.args : []).filter((arg) => isObject(arg) && arg.type !== 'count').map(({ name: arg, title, type, unit, min, max, names, items, max_length: most }) => ({
+    name: arg, title, type, unit, min, max, names: isObject(names) ? Object.keys(names) : undefined, items: Array.isArray(items) ? items.map((item) => item?.name) : undefined, most,
   })),
 }));
 

@@ -4,7 +4,8 @@
 
 const NAME = /^[A-Za-z0-9._-]{1,64}$/;
 
-const validName = (name) => NAME.test(name) && name !== '.' && name !== '..';
+const isObject = (value) => Boolean(value) && typeof value === 'object' && !Array.isArray(value);
+const validName = (name) => typeof name === 'string' && NAME.test(name) && name !== '.' && name !== '..';
 const validBoard = (name) => validName(name) && name !== 'servicebus' && name !== 'registry';
 
 // A user of the broker as one level of a topic.
@@ -55,6 +56,7 @@ class AsipError extends Error {
 }
 
 const UNPROVEN = {
+  __proto__: null,
   doubt: 'something on the line to the board was lost or damaged',
   partly: 'some of its lines were sent and others were not',
   'no-value': 'executed, but the value that was asked for did not come',
@@ -63,16 +65,18 @@ const UNPROVEN = {
 // The error that a final answer stands for; null where its status is "ok".
 function errorOf(answer, board, service) {
   const where = service ? `${board}/${service}` : board;
-  const { status, reason } = answer;
+  const { status } = answer;
+  const reason = typeof answer.reason === 'string' && answer.reason ? answer.reason : undefined;
+  const words = typeof answer.error === 'string' ? answer.error : '';
   const names = { board, service, reason };
   if (status === 'ok') return null;
   if (status === 'error') {
     const code = Number.isInteger(answer.code) ? answer.code : 0;
-    return new AsipError('BoardError', `${where}: the board refused it: ${answer.error || 'no reason given'} (error ${code})`, { ...names, sent: true, code });
+    return new AsipError('BoardError', `${where}: the board refused it: ${words || 'no reason given'} (error ${code})`, { ...names, sent: true, code });
   }
   if (status === 'refused') {
-    const kind = { 'board-not-there': 'NotThere', invalid: 'Invalid' }[reason] || 'Refused';
-    return new AsipError(kind, `${where}: not sent to the board: ${answer.error || reason}`, names);
+    const kind = reason === 'board-not-there' ? 'NotThere' : reason === 'invalid' ? 'Invalid' : 'Refused';
+    return new AsipError(kind, `${where}: not sent to the board: ${words || reason || 'no reason given'}`, names);
   }
   const why = status === 'timeout' ? UNPROVEN[reason] || 'the board gave no proof in time' : 'the answer cannot be read';
   return new AsipError('Unproven', `${where}: ${why}; it may or may not have been executed`, { ...names, sent: null });
@@ -100,12 +104,33 @@ class Clocks {
   }
 }
 
+const MAX_DEPTH = 32;
+// Numbers that may be beyond what a double holds: such a text is read with care.
+const ODD = /[0-9.][eE]\+?[0-9]{3}|[0-9]{300}/;
+
+// Refuses numbers without an end, and the members that stand for an object's own parts.
+function finite(key, value) {
+  if (typeof value === 'number' && !Number.isFinite(value)) throw new RangeError(key);
+  return value;
+}
+
+// Whether it nests at most MAX_DEPTH deep.
+function isFlat(value) {
+  let level = [value];
+  for (let depth = 0; depth < MAX_DEPTH; depth += 1) {
+    level = level.flatMap((one) => Object.values(one)).filter((one) => one && typeof one === 'object');
+    if (!level.length) return true;
+  }
+  return false;
+}
+
 // A JSON object of a payload; null for anything else.
 function readObject(payload, limit = 1 << 20) {
   if (payload.length > limit) return null;
   try {
-    const value = JSON.parse(payload.toString());
-    return value && typeof value === 'object' && !Array.isArray(value) ? value : null;
+    const text = payload.toString();
+    const value = ODD.test(text) ? JSON.parse(text, finite) : JSON.parse(text);
+    return isObject(value) && isFlat(value) ? value : null;
   } catch {
     return null;
   }
@@ -117,4 +142,4 @@ function matches(pattern, name) {
   return new RegExp(`^${text}$`).test(name);
 }
 
-module.exports = { validName, validBoard, makeTopics, makeRequest, AsipError, errorOf, Clocks, readObject, matches };
+module.exports = { isObject, validName, validBoard, makeTopics, makeRequest, AsipError, errorOf, Clocks, readObject, matches };

@@ -12,7 +12,7 @@ module.exports = (RED) => {
     const seen = new Map();
     withBus(RED, this, config, (bus) => {
       const chosen = (board) => matches(config.pattern || '*', board.name)
-        && (!key || (value === undefined ? key in (board.description.labels || {}) : board.description.labels?.[key] === value));
+        && (!key || (Object.hasOwn(board.description.labels, key) && (value === undefined || board.description.labels[key] === value)));
       const count = () => {
         const there = [...bus.boards.all.values()].filter((board) => chosen(board) && isThere(board)).length;
         this.status(bus.ready ? { fill: 'green', shape: 'dot', text: `${there} there` } : { fill: 'yellow', shape: 'ring', text: 'connecting' });
@@ -24,7 +24,7 @@ module.exports = (RED) => {
         seen.set(board.name, board.state);
         if (THERE.includes(before) && isThere(board)) return; // asleep, or at an update
         const event = !isThere(board) ? board.state : before === undefined ? 'joined' : 'returned';
-        this.send({ topic: board.name, payload: event, state: board.state, reason: board.reason, text: words(board), labels: board.description.labels || {} });
+        this.send({ topic: board.name, payload: event, state: board.state, reason: board.reason, text: words(board), labels: { ...board.description.labels } });
       };
       bus.on('board', told);
       bus.on('connected', count);

@@ -20,6 +20,7 @@ module.exports = (RED) => {
     }
     this.bus.on('connected', () => this.log('connected'));
     this.bus.on('disconnected', (why) => this.log(why));
+    this.bus.on('fault', (what) => this.error(what));
     this.bus.start();
     this.on('close', (_removed, done) => this.bus.close(done));
   }, { credentials: { user: { type: 'text' }, password: { type: 'password' } } });

@@ -13,7 +13,7 @@ module.exports = (RED) => {
     withBus(RED, this, config, (bus) => {
       const noValues = bus.onValue(config.board, 'io', 10, (payload) => {
         const value = payload[event]?.[pin];
-        if (value === undefined || value === level) return;
+        if (typeof value !== 'number' || value === level) return;
         const first = level === undefined;
         level = value;
         if (first && !config.initial) return;

@@ -36,7 +36,7 @@ function valueOf(payload, pwm, invert) {
     const duty = Number(payload);
     return Number.isInteger(duty) && duty >= 0 && duty <= 255 ? (invert ? 255 - duty : duty) : null;
   }
-  const words = { true: 1, false: 0, 1: 1, 0: 0, on: 1, off: 0, high: 1, low: 0 };
+  const words = { __proto__: null, true: 1, false: 0, 1: 1, 0: 0, on: 1, off: 0, high: 1, low: 0 };
   const level = words[String(payload).toLowerCase()];
   return level === undefined ? null : level ^ (invert ? 1 : 0);
 }

@@ -14,7 +14,7 @@ module.exports = (RED) => {
       const take = (payload, retained) => {
         if (retained && !config.initial) return;
         const event = config.event || Object.keys(payload)[0];
-        if (!(event in payload)) return;
+        if (event === undefined || !Object.hasOwn(payload, event)) return;
         const value = element === null ? payload[event] : payload[event]?.[element];
         if (value === undefined) return;
         heard = true;

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import test from 'node:test';
-import { EventEmitter } from 'node:events';
+import { Broker } from './flow.mjs';
 
 const require = createRequire(import.meta.url);
 const protocol = require('../lib/protocol.js');
@@ -61,26 +61,6 @@ test('models are the standard ones', () => {
   assert.deepEqual(commandsOf(known.of({ model: 'servo@1' })).find((one) => one.name === 'remap').args.map((arg) => arg.name), ['pins'], 'a count is not asked');
 });
 
-// A broker that answers what this program sends to itself, and remembers the rest.
-class Broker extends EventEmitter {
-  sent = [];
-
-  connected = true;
-
-  subscribe() {}
-
-  unsubscribe() {}
-
-  publish(topic, text) {
-    if (topic.includes('/$self/')) setImmediate(() => this.tell(topic, text));
-    else this.sent.push([topic, JSON.parse(text)]);
-  }
-
-  tell(topic, content) { this.emit('message', topic, Buffer.from(typeof content === 'string' ? content : JSON.stringify(content)), { retain: false }); }
-
-  end() {}
-}
-
 test('a board that reports nothing is asked, and a registry for a model that is not known', async () => {
   const broker = new Broker();
   const bus = new Bus({ brokers: 'pi' }, () => broker);
@@ -105,8 +85,10 @@ test('a board that reports nothing is asked, and a registry for a model that is 
 test('odd descriptions and odd commands end as errors', async () => {
   const boards = new Boards();
   const say = (seq, more) => boards.onDescription('desk', Buffer.from(JSON.stringify({ board: 'desk', session: '1', seq, lease: 60, ...more })), false, undefined, 1);
-  say(1, { services: [null, 5, 'io', { name: 5 }, { name: 'servo' }], labels: 5, state: { is: 5 } });
-  assert.deepEqual([boards.get('desk').description.services, boards.get('desk').description.labels], [[{ name: 'io' }, { name: 'servo' }], {}]);
+  for (const more of [{ services: [null] }, { services: ['io'] }, { services: [{ name: 5 }] }, { services: [], labels: 5 }, { services: [], state: { is: 5 } }]) say(1, more);
+  assert.equal(boards.get('desk'), undefined);
+  say(1, { services: [{ name: 'servo' }] });
+  assert.deepEqual(boards.get('desk').description.labels, {});
   const bus = new Bus({ brokers: 'pi' }, () => new Broker());
   const loop = {};
   loop.loop = loop;
