@@ -5,6 +5,7 @@
 
 const { randomBytes } = require('node:crypto');
 const { EventEmitter } = require('node:events');
+const { createRequire } = require('node:module');
 const { AsipError, Clocks, errorOf, makeRequest, makeTopics, readObject, validBoard, validName } = require('./protocol');
 const { Boards, isThere, words } = require('./boards');
 const { addressOf } = require('./bus-address');
@@ -15,12 +16,24 @@ const GRACE_SECONDS = 0.5; // for an answer behind the deadline that the agent k
 const HELLO_SECONDS = 5;
 const MAX_OPEN = 4096;
 
+// npm links a folder without installing what it needs: then Node-RED's own copy does.
+function connectOf() {
+  for (const from of [__filename, require.main?.filename, process.argv[1]].filter(Boolean)) {
+    try {
+      return createRequire(from)('mqtt').connect;
+    } catch (error) {
+      if (error.code !== 'MODULE_NOT_FOUND') throw error;
+    }
+  }
+  throw new Error('the module mqtt is missing: npm install mqtt, in the folder of your Node-RED');
+}
+
 const now = () => performance.now() / 1000;
 
 // Events: `connected`, `disconnected` (why), `board` (the board that changed).
 class Bus extends EventEmitter {
   // options: brokers (with commas), user, password, ca, root, by; connect: mqtt.connect, for tests.
-  constructor(options, connect = require('mqtt').connect) {
+  constructor(options, connect = connectOf()) {
     super();
     this.setMaxListeners(0);
     this.options = options;

@@ -16,9 +16,12 @@ function readStandard(folder) {
   }));
 }
 
-// A packed module has them in one file; in a clone they are those of services/.
-const packed = join(__dirname, 'models.json');
-const standard = existsSync(packed) ? JSON.parse(readFileSync(packed)) : readStandard(join(__dirname, '..', '..', 'services'));
+// In a clone they are those of services/, also where a Node-RED has a link to it; a copy has them in one file.
+const services = join(__dirname, '..', '..', 'services');
+const copied = join(__dirname, 'models.json');
+const inClone = existsSync(join(services, 'schema.json'));
+if (!inClone && !existsSync(copied)) throw new Error(`${copied} is missing: npm was told to run no scripts when it copied this folder`);
+const standard = inClone ? readStandard(services) : JSON.parse(readFileSync(copied));
 
 const refOf = (model) => `${model.name}@${model.version ?? 1}`;
 const own = new Map(Object.values(standard).map((model) => [refOf(model), model]));

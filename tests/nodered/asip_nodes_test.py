@@ -2,11 +2,12 @@
 """The nodes of node-red/ in a real Node-RED, with a real bus and simulated boards."""
 
 import json
+import pathlib
 import re
-import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import unittest
 import urllib.error
 import urllib.request
@@ -46,16 +47,32 @@ def flow(broker_port):
     ]
 
 
+def install(folder, *options):
+    """What docs/node-red.md says, in an empty folder of Node-RED, with the folder of this clone."""
+    line = re.search(r"```\n(npm install /path/to/the/clone/node-red)\n```", (ROOT / "docs" / "node-red.md").read_text())[1]
+    folder.mkdir(exist_ok=True)
+    subprocess.run([*line.replace("/path/to/the/clone", str(ROOT)).split(), *options], cwd=folder, check=True, timeout=300)
+
+
+class Installed(unittest.TestCase):
+    """Linked, as npm does without more ado, is what Nodes begins with."""
+
+    def test_copied_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            home = pathlib.Path(folder)
+            install(home, "--install-links")
+            self.assertFalse((home / "node_modules" / "@asip-bus" / "node-red-asip").is_symlink())
+            done = subprocess.run(["node", "-e", "const path = '@asip-bus/node-red-asip/lib/'; const { Models } = require(path + 'models'); const { Bus } = require(path + 'bus');"
+                                   "new Bus({}); console.log(new Models().of({ model: 'servo@1' }).name)"], cwd=home, capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.stdout, done.stderr), ("servo\n", ""))
+
+
 class Nodes(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.bus = Bus()
         cls.addClassCleanup(cls.bus.close)
-        package = cls.bus.work / "node_modules" / "@asip-bus" / "node-red-asip"
-        shutil.copytree(ROOT / "node-red", package, ignore=shutil.ignore_patterns("node_modules", "tests"))
-        subprocess.run(["node", ROOT / "node-red" / "generate_models.mjs", package / "lib" / "models.json"], check=True)
-        (cls.bus.work / "node_modules" / "mqtt").symlink_to(BUILD / "node-red" / "node_modules" / "mqtt")
-        (cls.bus.work / "package.json").write_text(json.dumps({"name": "flows", "version": "0.0.1", "dependencies": {"@asip-bus/node-red-asip": "*"}}))
+        install(cls.bus.work)
         (cls.bus.work / "flow.json").write_text(json.dumps(flow(cls.bus.broker_port)))
         cls.port = free_port()
         (cls.bus.work / "settings.js").write_text(SETTINGS.format(port=cls.port))
