@@ -1,86 +1,251 @@
 // SPDX-License-Identifier: Apache-2.0
-// The boards on the bus: their state, why, and their services (docs/service-bus.md, "Liveness"). Pure.
+// The boards on the bus: their state, why, since when, and their services (docs/service-bus.md, "Presence"). Pure. It says what `asip/catalogue` of
+// the C++ programs says after the same messages: tests/vectors/presence.json binds both. Times are seconds of a monotonic clock.
 'use strict';
 
 const { readObject, validBoard } = require('./protocol');
-const { STATES, readDescription } = require('./description');
+const { STATES, DEFAULT_LEASE, readDescription } = require('./description');
 
 const THERE = ['online', 'sleeping', 'updating'];
+const STATE_EXPIRY = 3e9; // `$state` is published with it: what is left of it says how old a retained one is
+const SAME_MOMENT = 5; // two messages that say one state name its beginning alike within this time
+const APART = 2; // of two messages with ages in whole seconds the one that is this much older was published first
+const GRACE = 10; // for leases, after the broker was away
+const FORGET_AFTER = 7 * 86400;
+const MAX_OLD_SESSIONS = 8;
 const WORDS = {
   __proto__: null,
-  latched: 'STOPPED until it is resumed', unplugged: 'cable unplugged', silent: 'the board does not answer', 'agent-gone': 'its agent ended or lost the broker',
-  expired: 'nothing renewed its lease', released: 'another program has its port', stopped: 'its agent was stopped', conflict: 'two agents claim its name',
+  unplugged: 'cable unplugged', silent: 'the board answers nothing', 'agent-gone': 'its agent died or lost the broker', expired: 'its agent fell silent and the lease ran out',
+  released: 'its port is in other hands', stopped: 'its agent was stopped', conflict: 'two agents claim its name', latched: 'STOPPED until it is resumed',
 };
 const REASON_OF_WORD = { lost: 'agent-gone', offline: 'stopped', updating: 'released' };
+const isThereWord = (word) => THERE.includes(word);
+// Sessions of our agents begin with the time of their start; those of other programs have no order.
+const isTimed = (session) => /^[0-9a-f]{16}(-|$)/.test(session);
+const isOlder = (session, than) => isTimed(session) && isTimed(than) && session < than;
 
-class Boards {
-  constructor() { this.all = new Map(); }
+class Board {
+  constructor(name, now) {
+    Object.assign(this, {
+      name, reported: 'online', reportedReason: '', reportedSince: -Infinity, effective: 'lost', judgedReason: '', since: now, session: '', seq: -1, lease: DEFAULT_LEASE,
+      description: { services: [], labels: {} }, described: false, saysState: false, describedAt: -Infinity, proven: false, deadline: now, firstSeen: now, lastHeard: -Infinity,
+      epochHeard: 0, epochGone: 0, keptUntil: -Infinity, oldSessions: new Map(), challenger: undefined,
+      hinted: false, // only a retained word says that it is there
+    });
+  }
 
-  get(name) { return this.all.get(name); }
+  get state() { return this.hinted ? 'unknown' : this.effective; }
 
-  // Each returns the board where its state or description changed, else undefined. Times are seconds.
-  onState(name, payload, now) {
-    const word = payload.toString().replace(/[\r\n]+$/, '');
-    if (word === '') {
-      const gone = this.all.get(name);
-      this.all.delete(name);
-      return gone && { ...gone, state: 'forgotten' };
+  get reason() { return this.conflict && !this.judgedReason ? 'conflict' : this.judgedReason; }
+
+  get conflict() { return Boolean(this.challenger?.confirmed); }
+
+  alive(now) { return isThereWord(this.reported) && now < this.deadline; }
+
+  // Messages that say the same again can only be later than the moment, so the earliest counts, unless the board left the state
+  // meanwhile and came into it again.
+  say(state, word, moment, now) {
+    const reason = word in WORDS ? word : '';
+    let since = moment;
+    if (this.reported === state && this.reportedReason === reason && this.reportedSince !== -Infinity) {
+      if (since === -Infinity) since = this.reportedSince;
+      if (Math.abs(since - this.reportedSince) < SAME_MOMENT) since = Math.min(since, this.reportedSince);
     }
-    if (!STATES.includes(word) || !validBoard(name)) return undefined;
-    const board = this.of(name);
-    board.word = word;
-    // A description says the state with its reason; only the broker's word for a board that was there is news.
-    if (board.saysState && (THERE.includes(word) || !THERE.includes(board.state))) return undefined;
-    return this.become(board, word, REASON_OF_WORD[word] || '', now);
+    Object.assign(this, { reported: state, reportedReason: reason, reportedSince: Math.min(since, now) });
   }
 
-  onDescription(name, payload, retained, expiry, now) {
-    const document = readDescription(readObject(payload, 1 << 16), name);
-    if (!document) return undefined;
-    const board = this.of(name);
-    if (board.session === document.session && document.seq < board.seq) return undefined;
-    if (retained && board.session > document.session) return undefined;
-    const news = board.session !== document.session || document.seq > board.seq;
-    const { lease } = document;
-    board.deadline = now + (retained && expiry !== undefined ? Math.min(expiry, lease) : lease);
-    if (!news) return undefined;
-    Object.assign(board, { session: document.session, seq: document.seq, description: document });
-    const said = document.state;
-    board.saysState = Boolean(said);
-    // What is retained on `$state` is newer than a description that is retained: a will does not change that.
-    const older = retained && board.word && !THERE.includes(board.word) && board.saysState && THERE.includes(said.is);
-    const changed = older ? undefined : board.saysState ? this.become(board, said.is, said.reason || '', now)
-      : board.state === 'unknown' ? this.become(board, 'online', '', now) : undefined;
-    return changed || board;
-  }
-
-  // The boards whose lease is over since the last call.
-  expire(now) {
-    const lost = [];
-    for (const board of this.all.values()) {
-      if (THERE.includes(board.state) && board.deadline !== undefined && now >= board.deadline) {
-        board.saysState = false;
-        lost.push(this.become(board, 'lost', 'expired', now));
-      }
+  // An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
+  // board that was there is newer, and the word of the broker.
+  takeSaidState(retained, expiry, succeeds, epoch, now) {
+    const said = this.description.state;
+    this.saysState = said !== undefined;
+    if (!this.saysState) {
+      if (!retained && succeeds && !isThereWord(this.reported)) this.say('online', '', now, now);
+      return;
     }
-    return lost;
+    const onTheWay = retained && expiry !== undefined ? Math.max(0, this.lease - expiry) : 0;
+    const newer = this.reportedSince !== -Infinity && now - onTheWay > this.reportedSince + APART;
+    const goneSince = retained && this.epochGone === epoch && !isThereWord(this.reported) && said.is !== this.reported && !newer;
+    this.describedAt = now - onTheWay;
+    if (goneSince) return;
+    if (succeeds) this.reportedSince = -Infinity;
+    this.say(said.is, said.reason ?? '', now - onTheWay - (said.age ?? 0), now);
   }
 
-  of(name) {
-    if (!this.all.has(name)) this.all.set(name, { name, state: 'unknown', reason: '', session: '', seq: -1, description: { services: [], labels: {} } });
-    return this.all.get(name);
+  // 'accept', 'renew' or 'refuse': what a description of this session is.
+  judge({ session, seq, lease }, live, now) {
+    if (!this.described) return 'accept';
+    if (this.session !== session) return this.judgeOtherSession(session, seq, lease, live, now) ? 'accept' : 'refuse';
+    if (seq <= this.seq) return seq < this.seq ? 'refuse' : 'renew';
+    if (live && this.challenger) {
+      if (now >= this.challenger.deadline) this.challenger = undefined;
+      else this.challenger.answered = true;
+    }
+    return 'accept';
   }
 
-  become(board, state, reason, now) {
-    const changed = board.state !== state;
-    if (changed) board.since = now;
-    Object.assign(board, { state, reason });
-    return changed ? board : undefined;
+  judgeOtherSession(session, seq, lease, live, now) {
+    const old = this.oldSessions.get(session);
+    if (old !== undefined && seq <= old) return false;
+    const holderLives = this.alive(now) && this.proven;
+    const older = isOlder(session, this.session);
+    if (!live) {
+      if (old !== undefined || older || (holderLives && !isOlder(this.session, session))) return false;
+    } else if (holderLives) {
+      const disputed = this.conflict && now < this.challenger.deadline;
+      if (old !== undefined || disputed || older) return this.challenge(session, seq, lease, now);
+    } else if (older && now < this.deadline) return false; // what its session said last counts
+    this.takeOver(session);
+    return true;
+  }
+
+  // Another session lives beside the holder, or lived when its message was sent. Only one that comes after the holder has answered proves
+  // that both live; then the larger session holds the board.
+  challenge(session, seq, lease, now) {
+    if (this.oldSessions.has(session)) this.oldSessions.set(session, seq);
+    if (this.challenger?.session !== session) {
+      const known = this.conflict;
+      this.challenger = { session, answered: known, confirmed: known };
+    }
+    const other = this.challenger;
+    Object.assign(other, { confirmed: other.confirmed || other.answered, seq, deadline: now + lease });
+    if (!(other.confirmed && this.session < session)) return false;
+    this.takeOver(session);
+    return true;
+  }
+
+  // The old session is remembered, so that its old messages cannot come back.
+  takeOver(session) {
+    this.oldSessions.delete(session);
+    this.oldSessions.set(this.session, this.seq);
+    if (this.oldSessions.size > MAX_OLD_SESSIONS) this.oldSessions.delete(this.oldSessions.keys().next().value);
+    const other = this.challenger;
+    if (other?.session === session) {
+      if (other.confirmed) Object.assign(other, { session: this.session, seq: this.seq, deadline: this.deadline });
+      else this.challenger = undefined;
+    }
+    Object.assign(this, { session, seq: 0, proven: false, epochHeard: 0 });
+  }
+
+  // Brings the effective state into line with what was reported and the lease; whether it changed.
+  update(now, added) {
+    const is = this.alive(now) || !isThereWord(this.reported) ? this.reported : 'lost';
+    const judged = is !== this.reported; // by its lease
+    const was = this.effective;
+    this.effective = is;
+    this.keptUntil = -Infinity;
+    if (was !== is || added) {
+      const unknown = judged ? added : !isThereWord(is) && this.reportedSince === -Infinity;
+      this.since = unknown ? -Infinity : judged ? this.deadline : now;
+    }
+    if (!judged && this.reportedSince !== -Infinity && (this.saysState || !isThereWord(is))) this.since = this.reportedSince;
+    this.judgedReason = judged ? 'expired' : this.reportedReason;
+    if (was !== is && this.conflict && !this.alive(now)) this.challenger = undefined;
+    return was !== is || Boolean(added);
   }
 }
 
-const isThere = (board) => Boolean(board) && THERE.includes(board.state);
-// `lost: cable unplugged`
-const words = (board) => (board.reason && board.state !== 'online' ? `${board.state}: ${WORDS[board.reason] || board.reason}` : board.state);
+class Boards {
+  constructor() {
+    this.all = new Map();
+    this.epoch = 1;
+    this.heard = true; // while the broker is not, no lease is judged
+  }
 
-module.exports = { Boards, THERE, isThere, words };
+  get(name) { return this.all.get(name); }
+
+  connected(now) {
+    this.heard = true;
+    this.epoch += 1;
+    for (const board of this.all.values()) {
+      if (isThereWord(board.effective)) board.deadline = Math.max(board.deadline, now + Math.min(GRACE, board.lease));
+      else board.keptUntil = now + GRACE;
+    }
+  }
+
+  disconnected() { this.heard = false; }
+
+  // Each returns the board where its state or description changed, else undefined.
+  onDescription(name, payload, retained, expiry, now) {
+    const document = readDescription(readObject(payload, 1 << 16), name);
+    if (!document) return undefined;
+    const added = !this.all.has(name);
+    const board = this.of(name, now);
+    const succeeds = board.described && board.session !== document.session;
+    const verdict = board.judge(document, !retained, now);
+    if (verdict === 'refuse') return undefined;
+    if (verdict === 'accept') {
+      Object.assign(board, { session: document.session, seq: document.seq, lease: document.lease, description: document, described: true });
+      board.takeSaidState(retained, expiry, succeeds, this.epoch, now);
+    }
+    if (!retained) {
+      Object.assign(board, { deadline: now + board.lease, proven: true, lastHeard: now });
+      if (board.saysState) board.epochHeard = this.epoch;
+    } else if (expiry !== undefined) board.deadline = Math.max(board.deadline, now + Math.min(expiry, board.lease));
+    else if (verdict === 'accept') board.deadline = Math.max(board.deadline, now + board.lease);
+    board.hinted = false;
+    return board.update(now, added) || verdict === 'accept' ? board : undefined;
+  }
+
+  onState(name, payload, retained, expiry, now) {
+    if (!validBoard(name)) return undefined;
+    const known = this.all.get(name);
+    // Another program forgot this board: so does this one, unless it is known to be there.
+    if (payload.length === 0) return known && !isThereWord(known.effective) ? this.forget(known) : undefined;
+    const word = payload.toString().replace(/[\r\n ]+$/, '');
+    if (!STATES.includes(word) || (known && retained && known.epochHeard === this.epoch)) return undefined;
+    const there = isThereWord(word);
+    const board = known ?? this.of(name, now);
+    board.hinted = retained && there && (!known || known.hinted);
+    const published = expiry !== undefined && expiry <= STATE_EXPIRY ? now - (STATE_EXPIRY - expiry) : undefined;
+    // A bridge delivers what it has stored again: the agent has said more since then.
+    if (board.saysState && !there && published !== undefined && published + APART < board.describedAt) return undefined;
+    if (!there) board.epochGone = this.epoch;
+    // The newer of two words counts, also where both say that it is not there.
+    const goneOtherwise = !there && !isThereWord(board.reported) && word !== board.reported && (!retained || (published !== undefined && published > board.describedAt + APART));
+    if (!board.saysState || (!there && isThereWord(board.reported)) || goneOtherwise) {
+      const moment = !retained && (!known || word !== board.reported) ? now : -Infinity;
+      board.say(word, REASON_OF_WORD[word] ?? '', retained && published !== undefined ? published : moment, now);
+    }
+    if (!retained && !board.saysState && there) Object.assign(board, { deadline: now + board.lease, lastHeard: now });
+    if (!retained) board.epochHeard = this.epoch;
+    return board.update(now, !known) ? board : undefined;
+  }
+
+  // The boards that were lost, or forgotten, since the last call, because their lease is over.
+  expire(now) {
+    const changed = [];
+    for (const board of this.heard ? [...this.all.values()] : []) {
+      if (isThereWord(board.effective) && now >= board.deadline && board.update(now, false)) changed.push(board);
+      const gone = board.since === -Infinity ? board.firstSeen : board.since;
+      if (!isThereWord(board.effective) && now >= Math.max(Math.max(gone, board.lastHeard) + FORGET_AFTER, board.keptUntil)) changed.push(this.forget(board));
+    }
+    return changed;
+  }
+
+  of(name, now) {
+    if (!this.all.has(name)) this.all.set(name, new Board(name, now));
+    return this.all.get(name);
+  }
+
+  forget(board) {
+    this.all.delete(board.name);
+    return { name: board.name, state: 'forgotten', reason: '', since: -Infinity, description: board.description };
+  }
+}
+
+const isThere = (board) => Boolean(board) && isThereWord(board.state);
+
+function duration(seconds) {
+  for (const [size, unit] of [[86400, 'd'], [3600, 'h'], [60, 'min']]) if (seconds >= size) return `${Math.floor(seconds / size)} ${unit}`;
+  return `${Math.floor(seconds)} s`;
+}
+
+// `lost: cable unplugged`; with the time, `lost 3 min ago: cable unplugged`
+function words(board, now) {
+  const ago = now === undefined || board.since === -Infinity || now - board.since < 1 ? '' : ` ${duration(now - board.since)} ago`;
+  const why = WORDS[board.reason];
+  return `${board.state}${ago}${why && board.state !== 'online' ? `: ${why}` : ''}`;
+}
+
+module.exports = { Boards, THERE, WORDS, isThere, words };

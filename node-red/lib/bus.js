@@ -83,7 +83,8 @@ class Bus extends EventEmitter {
     let refused = '';
     link.on('connect', () => {
       link.stream?.setNoDelay?.(true);
-      link.subscribe([this.topics.replies(), this.topics.state('+'), this.topics.description('+')], { qos: 1 });
+      this.boards.connected(now());
+      link.subscribe([this.topics.replies(), this.topics.description('+'), this.topics.state('+')], { qos: 1 });
       for (const topic of this.values.keys()) link.subscribe(topic, { qos: 0 });
       link.publish(this.topics.own(), 'hello', { qos: 1 });
       this.hello = setTimeout(() => this.drop(link, 'the broker keeps answers from this user: see its access rules'), HELLO_SECONDS * 1000);
@@ -107,6 +108,7 @@ class Bus extends EventEmitter {
     clearTimeout(this.hello);
     this.link = null;
     this.ready = false;
+    this.boards.disconnected();
     this.failures += 1;
     this.place += 1;
     for (const call of this.open.values()) {
@@ -154,7 +156,7 @@ class Bus extends EventEmitter {
     if (!this.ready) return Promise.reject(new AsipError('Disconnected', `${where}: not connected to a broker; nothing was sent`, names));
     const known = this.boards.get(board);
     if (known && known.state !== 'unknown' && !isThere(known)) {
-      return Promise.reject(new AsipError('NotThere', `${where}: ${board} is ${words(known)}; nothing was sent`, { ...names, reason: 'board-not-there' }));
+      return Promise.reject(new AsipError('NotThere', `${where}: ${board} is ${words(known, now())}; nothing was sent`, { ...names, reason: 'board-not-there' }));
     }
     if (this.open.size >= MAX_OPEN) return Promise.reject(new AsipError('Refused', `${where}: ${MAX_OPEN} commands wait already`, { ...names, reason: 'queue-full' }));
     const id = `${this.client}-${this.count += 1}`;
@@ -254,8 +256,8 @@ class Bus extends EventEmitter {
     else if (levels[0] === 'reply') this.onReply(topic, payload);
     else if (levels[0] === 'servicebus' && levels.length === 3) {
       const expiry = packet.properties?.messageExpiryInterval;
-      this.changed(levels[2] === '$state' ? this.boards.onState(levels[1], payload, now())
-        : this.boards.onDescription(levels[1], payload, packet.retain, expiry, now()));
+      this.changed(levels[2] === '$state' ? this.boards.onState(levels[1], payload, packet.retain, expiry, now())
+        : levels[2] === '$description' ? this.boards.onDescription(levels[1], payload, packet.retain, expiry, now()) : undefined);
     } else if (this.values.has(topic)) {
       const value = readObject(payload);
       if (!value) return;
@@ -301,4 +303,4 @@ class Bus extends EventEmitter {
   }
 }
 
-module.exports = { Bus };
+module.exports = { Bus, now };

@@ -3,6 +3,7 @@
 
 const { THERE, isThere, words } = require('../lib/boards');
 const { matches } = require('../lib/protocol');
+const { now } = require('../lib/bus');
 const { withBus } = require('../lib/node');
 
 module.exports = (RED) => {
@@ -24,7 +25,7 @@ module.exports = (RED) => {
         seen.set(board.name, board.state);
         if (THERE.includes(before) && isThere(board)) return; // asleep, or at an update
         const event = !isThere(board) ? board.state : before === undefined ? 'joined' : 'returned';
-        this.send({ topic: board.name, payload: event, state: board.state, reason: board.reason, text: words(board), labels: { ...board.description.labels } });
+        this.send({ topic: board.name, payload: event, state: board.state, reason: board.reason, text: words(board, now()), labels: { ...board.description.labels } });
       };
       bus.on('board', told);
       bus.on('connected', count);

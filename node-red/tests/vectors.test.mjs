@@ -8,7 +8,7 @@ import { Broker } from './flow.mjs';
 
 const require = createRequire(import.meta.url);
 const protocol = require('../lib/protocol.js');
-const { Boards, words } = require('../lib/boards.js');
+const { Boards } = require('../lib/boards.js');
 const { Bus } = require('../lib/bus.js');
 const { addressOf } = require('../lib/bus-address.js');
 const { Models, askerOf, commandsOf, unitOf } = require('../lib/models.js');
@@ -108,29 +108,6 @@ test('a registry is asked once for a model that is not known, and odd models har
     assert.doesNotThrow(() => [commandsOf(model), unitOf(model, 'x'), askerOf(model), askerOf(model, 'x')], JSON.stringify(model));
   }
   known.take(undefined);
-});
-
-test('what the broker says last of a board is newer than a description that it keeps', () => {
-  const boards = new Boards();
-  const say = (session, retained) => boards.onDescription('desk', Buffer.from(JSON.stringify({ board: 'desk', session, seq: 1, lease: 60, services: [], state: { is: 'online' } })), retained, 50, 1);
-  boards.onState('desk', Buffer.from('lost'), 0);
-  say('1', true);
-  assert.equal(boards.get('desk').state, 'lost');
-  say('2', false);
-  assert.equal(boards.get('desk').state, 'online', 'its agent is back');
-});
-
-test('a lost board stays lost over many renewals, and damaged documents change nothing', () => {
-  const boards = new Boards();
-  const say = (seq, state, now) => boards.onDescription('desk', Buffer.from(JSON.stringify({ board: 'desk', session: '1', seq, lease: 60, services: [], state })), false, undefined, now);
-  say(1, { is: 'online' }, 0);
-  say(2, { is: 'lost', reason: 'unplugged' }, 5);
-  for (let turn = 0; turn < 10; turn += 1) say(3 + turn, { is: 'lost', reason: 'unplugged' }, 25 + 20 * turn);
-  assert.equal(words(boards.get('desk')), 'lost: cable unplugged');
-  for (const text of ['', '{', '[]', '{"board":"x"}', '{"board":"desk","services":[],"seq":"y"}']) assert.equal(boards.onDescription('desk', Buffer.from(text), false, undefined, 9), undefined);
-  say(20, { is: 'online' }, 300);
-  assert.deepEqual(boards.expire(361).map((board) => [board.state, board.reason]), [['lost', 'expired']]);
-  assert.equal(boards.onState('lamp', Buffer.from('online\r\n'), 0).state, 'online');
 });
 
 test('addresses', () => {

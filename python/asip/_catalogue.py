@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The boards that this program looks at: their state, why, and since when (docs/guarantees.md, "Presence"). Pure.
+"""The boards that this program looks at: their state, why, and since when (docs/service-bus.md, "Presence"). Pure.
 
-The agent that holds a board's name says its state, in the description and on `$state`; the broker says `lost` on its behalf.
-This module adds one judgement only: the lease is over. A renewed description changes no state.
+It says what `asip/catalogue` of the C++ programs says after the same messages: tests/vectors/presence.json binds both. The agent that holds a
+board's name says its state, in its descriptions, and the broker says `lost` on `$state` on its behalf. This module adds one judgement
+only: the lease is over. A renewed description changes no state.
 """
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from . import _description, _model
@@ -13,40 +15,75 @@ from ._description import STATES
 from ._topics import valid_board
 
 THERE = ("online", "sleeping", "updating")
-# Agents publish `$state` with this expiry, in seconds: what is left of it says how old a retained one is.
+# `$state` is published with this expiry, in seconds: what is left of it says how old a retained one is.
 _STATE_EXPIRY = 3_000_000_000
-# Of two messages whose ages are whole seconds, the one that is this much older was published first.
+# Two messages that say one state name its beginning alike within this time: delays and whole seconds.
+_SAME_MOMENT = 5.0
+# Of two messages with ages in whole seconds the one that is this much older was published first.
 _APART = 2.0
 # After the broker was away, leases get this time to be renewed.
 _GRACE = 10.0
-_WORDS = {"latched": "STOPPED until it is resumed", "unplugged": "cable unplugged", "silent": "the board does not answer", "agent-gone": "its agent ended or lost the broker",
-          "expired": "nothing renewed its lease", "released": "another program has its port", "stopped": "its agent was stopped",
-          "conflict": "two agents claim its name"}
+_FORGET_AFTER = 7 * 86_400.0
+_MAX_OLD_SESSIONS = 8
+_NEVER = float("-inf")
+WORDS = {"unplugged": "cable unplugged", "silent": "the board answers nothing", "agent-gone": "its agent died or lost the broker",
+         "expired": "its agent fell silent and the lease ran out", "released": "its port is in other hands", "stopped": "its agent was stopped",
+         "conflict": "two agents claim its name", "latched": "STOPPED until it is resumed"}
 _REASON_OF_WORD = {"lost": "agent-gone", "offline": "stopped", "updating": "released"}
+_TIMED = re.compile(r"[0-9a-f]{16}(-|\Z)")
 
 
 class Entry:
     """What is known of one board. Times are of the monotonic clock."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, now: float) -> None:
         self.name = name
-        self.state = self.said = "unknown"
-        self.reason = ""
-        self.since: float | None = None
-        self.session = ""
-        self.seq = -1
-        self.lease = float(_description.DEFAULT_LEASE)
-        self.deadline: float | None = None
+        self.reported, self.reported_reason, self.reported_since = "online", "", _NEVER
+        self.effective, self.judged_reason, self.since = "lost", "", now
+        self.session, self.seq, self.lease = "", -1, float(_description.DEFAULT_LEASE)
         self.description: dict[str, Any] = {}
-        self.says_state = False
-        self.described_at: float | None = None  # when its description was published
-        self.gone_at: float | None = None  # when `$state` said over this connection that it is not there
+        self.described = self.says_state = False  # its descriptions hold the state: they alone make it be there
+        self.described_at = _NEVER  # when its last description was published, as far as can be known
+        self.proven = False         # its session was heard live, not only retained
+        self.deadline = self.first_seen = now
+        self.last_heard = _NEVER
+        self.epoch_heard = self.epoch_gone = 0
+        self.kept_until = _NEVER
+        self.old_sessions: dict[str, int] = {}
+        self.challenger: Challenger | None = None
+        self.listed = False  # as a registry listed it, or as it was when this program looked last
+        self.hinted = False  # only a retained word says that it is there
+
+    @property
+    def state(self) -> str:
+        """`unknown` until something says more than that it was there once."""
+        return "unknown" if self.hinted else self.effective
+
+    @property
+    def reason(self) -> str:
+        """A word of docs/service-bus.md, "Presence", or empty."""
+        return "conflict" if self.conflict and not self.judged_reason else self.judged_reason
 
     def words(self, now: float) -> str:
         """`lost 3 min ago: cable unplugged`"""
-        ago = "" if self.since is None or now - self.since < 1 else f" {_duration(now - self.since)} ago"
-        why = _WORDS.get(self.reason, self.reason)
+        ago = "" if now - self.since < 1 or self.since == _NEVER else f" {_duration(now - self.since)} ago"
+        why = WORDS.get(self.reason, "")
         return f"{self.state}{ago}" + (f": {why}" if why and self.state != "online" else "")
+
+    def alive(self, now: float) -> bool:
+        return self.reported in THERE and now < self.deadline
+
+    @property
+    def conflict(self) -> bool:
+        return self.challenger is not None and self.challenger.confirmed
+
+
+class Challenger:
+    """A session that claims a board beside its holder."""
+
+    def __init__(self, session: str, known: bool) -> None:
+        self.session, self.seq, self.deadline = session, 0, 0.0
+        self.answered = self.confirmed = known  # the holder announced itself after it; and it announced itself again
 
 
 def _duration(seconds: float) -> str:
@@ -56,19 +93,27 @@ def _duration(seconds: float) -> str:
     return f"{int(seconds)} s"
 
 
+def _is_older(session: str, than: str) -> bool:
+    """Sessions of our agents begin with the time of their start; those of other programs have no order."""
+    return bool(_TIMED.match(session) and _TIMED.match(than)) and session < than
+
+
 class Catalogue:
-    """Feed it messages and time; it returns the names of boards whose state or description changed."""
+    """Feed it messages and time; it says whether a board changed."""
 
     def __init__(self) -> None:
         self.boards: dict[str, Entry] = {}
         self.unheard_since: float | None = None  # the broker is not heard: no state is known, and no lease is judged
+        self._epoch = 1
 
     def connected(self, now: float) -> None:
         self.unheard_since = None
+        self._epoch += 1
         for entry in self.boards.values():
-            entry.gone_at = None
-            if entry.deadline is not None and entry.state in THERE:
+            if entry.effective in THERE:
                 entry.deadline = max(entry.deadline, now + min(_GRACE, entry.lease))
+            else:
+                entry.kept_until = now + _GRACE
 
     def disconnected(self, now: float) -> None:
         if self.unheard_since is None:
@@ -77,98 +122,239 @@ class Catalogue:
     def names(self) -> list[str]:
         return [name for name, entry in self.boards.items() if entry.state != "unknown"]
 
-    def on_state(self, board: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> bool:
-        if not valid_board(board):
-            return False
-        word = payload.decode("utf-8", "replace").rstrip("\r\n ")
-        if not word:
-            return self.boards.pop(board, None) is not None
-        if word not in STATES:
-            return False
-        entry = self.boards.setdefault(board, Entry(board))
-        there = word in THERE
-        published = now - (_STATE_EXPIRY - expiry) if expiry is not None and expiry <= _STATE_EXPIRY else None
-        if entry.says_state and not there and published is not None and entry.described_at is not None \
-                and published + _APART < entry.described_at:
-            return False  # stored before what the agent has said since
-        if not there:
-            entry.gone_at = now if published is None else published
-        if entry.says_state and (there or entry.said not in THERE):
-            return False  # the description says it, with the reason; only the broker's word for a board that was there is news
-        since = now if not retained and word != entry.said else entry.since
-        if retained and published is not None:
-            since = published
-        entry.said, entry.reason, entry.since = word, _REASON_OF_WORD.get(word, ""), since
-        if there and not retained:
-            entry.deadline = now + entry.lease
-        return self._judge(entry, now)
+    def _of(self, name: str, now: float) -> Entry:
+        entry = self.boards.get(name)
+        if entry is None or entry.listed:
+            entry = self.boards[name] = Entry(name, now)
+        return entry
+
+    def _known(self, name: str) -> Entry | None:
+        entry = self.boards.get(name)
+        return None if entry is None or entry.listed else entry
+
+    # Descriptions ---------------------------------------------------------------------------------------------------------
 
     def on_description(self, board: str, document: dict[str, Any] | None, retained: bool, expiry: int | None, now: float) -> bool:
         document = _description.read(document, board)
         if document is None:
             return False
+        added = self._known(board) is None
+        entry = self._of(board, now)
         session, seq = document["session"], document["seq"]
-        entry = self.boards.setdefault(board, Entry(board))
-        if entry.session == session and seq < entry.seq or entry.session > session and retained:
+        succeeds = entry.described and entry.session != session
+        verdict = self._judge(entry, document, not retained, now)
+        if verdict == "refuse":
             return False
-        news = entry.session != session or seq > entry.seq
-        entry.lease = float(document["lease"])
-        left = entry.lease if not retained or expiry is None else min(float(expiry), entry.lease)
-        entry.deadline = now + left
-        if news:
-            entry.session, entry.seq, entry.description = session, seq, document
-            self._take_state(entry, document.get("state"), retained, now - (entry.lease - left), now)
-        return self._judge(entry, now) or news
+        if verdict == "accept":
+            entry.session, entry.seq, entry.description, entry.lease, entry.described = session, seq, document, float(document["lease"]), True
+            self._take_said_state(entry, retained, expiry, succeeds, now)
+        if not retained:
+            entry.deadline, entry.proven, entry.last_heard = now + entry.lease, True, now
+            if entry.says_state:
+                entry.epoch_heard = self._epoch
+        elif expiry is not None:
+            entry.deadline = max(entry.deadline, now + min(float(expiry), entry.lease))
+        elif verdict == "accept":
+            entry.deadline = max(entry.deadline, now + entry.lease)
+        entry.hinted = False
+        return self._update(entry, now, added) or verdict == "accept"
+
+    def _judge(self, entry: Entry, document: dict[str, Any], live: bool, now: float) -> str:
+        if not entry.described:
+            return "accept"
+        if entry.session != document["session"]:
+            return self._judge_other_session(entry, document, live, now)
+        if document["seq"] <= entry.seq:
+            return "refuse" if document["seq"] < entry.seq else "renew"
+        if live and entry.challenger is not None:
+            if now >= entry.challenger.deadline:
+                entry.challenger = None
+            else:
+                entry.challenger.answered = True
+        return "accept"
 
     @staticmethod
-    def _take_state(entry: Entry, said: Any, retained: bool, published: float, now: float) -> None:
-        entry.says_state = said is not None
-        if not entry.says_state:
-            if entry.said == "unknown":
-                entry.said = "online"
-            return
-        entry.described_at = published
-        if retained and said["is"] in THERE and entry.said not in (*THERE, "unknown") and entry.gone_at is not None \
-                and published <= entry.gone_at + _APART:
-            return  # the broker's word for an agent that is gone came behind the description that is stored
-        since = published - float(said.get("age", 0))
-        if entry.said != said["is"] or entry.since is None or abs(entry.since - since) > 5:
-            entry.since = since
-        entry.said, entry.reason = said["is"], said.get("reason", "")
+    def _judge_other_session(entry: Entry, document: dict[str, Any], live: bool, now: float) -> str:
+        session = document["session"]
+        old = entry.old_sessions.get(session)
+        if old is not None and document["seq"] <= old:
+            return "refuse"
+        holder_lives = entry.alive(now) and entry.proven
+        older, newer = _is_older(session, entry.session), _is_older(entry.session, session)
+        if not live:
+            if old is not None or older or holder_lives and not newer:
+                return "refuse"
+        elif holder_lives:
+            disputed = entry.conflict and entry.challenger is not None and now < entry.challenger.deadline
+            if old is not None or disputed or older:
+                return "accept" if Catalogue._challenge(entry, document, now) else "refuse"
+        elif older and now < entry.deadline:
+            return "refuse"  # what its session said last counts
+        Catalogue._take_over(entry, session)
+        return "accept"
 
-    def on_listed(self, item: dict[str, Any], now: float) -> None:
-        """A board as a registry lists it."""
-        name, services = item.get("board"), item.get("services", [])
-        if not isinstance(name, str) or not valid_board(name) or item.get("state") not in STATES or not isinstance(services, list):
+    @staticmethod
+    def _challenge(entry: Entry, document: dict[str, Any], now: float) -> bool:
+        """Another session lives beside the holder, or lived when its message was sent. Only one that comes after the holder has answered
+        proves that both live; then the larger session holds the board."""
+        session = document["session"]
+        if session in entry.old_sessions:
+            entry.old_sessions[session] = document["seq"]
+        other = entry.challenger
+        if other is None or other.session != session:
+            other = entry.challenger = Challenger(session, other is not None and other.confirmed)
+        other.confirmed = other.confirmed or other.answered
+        other.seq, other.deadline = document["seq"], now + document["lease"]
+        if not (other.confirmed and entry.session < session):
+            return False
+        Catalogue._take_over(entry, session)
+        return True
+
+    @staticmethod
+    def _take_over(entry: Entry, session: str) -> None:
+        """The old session is remembered, so that its old messages cannot come back."""
+        entry.old_sessions.pop(session, None)
+        entry.old_sessions[entry.session] = entry.seq
+        if len(entry.old_sessions) > _MAX_OLD_SESSIONS:
+            del entry.old_sessions[next(iter(entry.old_sessions))]
+        other = entry.challenger
+        if other is not None and other.session == session:
+            if other.confirmed:
+                other.session, other.seq, other.deadline = entry.session, entry.seq, entry.deadline
+            else:
+                entry.challenger = None
+        entry.session, entry.seq, entry.proven, entry.epoch_heard = session, 0, False, 0
+
+    def _take_said_state(self, entry: Entry, retained: bool, expiry: int | None, succeeds: bool, now: float) -> None:
+        """An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
+        board that was there is newer, and the word of the broker."""
+        said = entry.description.get("state")
+        entry.says_state = said is not None
+        if said is None:
+            if not retained and succeeds and entry.reported not in THERE:
+                self._say(entry, "online", "", now, now)
             return
-        entry = self.boards.setdefault(name, Entry(name))
-        document = _description.read(item.get("description"), name)
-        if document is not None and (entry.session != document["session"] or entry.seq <= document["seq"]):
-            self.on_description(name, document, True, None, now)
-        entry.state = entry.said = item["state"]
-        entry.reason = str(item.get("reason", ""))
-        if not entry.description:
-            plain = {"board": name, "session": "-", "seq": 0, "services": services, "labels": item.get("labels", {})}
-            entry.description = _description.read(plain, name) or {}
+        on_the_way = max(0.0, entry.lease - expiry) if retained and expiry is not None else 0.0
+        newer = entry.reported_since != _NEVER and now - on_the_way > entry.reported_since + _APART
+        gone_since = retained and entry.epoch_gone == self._epoch and entry.reported not in THERE and said["is"] != entry.reported and not newer
+        entry.described_at = now - on_the_way
+        if gone_since:
+            return
+        if succeeds:
+            entry.reported_since = _NEVER
+        self._say(entry, said["is"], said.get("reason", ""), now - on_the_way - said.get("age", 0), now)
+
+    @staticmethod
+    def _say(entry: Entry, state: str, reason: str, since: float, now: float) -> None:
+        """Messages that say the same again can only be later than the moment, so the earliest counts, unless the board left the state
+        meanwhile and came into it again."""
+        reason = reason if reason in WORDS else ""
+        if entry.reported == state and entry.reported_reason == reason and entry.reported_since != _NEVER:
+            if since == _NEVER:
+                since = entry.reported_since
+            if abs(since - entry.reported_since) < _SAME_MOMENT:
+                since = min(since, entry.reported_since)
+        entry.reported, entry.reported_reason, entry.reported_since = state, reason, min(since, now)
+
+    # `$state` -------------------------------------------------------------------------------------------------------------
+
+    def on_state(self, board: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> bool:
+        if not valid_board(board):
+            return False
+        entry = self._known(board)
+        if not payload:  # another program forgot this board: so does this one, unless it is known to be there
+            return entry is not None and entry.effective not in THERE and self.boards.pop(board, None) is not None
+        word = payload.decode("utf-8", "replace").rstrip("\r\n ")
+        if word not in STATES:
+            return False
+        added = entry is None
+        if entry is None:
+            entry = self._of(board, now)
+            entry.hinted = retained and word in THERE
+        elif retained and entry.epoch_heard == self._epoch:
+            return False
+        there = word in THERE
+        published = now - (_STATE_EXPIRY - expiry) if expiry is not None and expiry <= _STATE_EXPIRY else None
+        # A bridge delivers what it has stored again: the agent has said more since then.
+        if entry.says_state and not there and published is not None and published + _APART < entry.described_at:
+            return False
+        if not there:
+            entry.epoch_gone = self._epoch
+        # The newer of two words counts, also where both say that it is not there.
+        gone_otherwise = not there and entry.reported not in THERE and word != entry.reported and (
+            not retained or published is not None and published > entry.described_at + _APART)
+        if not entry.says_state or not there and entry.reported in THERE or gone_otherwise:
+            since = now if not retained and (added or word != entry.reported) else _NEVER
+            if retained and published is not None:
+                since = published
+            self._say(entry, word, _REASON_OF_WORD.get(word, ""), since, now)
+        if not retained and not entry.says_state and there:
+            entry.deadline, entry.last_heard = now + entry.lease, now
+        if not retained:
+            entry.epoch_heard = self._epoch
+        entry.hinted = entry.hinted and retained and there
+        return self._update(entry, now, added) or added
+
+    # Leases ---------------------------------------------------------------------------------------------------------------
+
+    @staticmethod
+    def _update(entry: Entry, now: float, added: bool = False) -> bool:
+        """Brings the effective state into line with what was reported and the lease; whether it changed."""
+        state = entry.reported if entry.alive(now) or entry.reported not in THERE else "lost"
+        judged = state != entry.reported  # by its lease
+        was, entry.effective = entry.effective, state
+        entry.kept_until = _NEVER
+        changed = was != state or added
+        if changed:
+            unknown = judged and added or not judged and state not in THERE and entry.reported_since == _NEVER
+            entry.since = _NEVER if unknown else entry.deadline if judged else now
+        if not judged and entry.reported_since != _NEVER and (entry.says_state or state not in THERE):
+            entry.since = entry.reported_since
+        entry.judged_reason = "expired" if judged else entry.reported_reason
+        if was != state and entry.conflict and not entry.alive(now):
+            entry.challenger = None
+        return changed
 
     def expire(self, now: float) -> list[str]:
-        """Boards whose lease is over since the last call."""
+        """Boards that were lost, or forgotten, since the last call, because their lease ran out."""
         if self.unheard_since is not None:
             return []
-        return [entry.name for entry in self.boards.values() if entry.deadline is not None and self._judge(entry, now)]
+        changed = []
+        for entry in [*self.boards.values()]:
+            if entry.listed:
+                continue
+            if entry.effective in THERE and now >= entry.deadline and self._update(entry, now):
+                changed.append(entry.name)
+            gone = entry.first_seen if entry.since == _NEVER else entry.since
+            if entry.effective not in THERE and now >= max(max(gone, entry.last_heard) + _FORGET_AFTER, entry.kept_until):
+                del self.boards[entry.name]
+                changed.append(entry.name)
+        return changed
 
     def next_expiry(self) -> float | None:
-        return min((entry.deadline for entry in self.boards.values() if entry.deadline is not None and entry.state in THERE), default=None)
+        return min((entry.deadline for entry in self.boards.values() if entry.effective in THERE and not entry.listed), default=None)
 
-    def _judge(self, entry: Entry, now: float) -> bool:
-        state, reason = entry.said, entry.reason
-        if state in THERE and entry.deadline is not None and now >= entry.deadline:
-            state, reason = "lost", "expired"
-            entry.said, entry.reason, entry.since = state, reason, entry.deadline
-            entry.says_state = False
-        changed = state != entry.state
-        entry.state = state
-        return changed
+    # Boards that this program does not follow -----------------------------------------------------------------------------
+
+    def on_listed(self, item: dict[str, Any], now: float) -> None:
+        """A board as a registry lists it; what this program hears itself counts more."""
+        name, services = item.get("board"), item.get("services", [])
+        if not isinstance(name, str) or not valid_board(name) or item.get("state") not in STATES or self._known(name) is not None:
+            return
+        entry = self.boards[name] = Entry(name, now)
+        entry.listed = True
+        entry.effective, entry.judged_reason = item["state"], item["reason"] if item.get("reason") in [*WORDS] else ""
+        age = item.get("state_age", -1)
+        entry.since = now - age if isinstance(age, (int, float)) and 0 <= age <= 1e9 else _NEVER
+        document = _description.read(item.get("description"), name) or _description.read(
+            {"board": name, "session": "-", "seq": 0, "services": services, "labels": item.get("labels", {})}, name)
+        if document is not None:
+            entry.description, entry.session, entry.seq = document, document["session"], document["seq"]
+
+    def look_away(self, followed: Any) -> None:
+        """Of boards that are not followed any more the state stays as it is: nothing is heard that would renew a lease."""
+        for name, entry in self.boards.items():
+            entry.listed = entry.listed or not followed(name)
 
     def unknown(self, board: str) -> str:
         """A sentence for a board that does not show itself, with the nearest name."""

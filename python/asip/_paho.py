@@ -198,7 +198,7 @@ class Link:
 
     def _received(self, _client: Any, _data: Any, message: Any) -> None:
         self._acknowledge_at_once()
-        expiry = getattr(getattr(message, "properties", None), "MessageExpiryInterval", None) if message.retain else None
+        expiry = getattr(getattr(message, "properties", None), "MessageExpiryInterval", None)
         try:
             topic = message.topic
         except UnicodeDecodeError:

@@ -218,10 +218,13 @@ class Session:
 
     def look_at(self, board: str) -> list[Action]:
         """From now on the catalogue follows this board; `+` is all of them."""
-        return self._want(self.topics.state(board), 1) + self._want(self.topics.description(board), 1)
+        return self._want(self.topics.description(board), 1) + self._want(self.topics.state(board), 1)
 
     def look_away(self, board: str) -> list[Action]:
-        return self._leave(self.topics.state(board)) + self._leave(self.topics.description(board))
+        actions = self._leave(self.topics.state(board)) + self._leave(self.topics.description(board))
+        if self.topics.state("+") not in self._filters:
+            self.catalogue.look_away(lambda name: self.topics.state(name) in self._filters)
+        return actions
 
     def watch_boards(self, sink: Sink) -> None:
         """`sink(name)` after each change of a board that is looked at."""

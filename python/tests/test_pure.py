@@ -7,7 +7,7 @@ import pickle
 import tempfile
 import unittest
 
-from asip import _catalogue, _clock, _envelope, _mdns, _model, _topics, errors, settings
+from asip import _clock, _envelope, _mdns, _model, _topics, errors, settings
 from asip._session import DEMAND_LEASE, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
 from asip.board import standard_model
 
@@ -151,98 +151,6 @@ class Where(unittest.TestCase):
 
 def described(board="desk", session="0000000001000000", seq=1, **more):
     return {"board": board, "session": session, "seq": seq, "lease": 60, "services": [{"name": "io"}], **more}
-
-
-class Presence(unittest.TestCase):
-    def setUp(self):
-        self.catalogue = _catalogue.Catalogue()
-
-    def state(self, word, now, retained=False, expiry=None):
-        return self.catalogue.on_state("desk", word.encode(), retained, expiry, now)
-
-    def describe(self, now, retained=False, expiry=None, **more):
-        return self.catalogue.on_description("desk", described(**more), retained, expiry, now)
-
-    @property
-    def entry(self):
-        return self.catalogue.boards["desk"]
-
-    def test_lost_stays_lost_over_many_renewals(self):
-        self.describe(0, state={"is": "online", "age": 1})
-        self.describe(5, seq=2, state={"is": "lost", "reason": "unplugged", "age": 0})
-        for turn in range(10):
-            self.describe(25 + 20 * turn, seq=3 + turn, state={"is": "lost", "reason": "unplugged", "age": 20 + 20 * turn})
-            self.assertEqual((self.entry.state, self.entry.reason), ("lost", "unplugged"))
-        self.assertAlmostEqual(self.entry.since, 5, delta=1)
-        self.assertEqual(self.entry.words(300), "lost 4 min ago: cable unplugged")
-        self.describe(300, seq=20, state={"is": "online", "age": 0})
-        self.assertEqual(self.entry.state, "online")
-
-    def test_older_descriptions_change_nothing(self):
-        self.describe(0, seq=5, state={"is": "lost", "reason": "silent", "age": 0})
-        self.assertFalse(self.describe(1, seq=4, state={"is": "online", "age": 0}))
-        self.assertFalse(self.describe(1, retained=True, session="0000000000000001", seq=9, state={"is": "online", "age": 0}))
-        self.assertEqual(self.entry.state, "lost")
-
-    def test_will_of_a_board_that_was_there(self):
-        self.describe(0, state={"is": "online", "age": 0})
-        self.assertTrue(self.state("lost", 3))
-        self.assertEqual((self.entry.state, self.entry.reason), ("lost", "agent-gone"))
-
-    def test_stored_will_counts_whichever_comes_first(self):
-        never = 3_000_000_000
-        for will_first in (True, False):
-            with self.subTest(will_first=will_first):
-                self.setUp()
-                steps = [lambda: self.state("lost", 100, retained=True, expiry=never - 5),
-                         lambda: self.describe(100, retained=True, expiry=50, state={"is": "online", "age": 30})]
-                for step in steps if will_first else reversed(steps):
-                    step()
-                self.assertEqual((self.entry.state, self.entry.reason), ("lost", "agent-gone"))
-                self.assertAlmostEqual(self.entry.since, 95)
-                self.describe(101, seq=2, state={"is": "online", "age": 0})  # its agent lives
-                self.assertEqual(self.entry.state, "online")
-
-    def test_stored_will_of_before_does_not_undo_what_its_agent_said_since(self):
-        for will_first in (True, False):
-            with self.subTest(will_first=will_first):
-                self.setUp()
-                steps = [lambda: self.state("lost", 100, retained=True, expiry=3_000_000_000 - 40),
-                         lambda: self.describe(100, retained=True, expiry=50, state={"is": "online", "age": 1})]
-                for step in steps if will_first else reversed(steps):
-                    step()
-                self.assertEqual(self.entry.state, "online")
-
-    def test_no_lease_is_judged_while_the_broker_is_not_heard(self):
-        self.describe(0, state={"is": "online", "age": 0})
-        self.catalogue.disconnected(50)
-        self.assertEqual(self.catalogue.expire(100), [])
-        self.assertEqual(self.catalogue.unheard_since, 50)
-        self.catalogue.connected(200)
-        self.assertIsNone(self.catalogue.unheard_since)
-        self.assertEqual(self.catalogue.expire(205), [])
-        self.assertEqual(self.catalogue.expire(210), ["desk"])
-
-    def test_lease_that_runs_out_and_an_agent_that_comes_back(self):
-        self.describe(0, state={"is": "online", "age": 0})
-        self.assertEqual(self.catalogue.expire(59), [])
-        self.assertEqual(self.catalogue.expire(60), ["desk"])
-        self.assertEqual((self.entry.state, self.entry.reason), ("lost", "expired"))
-        self.describe(70, seq=2, state={"is": "online", "age": 70})
-        self.assertEqual(self.entry.state, "online")
-
-    def test_agents_without_the_member_state_and_names_with_a_line_end(self):
-        self.describe(0)
-        self.assertTrue(self.state("online\r\n", 0) or self.entry.state == "online")
-        self.state("lost\n", 1)
-        self.assertEqual(self.entry.state, "lost")
-        self.state("online", 2)
-        self.assertEqual(self.entry.state, "online")
-
-    def test_damaged_documents(self):
-        for document in (None, {}, {"board": "desk"}, described(board="other"), {**described(), "seq": "x"}, {**described(), "services": 3}):
-            self.assertFalse(self.catalogue.on_description("desk", document, False, None, 0))
-        self.assertFalse(self.state("sideways", 0))
 
 
 class Conversation(unittest.TestCase):
