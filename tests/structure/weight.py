@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What the project weighs: lines of the product and of its tests in all languages, and options of the programs.
+
+    weight.py ROOT [BIN]     BIN: the folder of built programs, whose options are counted
+
+A line is a line of a committed file. The product is what users run or compile against; examples, benchmarks, packaging and documentation
+are not in it. An option is what may stand on the command line of a program, except for help, version and configuration file.
+"""
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+PRODUCT = ("agent", "asip", "cli", "firmware", "gateway", "load", "node-red", "python", "registry", "sim")
+ASIDE = ("bench", "experiments")
+TESTS = re.compile(r"^(tests|[\w-]+/tests?)/")
+LANGUAGES = {"C++": (".c", ".cpp", ".h", ".hpp"), "Python": (".py",), "JavaScript": (".cjs", ".js", ".mjs")}
+PROGRAMS = ("asip-gateway", "asip-agent", "asip-registry")
+OPTION = re.compile(r"^  (?:-\w,)?--([a-z][\w-]*)", re.MULTILINE)
+OF_ALL = {"help", "help-all", "version", "config"}
+
+
+def lines(root):
+    """{(room, language): lines}: the rooms are the folders of the product, those beside it, and `tests`."""
+    found = {}
+    for name in subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True, check=True).stdout.split("\0"):
+        folder = "tests" if TESTS.match(name) else "" if "/examples/" in name else name.split("/")[0]
+        language = next((each for each, ends in LANGUAGES.items() if Path(name).suffix in ends), None)
+        if language and folder in PRODUCT + ASIDE + ("tests",):
+            count = (Path(root) / name).read_bytes().count(b"\n")
+            found[folder, language] = found.get((folder, language), 0) + count
+    return found
+
+
+def row(name, found, folders):
+    counts = [sum(found.get((folder, language), 0) for folder in folders) for language in LANGUAGES]
+    print(f"{name:14}" + "".join(f"{count:12,}" for count in counts + [sum(counts)]))
+
+
+def main():
+    found = lines(sys.argv[1])
+    print(f"{'':14}" + "".join(f"{each:>12}" for each in (*LANGUAGES, "all")))
+    for folder in PRODUCT:
+        row(folder, found, [folder])
+    row("product", found, PRODUCT)
+    row("tests", found, ["tests"])
+    row("beside", found, ASIDE)
+    for program in PROGRAMS if len(sys.argv) > 2 else ():
+        told = [subprocess.run([Path(sys.argv[2]) / program, each], capture_output=True, text=True, check=False).stdout
+                for each in ("--help", "--help-all")]
+        print(f"{program:14}{len(set(OPTION.findall(told[0] + told[1])) - OF_ALL):12} options")
+
+
+if __name__ == "__main__":
+    main()
