@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 ROOT, BIN = sys.argv[1:]
-PROGRAMS = ("asip-agent", "asip-gateway", "asip-load", "asip-registry", "asipctl", "asip-sim")
+PROGRAMS = ("asip-agent", "asip-gateway", "asip-registry", "asipctl", "asip-sim")
 # Files that no build may write: each with what stands before the version.
 REPEATED = {
     "debian/changelog": r"\Aasip \(",

@@ -12,7 +12,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
-FOLDERS = ("agent", "asip", "bench", "cli", "gateway", "load", "registry", "sim")
+FOLDERS = ("agent", "asip", "bench", "cli", "gateway", "registry", "sim")
 OF_LIBRARIES = {"History"}  # of libedit
 INCLUDE = re.compile(r'^\s*#\s*include ["<]([^">]+)[">]', re.MULTILINE)
 TYPE = re.compile(r"^(?:class|struct|enum class) (?:\[\[\w+\]\] )?([A-Z]\w+)(?: final)?\s*(?::[^:;]|\{)", re.MULTILINE)

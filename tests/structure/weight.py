@@ -12,8 +12,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-PRODUCT = ("agent", "asip", "cli", "firmware", "gateway", "load", "node-red", "python", "registry", "sim")
-ASIDE = ("bench", "experiments")
+PRODUCT = ("agent", "asip", "cli", "firmware", "gateway", "node-red", "python", "registry", "sim")
+ASIDE = ("bench",)
 TESTS = re.compile(r"^(tests|[\w-]+/tests?)/")
 LANGUAGES = {"C++": (".c", ".cpp", ".h", ".hpp"), "Python": (".py",), "JavaScript": (".cjs", ".js", ".mjs")}
 PROGRAMS = ("asip-gateway", "asip-agent", "asip-registry")

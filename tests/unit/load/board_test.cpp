@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/board.hpp"
+#include "bench/load/board.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/changes.hpp"
+#include "bench/load/changes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/options.hpp"
+#include "bench/load/options.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/pace.hpp"
+#include "bench/load/pace.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/pending.hpp"
+#include "bench/load/pending.hpp"
 
 #include <gmock/gmock.h>
 

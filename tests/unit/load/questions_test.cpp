@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/questions.hpp"
+#include "bench/load/questions.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/report.hpp"
+#include "bench/load/report.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/script.hpp"
+#include "bench/load/script.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load/times.hpp"
+#include "bench/load/times.hpp"
 
 #include <gtest/gtest.h>
 
