@@ -86,7 +86,7 @@ mqtt::Client::Handlers Application::handlers() {
     mqtt::Client::Handlers result;
     result.on_connected = [this](const mqtt::Connected& connected) {
         broker_log_.connected(connected);
-        registry_->connected(connected.max_packet_bytes, connected.v5, now());
+        registry_->connected(connected.max_packet_bytes, now());
     };
     result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         registry_->disconnected();

@@ -45,7 +45,7 @@ struct Raw {
     program::LogOptions log;
     std::string id, services, history, notify;
     std::string forget_after = "7d", stats_interval = "10s", history_age = "90d";
-    std::size_t max_boards = 1'000'000, copy_boards = RegistryOptions{}.copy_boards;
+    std::size_t max_boards = 1'000'000;
     std::uint64_t history_bytes = std::uint64_t{256} << 20;
 };
 
@@ -58,12 +58,6 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                          ->capture_default_str()
                          ->group("Registry"));
     settings.setting(app.add_option("--max-boards", raw.max_boards, "Boards beyond this many are refused")
-                         ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}))
-                         ->capture_default_str()
-                         ->group("Registry"));
-    settings.setting(app.add_option("--copy-boards", raw.copy_boards,
-                                    "From a registry with so many boards they are read page by page, in "
-                                    "place of what the broker retains, which would keep it from others")
                          ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}))
                          ->capture_default_str()
                          ->group("Registry"));
@@ -157,7 +151,6 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
         return usage;
     }
     options.max_boards = raw.max_boards;
-    options.copy_boards = raw.copy_boards;
     options.services = raw.services;
     options.history = history_file(raw.history);
     options.notify = raw.notify;

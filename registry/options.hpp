@@ -15,9 +15,6 @@ struct RegistryOptions {
     std::string id;  ///< of this registry; valid as a service name
     Duration forget_after = std::chrono::hours(7 * 24);
     std::size_t max_boards = 1'000'000;
-    /// Where another registry has so many boards, its pages are read at the start in place of what the
-    /// broker retains.
-    std::size_t copy_boards = 20'000;
     Duration stats_interval = std::chrono::seconds(10);
     std::string services;  ///< folder of further service models; empty: none
     std::string history;   ///< SQLite file; empty: none is kept

@@ -37,8 +37,9 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
       replies_(topics_, user_, "registry-" + random_hex(random_, 16)),
       catalogue_(catalogue_options(options, models)),
       feed_(id_),
-      first_state_(topics_, id_, replies_.below("first").to(topics_.any_registry_query()),
-                   options.copy_boards, first_state_dependencies()),
+      first_state_(
+          topics_, id_, [this](mqtt::Message message) { port_.publish(std::move(message)); },
+          [this] { complete(); }),
       statistics_(options.stats_interval, now.time),
       identity_(topics_, id_, run_, replies_.to(topics_.registry_query(id_)), random_hex(random_, 16)),
       tidier_(topics_, port_,
@@ -84,29 +85,11 @@ Queries::Dependencies Registry::query_dependencies(model::ModelSet models) {
     return result;
 }
 
-FirstState::Dependencies Registry::first_state_dependencies() {
-    FirstState::Dependencies result;
-    result.publish = [this](mqtt::Message message) { port_.publish(std::move(message)); };
-    result.read_retained = [this] { port_.subscribe(service_bus(), true); };
-    result.probe = [this] {
-        mqtt::Message probe;
-        probe.topic = topics_.probe();
-        port_.publish(std::move(probe));
-    };
-    result.apply = [this](const Announcement& announcement) {
-        const Applied applied = catalogue_.apply(announcement, now_.time);
-        if (!applied.events.empty()) handle(applied.events, false);
-    };
-    result.complete = [this] { complete(); };
-    return result;
-}
-
 std::vector<Registry::Subscription> Registry::subscriptions() const {
     // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain.
-    return {{service_bus(), 0, false},
-            {first_state_.statistics_topic(), 0, true},
-            {first_state_.states_topic(), 0, true},
-            {first_state_.reply_topic(), 1, false},
+    return {{service_bus(), 0, true},
+            {topics_.registry_stats(id_), 0, true},
+            {topics_.registry_state(id_), 0, true},
             {topics_.any_registry_query(), 1, false},
             {topics_.registry_query(id_), 1, false},
             {bus::forget_topic(topics_), 1, false},
@@ -127,7 +110,7 @@ mqtt::Message Registry::will() const {
     return state("lost");
 }
 
-void Registry::connected(std::size_t max_packet_bytes, bool v5, Instant now) {
+void Registry::connected(std::size_t max_packet_bytes, Instant now) {
     now_ = now;
     connected_ = true;
     last_tick_ = now.time;
@@ -139,7 +122,7 @@ void Registry::connected(std::size_t max_packet_bytes, bool v5, Instant now) {
     endpoint_.set_max_bytes(max_packet_bytes);
     if (history_ != nullptr) history_->begin_reading();
     port_.publish(identity_.probe());
-    first_state_.begin(random_hex(random_, 16), !v5, now.time);
+    first_state_.begin(random_hex(random_, 16), now.time);
     // Last: a broker that cannot store it now may read nothing more from us for seconds.
     port_.publish(state("online"));
 }
@@ -149,7 +132,6 @@ void Registry::disconnected() {
     catalogue_.suspend();
     feed_.end();
     first_state_.end();
-    port_.subscribe(service_bus(), false);  // on the next connection
 }
 
 void Registry::message(const mqtt::Message& message, Instant now) {
@@ -157,7 +139,6 @@ void Registry::message(const mqtt::Message& message, Instant now) {
     ++statistics_.counts.messages;
     if (message.retain) first_state_.retained_came(now.time);
     if (message.topic == identity_.reply_topic()) return identity(message);
-    if (message.topic == first_state_.reply_topic()) return first_state_answer(message);
     if (message.topic == bus::forget_topic(topics_) || message.topic == bus::forget_topic(topics_, id_))
         return endpoint_.forget(message);
     const auto topic = topics_.parse(message.topic);
@@ -171,17 +152,15 @@ void Registry::message(const mqtt::Message& message, Instant now) {
     }
     switch (topic->kind) {
         case TopicKind::kRegistryQuery:
-            if (first_state_.mark(message.payload, now_.time)) return;
+            if (first_state_.mark(message.payload)) return;
             if (identity_.is_probe(message)) return;
             [[fallthrough]];
         case TopicKind::kAnyRegistryQuery:
             return endpoint_.request(message, topic->kind == TopicKind::kAnyRegistryQuery, now_.time);
         case TopicKind::kRegistryStats:
-            if (topic->board == id_) return identity(message);
-            return first_state_.statistics(topic->board, message.payload);
+            return identity(message);
         case TopicKind::kRegistryState:
-            if (topic->board == id_) return own_state(message);
-            return first_state_.state(topic->board, message.payload);
+            return own_state(message);
         case TopicKind::kProbe:
             return;
         case TopicKind::kStats:
@@ -207,12 +186,6 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         default:
             announcement(message, *topic);
     }
-}
-
-// What is alive may be pages away: until they are read no lease runs out.
-void Registry::first_state_answer(const mqtt::Message& message) {
-    first_state_.answer(message.payload, now_.time);
-    if (first_state_.copying()) catalogue_.suspend();
 }
 
 void Registry::announcement(const mqtt::Message& message, const bus::TopicRef& topic) {
@@ -257,14 +230,11 @@ void Registry::own_state(const mqtt::Message& message) {
 }
 
 void Registry::complete() {
-    if (catalogue_.suspended()) catalogue_.resume(now_.time);
     queries_.set_settling(false);
     feed_.complete();
     if (history_ != nullptr) history_->complete(catalogue_, now_);
     if (notifies_ && !notices_) notices_.emplace(id_);
-    std::vector<log::Field> fields{{"boards", catalogue_.size()}};
-    if (!first_state_.from().empty()) fields.push_back({"read from registry", first_state_.from()});
-    log::write(log::Level::kInfo, "catalogue is complete", fields);
+    log::write(log::Level::kInfo, "catalogue is complete", {{"boards", catalogue_.size()}});
     if (auto reset = feed_.reset(now_, 0)) publish(*reset);
     // The broker has those of before, and what waits for an answer goes first.
     const bool first = statistics_.counts.connections == 1;
@@ -384,7 +354,7 @@ void Registry::tick(Instant now) {
 }
 
 void Registry::tick_connected() {
-    if (now_.time - last_tick_ > kStall && !first_state_.copying()) {
+    if (now_.time - last_tick_ > kStall) {
         log::warning("was held up; leases get time to be renewed",
                      {{"seconds", std::chrono::duration<double>(now_.time - last_tick_).count()}});
         catalogue_.resume(now_.time);

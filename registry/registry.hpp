@@ -44,9 +44,8 @@ class Registry {
     std::vector<Subscription> subscriptions() const;
     mqtt::Message will() const;
 
-    /// `max_packet_bytes`: the broker's limit; 0: none. `v5`: MQTT 5 is spoken, so that what is retained
-    /// comes only where it is asked for.
-    void connected(std::size_t max_packet_bytes, bool v5, Instant now);
+    /// `max_packet_bytes`: the broker's limit; 0: none.
+    void connected(std::size_t max_packet_bytes, Instant now);
     void disconnected();
     void message(const mqtt::Message& message, Instant now);
     /// The broker accepted, or denied, a message with quality of service 1 on this topic.
@@ -68,10 +67,8 @@ class Registry {
   private:
     Catalogue::Options catalogue_options(const RegistryOptions& options, const model::ModelSet& models);
     Queries::Dependencies query_dependencies(model::ModelSet models);
-    FirstState::Dependencies first_state_dependencies();
     std::string service_bus() const { return topics_.root() + "/servicebus/#"; }
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic);
-    void first_state_answer(const mqtt::Message& message);
     void refused(const mqtt::Message& message, std::string_view board, Refusal refusal);
     void identity(const mqtt::Message& message);
     void own_state(const mqtt::Message& message);

@@ -31,10 +31,7 @@ Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, cons
     folder_.write("clock", std::string(sizeof(std::int64_t), '\0'));
     for (std::size_t i = 0; i < options_.registries; ++i) {
         const auto id = fmt::format("r{}", i);
-        // All but one read the first state from another one, where there is one that they can ask.
-        const auto from = std::to_string(i == 0 ? options_.boards + kDeparting + 1 : 1);
-        registries_.push_back(start(host_of_registry(i), i == 0,
-                                    program("asip-registry", i, {"--id", id, "--copy-boards", from})));
+        registries_.push_back(start(host_of_registry(i), i == 0, program("asip-registry", i, {"--id", id})));
         watchers_.push_back(
             std::make_unique<Watcher>(io_, connection("watch-" + id, i), id, truth_, history_));
     }

@@ -65,62 +65,6 @@ TEST(Registry, TwoRegistries_AgreeAndTheDeathOfOneHarmsNobody) {
     EXPECT_TRUE(wait_until([&] { return snapshot("r1") == snapshot("r3"); })) << "rebuilt from the bus alone";
 }
 
-/// Boards of all states, as a registry lists them, but for when it heard of them.
-std::string listed(BusProbe& probe, const std::string& registry) {
-    std::string text;
-    const auto answer = ask(probe, R"({"find":"boards","limit":1000})", registry);
-    if (!answer) return "no answer";
-    for (const auto& item : answer->boards)
-        text += item.board + " " + item.state + " " + item.session + " " + std::to_string(item.seq) + " " +
-                std::to_string(item.services.size()) + "\n";
-    return text;
-}
-
-/// A registry that knows 161 boards, and has told so.
-struct LargeSite {
-    LargeSite() {
-        EXPECT_TRUE(first.complete());
-        probe.publish(announcement("gone", description_text("gone", "a", 1, 60), 60));
-        probe.publish("asip/servicebus/gone/$state", "offline", true, 1);
-        for (int i = 100; i < 260; ++i) {
-            const std::string board = "board" + std::to_string(i);
-            probe.publish(announcement(board, description_text(board, "a", 1, 60), 60));
-        }
-        EXPECT_TRUE(becomes(probe, "board259", "online", "first"));
-        EXPECT_TRUE(wait_until([this] {
-            const auto text = probe.last("asip/registry/first/$stats");
-            return text && text->find("\"online\":160") != std::string::npos;
-        }));
-    }
-
-    MosquittoBroker broker;
-    RunningRegistry first{broker.address(), "first", {"--stats-interval", "1s"}};
-    BusProbe probe{broker.port(), {"asip/registry/+/$stats", "asip/servicebus/$probe"}};
-};
-
-TEST(RegistryBesideALargeOne, ReadsItsPagesAndIsHeardByAll) {
-    LargeSite site;
-    const auto probes = site.probe.messages("asip/servicebus/$probe").size();
-    RunningRegistry second(site.broker.address(), "second", {"--copy-boards", "100"});
-    ASSERT_TRUE(second.process().wait_for_errors("catalogue is complete  boards=161"));
-    EXPECT_THAT(second.process().errors(), testing::HasSubstr("read from registry=first"));
-    EXPECT_EQ(listed(site.probe, "second"), listed(site.probe, "first"));
-    EXPECT_EQ(site.probe.messages("asip/servicebus/$probe").size(), probes) << "no board was asked";
-    site.probe.publish(announcement("board100", description_text("board100", "a", 2, 1), 1));
-    EXPECT_TRUE(becomes(site.probe, "board100", "lost", "second")) << "leases are judged";
-}
-
-TEST(RegistryBesideALargeOne, ThatDoesNotAnswer_ReadsWhatTheBrokerRetains) {
-    LargeSite site;
-    site.first.process().signal(SIGSTOP);
-    RunningRegistry second(site.broker.address(), "second", {"--copy-boards", "100"});
-    ASSERT_TRUE(second.process().wait_for_errors("catalogue is complete  boards=161"))
-        << second.process().errors();
-    EXPECT_THAT(second.process().errors(), testing::Not(testing::HasSubstr("read from")));
-    EXPECT_EQ(state_of(site.probe, "board200", "second"), "online");
-    site.first.process().signal(SIGCONT);
-}
-
 TEST(Registry, TwoAgentsWithOneName_ConflictIsReportedAndTheyNeverAlternate) {
     MosquittoBroker broker;
     RunningRegistry registry(broker.address());

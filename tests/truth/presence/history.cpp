@@ -38,7 +38,6 @@ class History {
           in_order_(!dice_.chance(0.3)),
           says_state_(!in_order_ || dice_.chance(0.75)),
           lease_(static_cast<int>(dice_.chance(0.8) ? dice_.between(3, 10) : dice_.between(11, 40))),
-          copies_(dice_.chance(0.2)),
           with_trace_(with_trace),
           broker_(dice_, in_order_) {
         note(fmt::format("seed {}: {}, {}, lease {} s", seed, in_order_ ? "in order" : "bridged brokers",
@@ -50,7 +49,7 @@ class History {
             agents_.push_back(
                 std::make_unique<SimAgent>(broker_, dice_, name, truths_[i], lease_, says_state_));
         }
-        views_.push_back(make_registry(broker_, dice_, {"r1", false, copies_}, now_));
+        views_.push_back(make_registry(broker_, dice_, "r1", now_));
         views_.push_back(make_gateway(broker_, dice_));
         views_.push_back(make_bus_view(broker_));
         for (auto& view : views_)
@@ -176,12 +175,9 @@ class History {
         const auto kind = dice_.below(4);
         note(fmt::format("a late joiner: {}", kind));
         const auto at = std::min<std::size_t>(kind + 3, views_.size());
-        auto view =
-            kind == 0 ? make_gateway(broker_, dice_)
-            : kind == 1
-                ? make_bus_view(broker_)
-                : make_registry(broker_, dice_,
-                                {fmt::format("r{}", ++registries_), kind == 2 && copies_, copies_}, now_);
+        auto view = kind == 0   ? make_gateway(broker_, dice_)
+                    : kind == 1 ? make_bus_view(broker_)
+                                : make_registry(broker_, dice_, fmt::format("r{}", ++registries_), now_);
         if (at == views_.size()) {
             views_.push_back(std::move(view));
         } else {
@@ -335,7 +331,6 @@ class History {
     bool in_order_;
     bool says_state_;
     int lease_;
-    bool copies_;  // a registry may copy another one
     bool with_trace_;
     End end_;
     Time now_ = kBegin;

@@ -43,12 +43,11 @@ namespace {
 
 class RegistryView final : public View {
   public:
-    RegistryView(SimBroker& broker, Dice& dice, const RegistryKind& kind, Time now)
-        : View(broker, "registry " + kind.id), id_(kind.id), now_(now) {
+    RegistryView(SimBroker& broker, Dice& dice, const std::string& id, Time now)
+        : View(broker, "registry " + id), id_(id), now_(now) {
         asip::registry::RegistryOptions options;
         options.id = id_;
-        options.copy_boards = kind.copies ? 1 : 1'000'000;
-        if (!kind.tells_what_it_has) options.stats_interval = std::chrono::hours(1);
+        options.stats_interval = std::chrono::hours(1);
         asip::registry::Port port;
         port.publish = [this](Message message) {
             if (message.topic == kAnswers) return answer(message);
@@ -91,7 +90,7 @@ class RegistryView final : public View {
         complete_ = true;  // an answer says when not
         for (const auto& one : registry_->subscriptions())
             broker_.subscribe(client_, one.filter, false, one.retained, now);
-        registry_->connected(0, true, instant(now));
+        registry_->connected(0, instant(now));
     }
     void on_disconnected(Time) override { registry_->disconnected(); }
     void on_message(const Message& message, Time now) override {
@@ -206,8 +205,8 @@ class ViewOfBus final : public View {
 
 }  // namespace
 
-std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const RegistryKind& kind, Time now) {
-    return std::make_unique<RegistryView>(broker, dice, kind, now);
+std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, Time now) {
+    return std::make_unique<RegistryView>(broker, dice, id, now);
 }
 std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice) {
     return std::make_unique<GatewayView>(broker, dice);

@@ -57,13 +57,8 @@ class View {
 
 asip::catalogue::Instant instant(Time now);
 
-struct RegistryKind {
-    std::string id;
-    bool copies = false;             ///< it reads another registry's pages when it starts
-    bool tells_what_it_has = false;  ///< as often as asip-registry: so that another one may copy it
-};
 /// asip-registry, with the answers to queries and the change events that it publishes.
-std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const RegistryKind& kind, Time now);
+std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, Time now);
 /// asip-gateway.
 std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice);
 /// asipctl without a registry, and the client library.

@@ -74,7 +74,7 @@ class RegistryRun {
                    .begun_anew = {}},
                   "boot", moment(start)),
           registry(with, {}, counting(), connection.port(), &keeper_, moment(start)) {
-        registry.connected(0, false, moment(start));
+        registry.connected(0, moment(start));
     }
     /// Everything retained was delivered.
     void complete(Duration now) {
@@ -201,7 +201,7 @@ TEST(RegistryWithHistory, NamesOnlyBoardThatLeftMeanwhile_DoesNotStayOnline) {
 
 class RegistryTest : public testing::Test {
   protected:
-    RegistryTest() { registry.connected(0, false, moment(0s)); }
+    RegistryTest() { registry.connected(0, moment(0s)); }
     mqtt::Message sent(const std::string& topic, std::size_t index = 0) const {
         for (const auto& message : connection.published) {
             if (message.topic == topic && index-- == 0) return message;
@@ -225,7 +225,7 @@ TEST_F(RegistryTest, AnotherOfItsIdAnswersTheProbe_TheIdIsTaken) {
     Connection other_connection;
     Registry other(
         options(), {}, [] { return std::uint64_t{7}; }, other_connection.port(), nullptr, moment(0s));
-    other.connected(0, false, moment(0s));
+    other.connected(0, moment(0s));
     other.message(sent("asip/registry/r1/query", 0), moment(1s));
     registry.message(other_connection.published.back(), moment(1s));
     ASSERT_TRUE(registry.id_taken_by());
@@ -236,7 +236,7 @@ TEST_F(RegistryTest, AnotherOfItsIdStartsLater_IsNoReasonToEnd) {
     Connection other_connection;
     Registry other(
         options(), {}, [] { return std::uint64_t{7}; }, other_connection.port(), nullptr, moment(0s));
-    other.connected(0, false, moment(0s));
+    other.connected(0, moment(0s));
     other.message(sent("asip/registry/r1/query", 0), moment(1s));
     registry.message(other_connection.published.back(), moment(60s));
     EXPECT_FALSE(registry.id_taken_by());
@@ -248,7 +248,7 @@ TEST_F(RegistryTest, ConnectionAgain_RetainedMessagesDoNotHoldUpAnswers) {
     registry.message(sent(query, 1), moment(0s));
     registry.disconnected();
     connection.published.clear();
-    registry.connected(0, false, moment(30s));
+    registry.connected(0, moment(30s));
     EXPECT_EQ(connection.published.back().topic, state) << "probes go before it";
     registry.message(sent(query, 1), moment(30s));
     registry.tick(moment(31s));
