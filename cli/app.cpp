@@ -11,6 +11,7 @@
 #include "cli/command_line.hpp"
 #include "cli/complete.hpp"
 #include "cli/environment.hpp"
+#include "cli/text/terminal_buffer.hpp"
 
 namespace asip::cli {
 namespace {
@@ -39,7 +40,11 @@ int status_after_output(const Environment& environment, int status) {
 
 int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& out, std::ostream& err) {
     std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    Environment environment{in, out, err};
+    TerminalBuffer out_buffer(out.rdbuf());
+    TerminalBuffer err_buffer(err.rdbuf());
+    std::ostream shown_out(&out_buffer);
+    std::ostream shown_err(&err_buffer);
+    Environment environment{in, shown_out, shown_err};
     environment.out_descriptor = STDOUT_FILENO;
     if (arguments.empty()) arguments.emplace_back("--help");
     if (arguments.front() == "__complete") {

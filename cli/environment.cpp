@@ -19,6 +19,10 @@ bool Environment::output_ended() const {
     return !out || reader_gone();
 }
 
+void Environment::say(const std::string& text) const {
+    out << for_terminal(text) << std::endl;
+}
+
 void Environment::note(const std::string& text) const {
     out.flush();
     err << "asipctl: " << for_terminal(text) << std::endl;

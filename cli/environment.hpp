@@ -77,6 +77,8 @@ struct Environment {
     bool reader_gone() const;
     /// Whether printing more is of no use: the reader has gone, or writing failed.
     bool output_ended() const;
+    /// One line for people: a line end within `text` makes no second one.
+    void say(const std::string& text) const;
     /// `asipctl: TEXT` on standard error.
     void note(const std::string& text) const;
     /// The same, and the status to end with. A reader that has stopped reading is not told so.

@@ -11,7 +11,6 @@
 #include "asip/model/json.hpp"
 #include "asip/protocol/request.hpp"
 #include "cli/text/state_text.hpp"
-#include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -120,7 +119,7 @@ int exit_status(const bus::Reply& reply) {
 std::string answer_text(const bus::Reply& reply) {
     if (reply.answer.empty()) return "ok";
     const auto document = model::parse_json(reply.answer);
-    return document && document->is_string() ? for_terminal(document->get<std::string>()) : reply.answer;
+    return document && document->is_string() ? document->get<std::string>() : reply.answer;
 }
 
 std::string explain(const bus::Reply& reply) {

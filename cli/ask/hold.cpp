@@ -83,8 +83,7 @@ class Hold {
 
     void print(const std::string& line, const bus::Reply& reply) {
         if (output_.for_people()) {
-            if (reply.succeeded())
-                environment_.out << line << ": " << answer_text(reply) << '\n' << std::flush;
+            if (reply.succeeded()) environment_.say(line + ": " + answer_text(reply));
             return;
         }
         auto record = *model::parse_json(bus::to_json_text(reply));

@@ -13,7 +13,6 @@
 #include "cli/flash/load.hpp"
 #include "cli/flash/programmer.hpp"
 #include "cli/record/replay_board.hpp"
-#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
@@ -164,8 +163,7 @@ class Flasher {
                             {"chip", taken.chip}});
             return;
         }
-        environment_.out << board_ << ": " << for_terminal(taken.sketch) << ", was "
-                         << for_terminal(taken.sketch_before) << std::endl;
+        environment_.say(board_ + ": " + taken.sketch + ", was " + taken.sketch_before);
     }
 
     const FlashOptions& options_;

@@ -14,7 +14,6 @@
 #include "cli/ask/side_by_side.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
-#include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -178,7 +177,7 @@ class Forgetter {
         for (const auto& board : boards_) {
             for (const auto& topic : board.topics) {
                 if (options_.output.for_people())
-                    environment_.out << for_terminal(topic) << '\n';
+                    environment_.say(topic);
                 else
                     records.print({{"topic", topic}, {"board", board.name}});
             }

@@ -88,7 +88,7 @@ int run_open(const OpenOptions& options, Environment& environment) {
     const auto page =
         page_of(*address, options.board, {*token, environment.mqtt.ca_file, environment.timeout});
     if (!page) return environment.fail_with(page.error());
-    environment.out << *page << std::endl;
+    environment.say(*page);
     if (options.print || !environment.terminal()) return program::kExitOk;
     if (!start_browser(*page)) environment.note("open this address in a browser, within 30 seconds");
     return program::kExitOk;

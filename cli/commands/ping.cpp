@@ -162,10 +162,9 @@ class Pinger {
         if (answered) one.summary.milliseconds.add(milliseconds);
         if (options_.quiet) return;
         if (options_.output.for_people()) {
-            environment_.out << one.name() << ": seq=" << one.summary.sent << ' '
-                             << (answered ? fmt::format("time={:.2f} ms", milliseconds) : problem)
-                             << std::endl;
-            return;
+            return environment_.say(
+                fmt::format("{}: seq={} {}", one.name(), one.summary.sent,
+                            answered ? fmt::format("time={:.2f} ms", milliseconds) : problem));
         }
         nlohmann::json object{{"board", one.name()}, {"seq", one.summary.sent}};
         if (answered) object["ms"] = milliseconds;

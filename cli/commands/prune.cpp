@@ -11,7 +11,6 @@
 #include "cli/ask/retained.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/table.hpp"
-#include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -46,7 +45,7 @@ void print_lingering(const std::vector<Lingering>& all, const OutputOptions& out
                            {"board", one.board},
                            {"why", one.why}});
         } else if (output.form == Output::kName) {
-            environment.out << for_terminal(one.topic) << '\n';
+            environment.say(one.topic);
         } else {
             table.add({one.topic, kind_name(one.kind), one.why});
         }

@@ -8,7 +8,6 @@
 #include "cli/ask/board_source.hpp"
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
-#include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -86,7 +85,7 @@ int run_registries(const OutputOptions& output, Environment& environment) {
     RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
     for (const auto& [id, registry] : registries) {
         if (output.form == Output::kName && output.for_people()) {
-            environment.out << for_terminal(id) << '\n';
+            environment.say(id);
         } else if (output.for_people()) {
             table.add(registry_row(id, registry));
         } else {

@@ -5,7 +5,6 @@
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
 #include "cli/flash/lent_port.hpp"
-#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
@@ -30,7 +29,7 @@ Outcome<int> give_back(const ReleaseOptions& options, Environment& environment, 
                     {"was", taken->sketch_before},
                     {"chip", taken->chip}});
     } else {
-        environment.out << for_terminal(taken->sketch) << std::endl;
+        environment.say(taken->sketch);
     }
     if (taken->same) return program::kExitOk;
     return environment.fail_with(
@@ -52,7 +51,7 @@ Outcome<int> let_go(const ReleaseOptions& options, Environment& environment, Len
                     {"sketch", released->sketch}});
         return program::kExitOk;
     }
-    environment.out << for_terminal(released->path) << std::endl;
+    environment.say(released->path);
     environment.note("free on " + released->host + " until " + released->until +
                      "; earlier: asipctl release " + options.board + " --back");
     return program::kExitOk;

@@ -164,7 +164,7 @@ class Sender {
             return;
         }
         if (options_.output.for_people()) {
-            if (reply->succeeded()) environment_.out << answer_text(*reply) << '\n' << std::flush;
+            if (reply->succeeded()) environment_.say(answer_text(*reply));
         } else {
             print(done, *model::parse_json(bus::to_json_text(*reply)));
         }

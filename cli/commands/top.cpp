@@ -19,6 +19,7 @@
 #include "cli/find/target.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text/state_text.hpp"
+#include "cli/text/terminal_buffer.hpp"
 
 namespace asip::cli {
 namespace {
@@ -175,9 +176,9 @@ class Top {
             return;
         }
         // Home and clear: the table is drawn over itself.
-        if (redraws_) environment_.out << "\033[H\033[J";
-        if (!lost_.empty()) environment_.out << lost_ << '\n';
-        if (missing_ && environment_.terminal()) environment_.out << missing_->text << "; waiting for it\n";
+        if (redraws_) environment_.out << own_control('\033') << "[H" << own_control('\033') << "[J";
+        if (!lost_.empty()) environment_.say(lost_);
+        if (missing_ && environment_.terminal()) environment_.say(missing_->text + "; waiting for it");
         environment_.out << table.render(environment_.width, environment_.colour);
         if (left_out > 0)
             environment_.out << left_out << " more; choose by a pattern, or --sort rate|age|errors|trip\n";

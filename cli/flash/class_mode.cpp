@@ -15,6 +15,7 @@
 #include "cli/ask/board_request.hpp"
 #include "cli/flash/load.hpp"
 #include "cli/flash/no_asip.hpp"
+#include "cli/text/terminal_buffer.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -260,8 +261,9 @@ class ClassRoom {
 
     void clear_line() {
         if (drawn_.empty()) return;
-        environment_.out << "\r" << std::string(std::min(drawn_.size(), environment_.width - 1), ' ') << "\r"
-                         << std::flush;
+        environment_.out << own_control('\r')
+                         << std::string(std::min(drawn_.size(), environment_.width - 1), ' ')
+                         << own_control('\r') << std::flush;
         drawn_.clear();
     }
 

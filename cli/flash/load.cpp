@@ -76,8 +76,7 @@ int run_load(const LoadOptions& options, const std::string& board, const OutputO
     const auto document = model::parse_json(reply.answer).value_or(nlohmann::json::object());
     const auto sketch = value_at(document, "after.sketch");
     if (output.for_people()) {
-        environment.out << board << ": " << for_terminal(sketch) << " on "
-                        << for_terminal(value_at(document, "after.chip")) << std::endl;
+        environment.say(board + ": " + sketch + " on " + value_at(document, "after.chip"));
     } else {
         RecordPrinter(output, RecordPrinter::Count::kOne, environment.out)
             .print({{"board", board},

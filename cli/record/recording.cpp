@@ -9,6 +9,7 @@
 
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::cli {
 namespace {
@@ -85,11 +86,11 @@ void append_payload(std::string& text, const std::string& payload) {
     const bool object = payload.starts_with('{') || payload.starts_with('[');
     if (object && !has_controls(payload) && model::json_depth_within(payload, kMaxRecordedDepth) &&
         nlohmann::json::accept(payload)) {
-        text.append(",\"data\":").append(payload);
+        text.append(",\"data\":").append(text::escape_json(payload));
     } else if (is_plain_ascii(payload)) {
         text.append(",\"text\":\"").append(payload).append("\"");
     } else if (const auto shown = model::dump_json(payload); nlohmann::json::parse(shown) == payload) {
-        text.append(",\"text\":").append(shown);
+        text.append(",\"text\":").append(text::escape_json(shown));
     } else {  // not UTF-8
         text.append(",\"hex\":\"").append(hex_of(payload)).append("\"");
     }

@@ -18,7 +18,6 @@
 #include "cli/shell/shell_values.hpp"
 #include "cli/shell/shell_words.hpp"
 #include "cli/text/state_text.hpp"
-#include "cli/text/width.hpp"
 
 namespace asip::cli {
 
@@ -160,7 +159,7 @@ struct InteractiveShell::State {
         return false;
     }
 
-    void say(const std::string& text) { editor.show_above(for_terminal("asipctl: " + text)); }
+    void say(const std::string& text) { editor.show_above("asipctl: " + text); }
 
     void take_line(const std::string& line) {
         const auto words = shell_words(line);

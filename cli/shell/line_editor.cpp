@@ -229,7 +229,9 @@ struct LineEditor::State {
                 std::max(cursor, before + columns_of(line->buffer, line->lastchar)) / size.columns};
     }
 
-    std::string status() const { return movable ? hooks.status(size.columns - 1) : std::string(); }
+    std::string status() const {
+        return movable ? for_terminal(hooks.status(size.columns - 1)) : std::string();
+    }
 
     /// Before a line is edited, and after something was printed below it.
     void print_status() {
@@ -264,7 +266,7 @@ struct LineEditor::State {
     unsigned char complete(int key) {
         const auto* line = el_line(edit);
         const std::string typed(line->buffer, line->cursor);
-        const auto found = hooks.complete(typed);
+        const auto found = without_unshowable(hooks.complete(typed));
         if (found.empty()) return CC_REFRESH_BEEP;
         if (found.front() == kOfferFiles || found.front() == kOfferFolders) return _el_fn_complete(edit, key);
         const auto start = typed_line("x " + typed).start;
@@ -365,8 +367,9 @@ void LineEditor::remember(const std::string& line) {
 }
 
 void LineEditor::show_above(const std::string& text) {
-    if (state_->reading) return state_->repaint(text);
-    std::fprintf(stdout, "%s\n", text.c_str());
+    const auto shown = for_terminal(text);
+    if (state_->reading) return state_->repaint(shown);
+    std::fprintf(stdout, "%s\n", shown.c_str());
     std::fflush(stdout);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "cli/text/terminal_buffer.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -15,17 +16,17 @@ constexpr std::size_t kFirstText = 1u << 20;  // bytes; more only as they come
 const char* code_of(Colour colour) {
     switch (colour) {
         case Colour::kBold:
-            return "\033[1m";
+            return "[1m";
         case Colour::kDim:
-            return "\033[2m";
+            return "[2m";
         case Colour::kRed:
-            return "\033[31m";
+            return "[31m";
         case Colour::kGreen:
-            return "\033[32m";
+            return "[32m";
         case Colour::kYellow:
-            return "\033[33m";
+            return "[33m";
         case Colour::kCyan:
-            return "\033[36m";
+            return "[36m";
         case Colour::kNone:
             break;
     }
@@ -36,7 +37,7 @@ const char* code_of(Colour colour) {
 
 std::string painted(std::string_view text, Colour colour, bool on) {
     if (!on || colour == Colour::kNone || text.empty()) return std::string(text);
-    return code_of(colour) + std::string(text) + "\033[0m";
+    return own_control('\033') + code_of(colour) + std::string(text) + own_control('\033') + "[0m";
 }
 
 void Table::add(const std::vector<Cell>& row) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts of strangers, files that are not there, and a broker that dies.
+// Odd arguments, files that are not there, and a broker that dies.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -20,40 +20,6 @@ bool showable(const std::string& lines) {
     for (std::string line; std::getline(in, line);)
         if (!text::is_showable(line)) return false;
     return true;
-}
-
-TEST_F(BusTest, TextsOfAStranger_MoveNoCursor) {
-    probe_.publish("asip/servicebus/k1/$description",
-                   R"({"board":"k1","session":"a","seq":1,"lease":600,)"
-                   R"("firmware":{"protocol":"0.4","chip":"A\r\nT","sketch":"a\u001b]0;x\u0007b"},)"
-                   R"("link":{"kind":"\u001b[2J","path":"\u001b[2J"},)"
-                   R"("agent":{"version":"\u001b[1m","host":"\u001b[2J","client":"\u009b31m"},)"
-                   R"("labels":{"room":"\u001b[31m"},)"
-                   R"("services":[{"name":"K","id":"K","title":"\u001b[31m\u202eevil\u0007"}]})",
-                   true);
-    probe_.publish("asip/servicebus/k1/$state", "online", true);
-    probe_.publish("asip/servicebus/k2/$description", "\x1b[31m{", true);
-    probe_.publish("asip/servicebus/k2/$state", "\x1b[31monline", true);
-    probe_.publish("asip/k3/out", "\x1b[31m", true);
-    probe_.publish("asip/servicebus/a b\xc3\xa4/$state", "online", true);
-    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    for (const Words& words : std::vector<Words>{{"list", "--from-bus"},
-                                                 {"list", "-o", "wide", "--from-bus"},
-                                                 {"list", "services", "--from-bus"},
-                                                 {"list", "-o", "json", "--from-bus"},
-                                                 {"list", "--format", "{board} {agent}", "--from-bus"},
-                                                 {"show", "k1"},
-                                                 {"show", "k1/K"},
-                                                 {"label", "k1"},
-                                                 {"pin", "k1"},
-                                                 {"doctor"},
-                                                 {"prune", "--dry-run"},
-                                                 {"top", "-n", "1", "--no-ping"},
-                                                 {"events", "-W", "300ms"}}) {
-        const auto shown = asipctl(words);
-        EXPECT_TRUE(showable(shown.output)) << words.front() << ": " << text::printable(shown.output, 4000);
-        EXPECT_TRUE(showable(shown.errors)) << words.front() << ": " << text::printable(shown.errors, 4000);
-    }
 }
 
 TEST(OddArguments, AreNamedWithoutTheirControlCharactersAndCut) {

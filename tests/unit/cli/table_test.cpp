@@ -6,10 +6,19 @@
 
 #include <sstream>
 
+#include "cli/text/terminal_buffer.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
+
+/// What the terminal gets.
+std::string sent(const std::string& text) {
+    std::ostringstream terminal;
+    TerminalBuffer buffer(terminal.rdbuf());
+    std::ostream(&buffer) << text << std::flush;
+    return terminal.str();
+}
 
 Table boards() {
     Table table({{"BOARD"}, {"PINS", true}, {"SERVICES", false, 8}});
@@ -52,13 +61,38 @@ TEST(Table, Colours_AppearOnlyWhenAskedFor) {
     Table table({{"STATE"}});
     table.add({Cell("online", Colour::kGreen)});
     EXPECT_EQ(table.render(0, false), "STATE\nonline\n");
-    EXPECT_EQ(table.render(0, true), "\033[1mSTATE\033[0m\n\033[32monline\033[0m\n");
+    EXPECT_EQ(sent(table.render(0, true)), "\033[1mSTATE\033[0m\n\033[32monline\033[0m\n");
+}
+
+TEST(TerminalBuffer, TextOfAStranger_LosesItsControlCharacters_WhereverItIsCut) {
+    const std::string text = "kü\x1b[31mche\u009b2J\x7f\u202e\r\xff\n\t温";
+    const std::string harmless = "kü?[31mche?2J????\n\t温";
+    EXPECT_EQ(sent(text), harmless);
+    for (std::size_t cut = 0; cut < text.size(); ++cut) {
+        std::ostringstream terminal;
+        {
+            TerminalBuffer buffer(terminal.rdbuf());
+            std::ostream(&buffer) << text.substr(0, cut) << text.substr(cut);
+        }
+        EXPECT_EQ(terminal.str(), harmless) << cut;
+    }
+}
+
+TEST(TerminalBuffer, OwnControls_ArriveByteByByte_AndTornCharactersAreShownAtTheEnd) {
+    std::ostringstream terminal;
+    TerminalBuffer buffer(terminal.rdbuf());
+    std::ostream out(&buffer);
+    for (const char c : own_control('\033') + "[31mred" + own_control('\r') + "\xe6\xb8")
+        out.put(c);
+    EXPECT_EQ(terminal.str(), "\033[31mred\r");
+    out.flush();
+    EXPECT_EQ(terminal.str(), "\033[31mred\r??");
 }
 
 TEST(Table, CellFromAStranger_CannotMoveTheCursor) {
     Table table({{"SKETCH"}});
     table.add({"x\x1b[2J\ny"});
-    EXPECT_EQ(table.render(0, true), "\033[1mSKETCH\033[0m\nx?[2J?y\n");
+    EXPECT_EQ(sent(table.render(0, true)), "\033[1mSKETCH\033[0m\nx?[2J?y\n");
 }
 
 TEST(Table, RowsAddedLater_StandInTheColumnsOfBefore) {
@@ -76,7 +110,7 @@ TEST(Table, CellsLikeThoseAbove_KeepTheirColours) {
     table.add_cell("1");
     table.add_cell("online", Colour::kRed);
     table.add_cell("1");
-    EXPECT_EQ(table.render(0, true),
+    EXPECT_EQ(sent(table.render(0, true)),
               "\033[1mSTATE\033[0m   \033[1mN\033[0m\n"
               "\033[32monline\033[0m  1\n"
               "\033[31monline\033[0m  1\n");
@@ -102,7 +136,7 @@ TEST(Table, RowsThatDifferInTheirFirstCellOnly_AreWhole) {
               "y\n"
               "zz\n"
               "\n");
-    EXPECT_THAT(table.render(0, true), testing::HasSubstr("x              \033[32monline\033[0m  7\n"));
+    EXPECT_THAT(sent(table.render(0, true)), testing::HasSubstr("x              \033[32monline\033[0m  7\n"));
 }
 
 TEST(Table, HugeCell_DoesNotWidenTheOtherRows) {
