@@ -8,7 +8,9 @@
 #include "asip/model/json.hpp"
 #include "asip/property/documents.hpp"
 #include "asip/property/list.hpp"
+#include "asip/protocol/extensions.hpp"
 #include "asip/protocol/pin.hpp"
+#include "asip/protocol/request.hpp"
 
 namespace asip::agent {
 namespace {
@@ -18,6 +20,8 @@ using property::How;
 
 constexpr std::string_view kIo = "io";
 constexpr std::string_view kMode = "mode";
+constexpr const char* kLevels = "levels";
+constexpr const char* kDigital = "digital";
 constexpr std::size_t kMaxQuotas = 1024;
 
 /// The mode that a request sets, and of which pin.
@@ -33,7 +37,7 @@ bool is_input(int mode) {
 
 /// Whether a report holds what people wait for, and is no number that flows.
 bool is_of_levels(const json& published) {
-    return published.is_object() && published.contains("digital");
+    return published.is_object() && published.contains(kDigital);
 }
 
 }  // namespace
@@ -81,6 +85,9 @@ void BoardValues::modes_told(const std::vector<std::pair<int, int>>& modes, Time
 }
 
 void BoardValues::reported(const std::string& service, const json& published, Time now) {
+    // The answer to I,L: the same levels as those of the events.
+    if (const auto levels = published.find(kLevels); service == kIo && levels != published.end())
+        return note(known_.reported(service, {{kDigital, *levels}}, How::kAnswered, now), kBetween, now);
     note(known_.reported(service, published, How::kReported, now),
          is_of_levels(published) ? kBetween : kBetweenNumbers, now);
 }
@@ -104,14 +111,16 @@ std::vector<std::string> BoardValues::lines_to_learn(const model::Labels& labels
     const auto* io = board_.services.find(kIo);
     if (io == nullptr || !io->model || io->model->name != kIo) return lines;
     const auto& modes = board_.session.identity().pin_modes;
+    const bool tells = board_.session.identity().extensions.has(protocol::kLevels);
     for (const auto& [pin, commanded] : labels.modes) {
         if (!is_input(commanded) || static_cast<std::size_t>(pin) >= modes.size()) continue;
         const auto present = modes[static_cast<std::size_t>(pin)];
         const bool unused = present == protocol::PinMode::kUnallocated;
-        if (unused || static_cast<int>(present) == commanded)
+        if (unused || (!tells && static_cast<int>(present) == commanded))
             lines.push_back(std::string{io->letter} + ",P," + std::to_string(pin) + "," +
                             std::to_string(commanded));
     }
+    if (tells) lines.emplace_back(protocol::kAskLevels);
     return lines;
 }
 
@@ -200,6 +209,9 @@ void BoardValues::answer(std::string_view demander, const bus::Demand& demand, c
     document.head = {board_.name, session, seq_};
     document.clock = age_.clock(now);
     if (asked(std::string(kIo))) document.pins = known_.pins(kIo);
+    if (demand.list)
+        for (const auto& each : known_.properties())
+            if (asked(each.service)) document.properties.push_back(each);
     const auto reply = bus::Reply::ok("memory", property::to_text(document));
     bus::ReplyTo to;
     to.topic = demand.reply_to;

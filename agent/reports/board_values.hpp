@@ -52,7 +52,8 @@ class BoardValues {
     /// It is there (again), with its settings restored.
     void identified(Time now);
     /// Requests that make the board say the levels of its inputs: the mode that such a pin has is set once
-    /// more, and a pin that commands had made an input, and that a restart left unused, is one again. Never a
+    /// more where it cannot be asked for them, and a pin that commands had made an input, and that a restart
+    /// left unused, is one again. Never a
     /// pin that is or was an output.
     std::vector<std::string> lines_to_learn(const model::Labels& labels) const;
     /// Modes that commands set since the last call: pin and mode. Then the description is to say them, and

@@ -187,6 +187,24 @@ Property read_property(JsonReader& reader) {
     return property;
 }
 
+json properties_json(const std::vector<Property>& properties) {
+    auto list = json::array();
+    for (const auto& property : properties)
+        list.push_back(property_json(property));
+    return list;
+}
+
+std::vector<Property> read_properties(JsonReader& reader) {
+    std::vector<Property> properties;
+    std::set<std::string> ids;
+    for (auto& each : reader.list("properties", kMaxProperties)) {
+        properties.push_back(read_property(each));
+        if (reader.ok() && !ids.insert(properties.back().id).second) each.fault("id", "is there twice");
+        if (!reader.ok()) break;
+    }
+    return properties;
+}
+
 // --- values
 
 json value_json(const ShownValue& value) {
@@ -217,12 +235,9 @@ ShownValue read_value(JsonReader& reader) {
 }  // namespace
 
 std::string to_text(const PropertyList& list) {
-    auto properties = json::array();
-    for (const auto& property : list.properties)
-        properties.push_back(property_json(property));
     json document = json::object();
     put_head(document, list.head);
-    document["properties"] = std::move(properties);
+    document["properties"] = properties_json(list.properties);
     return model::dump_json(document);
 }
 
@@ -234,12 +249,7 @@ Expected<PropertyList> parse_list(std::string_view text) {
     PropertyList list;
     list.head = read_head(reader);
     reader.required("properties");
-    std::set<std::string> ids;
-    for (auto& each : reader.ok() ? reader.list("properties", kMaxProperties) : std::vector<JsonReader>()) {
-        list.properties.push_back(read_property(each));
-        if (reader.ok() && !ids.insert(list.properties.back().id).second) each.fault("id", "is there twice");
-        if (!reader.ok()) break;
-    }
+    if (reader.ok()) list.properties = read_properties(reader);
     if (!reader.ok()) return fail(fault);
     return list;
 }
@@ -259,7 +269,7 @@ std::string to_text(const ValueDocument& document) {
     if (!document.clock.empty()) object["clock"] = document.clock;
     auto left_out = document.left_out;
     auto values = json::object();
-    std::size_t bytes = model::dump_json(object).size() + 64;
+    std::size_t bytes = 512;  // what stands around them
     for (const auto& [id, value] : document.values) {
         auto written = value_json(value);
         bytes += id.size() + 4 + model::dump_json(written).size();
@@ -270,12 +280,14 @@ std::string to_text(const ValueDocument& document) {
     }
     object["values"] = std::move(values);
     if (!document.pins.is_null()) object["pins"] = document.pins;
+    if (!document.properties.empty()) object["properties"] = properties_json(document.properties);
     if (left_out > 0) object["left_out"] = left_out;
     return model::dump_json(object);
 }
 
 Expected<ValueDocument> parse_values(std::string_view text) {
-    const auto document = model::parse_json(text, {.max_bytes = kMaxValuesBytes * 2, .max_depth = 8});
+    const auto document =
+        model::parse_json(text, {.max_bytes = kMaxValuesBytes + kMaxListBytes, .max_depth = 8});
     if (!document) return fail("/: " + document.error());
     std::string fault;
     JsonReader reader(*document, "", fault);
@@ -283,6 +295,7 @@ Expected<ValueDocument> parse_values(std::string_view text) {
     result.head = read_head(reader);
     result.clock = reader.text("clock", {}, kMaxWordBytes);
     result.left_out = reader.integer("left_out", 0, kMaxProperties).value_or(0);
+    if (reader.ok()) result.properties = read_properties(reader);
     if (reader.object("pins")) result.pins = (*document)["pins"];
     reader.required("values");
     for (auto& [id, each] : reader.ok() ? reader.members("values") : decltype(reader.members("values"))()) {

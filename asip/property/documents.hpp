@@ -54,6 +54,8 @@ struct ValueDocument {
     /// In the answer of an agent: the levels and analog values of all pins that it heard of, electrical:
     /// {"digital":{"2":1},"analog":{"0":320}}. Null: not asked for.
     nlohmann::json pins{};
+    /// In such an answer: the properties of the services, where they were asked for.
+    std::vector<Property> properties{};
     std::size_t left_out = 0;  ///< that did not fit
     friend bool operator==(const ValueDocument&, const ValueDocument&) = default;
 };

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/commands/get.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
 
 #include "asip/bus/registry/board_match.hpp"
 #include "asip/model/json.hpp"
+#include "asip/property/list.hpp"
+#include "asip/property/words.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/ask/board_values.hpp"
 #include "cli/commands/get_all.hpp"
 #include "cli/declaration.hpp"
 #include "cli/events/leaf_values.hpp"
@@ -60,6 +64,7 @@ class Getter {
         if (const auto connected = session_.connect(); !connected)
             return environment_.fail_with(connected.error());
         if (const auto found = find(); !found) return environment_.fail_with(found.error());
+        if (!property_.empty()) return show_property();
         const auto topic = environment_.topics.service_out(what_.target.board, service_.name);
         const auto reports = session_.subscribe(topic, [this](const mqtt::Message& message) {
             if (!message.retain) take(message.payload, "reported");
@@ -83,10 +88,62 @@ class Getter {
         service_ = std::move(*service);
         model_ = bus::model_of(service_, environment_.models());
         if (!model_) return {};
+        if (is_kept_by_agent()) return {};
         auto choice = choose_field(*model_, what_.field);
         if (!choice) return failure(program::kExitUsage, where() + ": " + choice.error());
         choice_ = *choice;
         return {};
+    }
+
+    /// Pins, and what is only set: the agent knows how they stand. What sensors measure is asked of the
+    /// board.
+    bool is_kept_by_agent() {
+        if (options_.watch || !board_.description) return false;
+        const auto all =
+            property::properties_of(*board_.description, [this](const model::ServiceInfo& service) {
+                return bus::model_of(service, environment_.models());
+            });
+        auto id = service_.name;
+        if (!what_.field.empty()) id += "/" + what_.field;
+        const auto named = property::properties_named(all, id);
+        const bool pins = model_->name == "io" && what_.field.find('/') == std::string::npos &&
+                          model_->event_named(what_.field) == nullptr;
+        const bool kept = pins || std::all_of(named.begin(), named.end(),
+                                              [&](std::size_t each) { return !all[each].read; });
+        if (!kept || (named.empty() && !pins)) return false;
+        property_ = id;
+        return true;
+    }
+
+    int show_property() {
+        BoardValues values(environment_, session_, board_, service_.name);
+        session_.run_until([&] { return values.answered(); }, Clock::now() + environment_.timeout);
+        if (!values.answered())
+            return environment_.fail_with(
+                session_.unanswered("the agent of " + what_.target.board + " does not answer; does it run?"));
+        const auto named = property::properties_named(values.properties(), property_);
+        if (named.empty())
+            return environment_.fail_with(
+                {program::kExitFailure, what_.target.board + " has no property " + property_ +
+                                            ": a pin is one once its mode was set (asipctl pin " +
+                                            what_.target.board + " 2 pullup) or a class was given to it"});
+        bool known = false;
+        for (const auto each : named) {
+            const auto& property = values.properties()[each];
+            const auto shown = values.of(each);
+            known = known || shown.how != property::How::kNone;
+            if (!options_.output.for_people()) {
+                records_.print(value_record(what_.target.board, property, shown));
+                continue;
+            }
+            if (property.id != property_) environment_.out << property.id << ' ';
+            environment_.out << for_terminal(shown.how == property::How::kNone
+                                                 ? property::unknown_text(shown.why)
+                                                 : property::value_text(property, shown.value, options_.raw))
+                             << '\n';
+        }
+        environment_.out << std::flush;
+        return known ? program::kExitOk : program::kExitNoAnswer;
     }
 
     /// Asks the board where the model knows how, else waits for its next report.
@@ -194,6 +251,7 @@ class Getter {
     model::ModelPtr model_{};
     FieldChoice choice_{};
     BusSession::Demand demand_{};
+    std::string property_;                   // its id, where the agent is asked
     std::vector<std::string> other_fields_;  // of the newest value
     bool printed_ = false;
 };
@@ -222,26 +280,28 @@ Run declare_get(Declaration& verb) {
     verb.flag("-w,--watch", options->watch,
               "Continue and print each value that the board reports, until Ctrl-C");
     verb.flag("--raw", options->raw, "Without the unit");
-    verb.output(options->output, {Output::kText},
-                {"board", "service", "event", "value", "unit", "time", "how", "what", "age"});
+    verb.output(
+        options->output, {Output::kText},
+        {"board", "service", "property", "name", "event", "value", "unit", "time", "how", "unknown", "age"});
     return [options](Environment& environment) { return run_get(*options, environment); };
 }
 
 }  // namespace
 
 Verb get_verb() {
-    return {"get", "Values of boards, or one value of a service, with units and ages",
-            "Asks the board where the service can be asked, else waits for its next report. Exit status 4: "
-            "nothing\n"
-            "came in time.\n"
-            "Of a board it also says what was set, by whichever program, and pins by their names.\n"
-            "Examples:\n"
-            "  asipctl get uno1\n"
-            "  asipctl get '*/distance' -l room=lab\n"
-            "  asipctl get uno1/distance\n"
-            "  asipctl get uno1/distance/0 --raw\n"
-            "  asipctl get uno1/distance -o json",
-            declare_get};
+    return {
+        "get", "Values of boards, or one value of a service, with units and ages",
+        "Of a board, of pins and of what can only be set its agent says how they stand; nothing is sent to "
+        "the\n"
+        "board. One sensor is asked where its model knows how, else its next report counts. Exit status 4:\n"
+        "nothing is known, or nothing came in time.\n"
+        "Examples:\n"
+        "  asipctl get uno1\n"
+        "  asipctl get '*/distance' -l room=lab\n"
+        "  asipctl get uno1/distance\n"
+        "  asipctl get uno1/distance/0 --raw\n"
+        "  asipctl get uno1/distance -o json",
+        declare_get};
 }
 
 }  // namespace asip::cli

@@ -46,6 +46,7 @@ std::string to_text(const Demand& demand) {
     nlohmann::json object{{"services", std::move(services)}, {"lease", demand.lease.count()}};
     if (!demand.reply_to.empty()) object["reply_to"] = demand.reply_to;
     if (!demand.id.empty()) object["id"] = demand.id;
+    if (demand.list) object["list"] = true;
     return model::dump_json(object);
 }
 
@@ -61,6 +62,7 @@ Expected<Demand> parse_demand(std::string_view text) {
     if (lease) demand.lease = std::chrono::seconds(*lease);
     demand.reply_to = reader.text("reply_to", {}, kMaxReplyTopicBytes);
     demand.id = reader.text("id", {}, kMaxIdBytes);
+    demand.list = reader.flag("list");
     if (!reader.ok()) return fail(fault);
     return demand;
 }

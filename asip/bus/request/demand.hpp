@@ -32,6 +32,7 @@ struct Demand {
     std::string reply_to{};
     std::string id{};
     std::vector<std::string> asked{};  ///< the names in `services`, also those with 0
+    bool list = false;                 ///< the answer is to have the properties, too
 
     friend bool operator==(const Demand&, const Demand&) = default;
 };

@@ -6,6 +6,8 @@
 namespace asip::bus {
 namespace {
 
+constexpr std::string_view kServiceBus = "servicebus/";
+
 bool can_be_level(std::string_view text) {
     return !text.empty() && std::none_of(text.begin(), text.end(), [](char c) {
         const auto byte = static_cast<unsigned char>(c);
@@ -38,6 +40,8 @@ ReplyTopics ReplyTopics::beside(std::string_view suffix) const {
 
 std::string ReplyTopics::to(std::string_view request_topic) const {
     if (request_topic.starts_with(root_)) request_topic.remove_prefix(root_.size());
+    // A demand stands on the service bus, and the board answers it.
+    if (request_topic.starts_with(kServiceBus)) request_topic.remove_prefix(kServiceBus.size());
     return of(request_topic.substr(0, request_topic.find('/')));
 }
 

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "asip/property/documents.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/ask/bus_session.hpp"
+#include "cli/environment.hpp"
+
+namespace asip::cli {
+
+/// The properties of one board and how they stand: its agent is asked, which answers from memory, and what
+/// the board reports meanwhile counts, too. Nothing is sent to the board. `services`: a pattern.
+class BoardValues {
+  public:
+    /// All but `board` must outlive it; it asks at once. Not moved.
+    BoardValues(Environment& environment, BusSession& session, const KnownBoard& board,
+                std::string services = "*");
+    BoardValues(const BoardValues&) = delete;
+    BoardValues& operator=(const BoardValues&) = delete;
+
+    /// The agent answered; boards without an agent of ours never do.
+    bool answered() const { return answered_; }
+    /// That, and every value is there that the board reports by itself.
+    bool complete() const;
+    const std::vector<property::Property>& properties() const { return properties_; }
+    /// By the number of the property; its age is that of now.
+    property::ShownValue of(std::size_t property) const;
+    /// Levels and analog values of all pins, electrical: {"digital":{"2":1},"analog":{"0":320}}.
+    const nlohmann::json& pins() const { return pins_; }
+
+  private:
+    struct Known {
+        property::ShownValue shown;
+        Time at{};
+    };
+    void use(std::vector<property::Property> properties);
+    void answer(const mqtt::Message& message);
+    void report(const mqtt::Message& message);
+
+    Environment& environment_;
+    const std::string services_;
+    model::Description description_;
+    std::vector<property::Property> properties_;
+    std::vector<bool> will_report_;  // by the number of the property
+    std::vector<Known> known_;
+    nlohmann::json pins_ = nlohmann::json::object();
+    bool answered_ = false;
+    BusSession::Subscription reports_;
+    BusSession::Demand demand_;
+    BusSession::Request question_;
+};
+
+/// The levels of pins as one value each: "high" or "low", or a number of an analog channel.
+std::optional<int> pin_value(const nlohmann::json& pins, const char* event, int key);
+
+}  // namespace asip::cli
