@@ -10,10 +10,12 @@ const { AsipError, Clocks, errorOf, makeRequest, makeTopics, readObject, validBo
 const { Boards, isThere, words } = require('./boards');
 const { addressOf } = require('./bus-address');
 const { Models, askerOf } = require('./models');
+const { VersionChoice } = require('./mqtt-version');
 
 const LEASE_SECONDS = 15; // of a demand
 const GRACE_SECONDS = 0.5; // for an answer behind the deadline that the agent knows
 const HELLO_SECONDS = 5;
+const ANSWER_SECONDS = 5; // a broker that did not answer by then may know no MQTT 5, or hang
 const MAX_OPEN = 4096;
 
 // npm links a folder without installing what it needs: then Node-RED's own copy does.
@@ -53,7 +55,7 @@ class Bus extends EventEmitter {
     this.demands = new Map(); // board -> Map(function -> [service, hz])
     this.count = 0;
     this.place = 0;
-    this.version = 5;
+    this.versions = this.addresses.map(() => new VersionChoice());
     this.failures = 0;
     this.faults = 0;
     this.faulty = new Set();
@@ -73,15 +75,25 @@ class Bus extends EventEmitter {
 
   begin() {
     if (this.closed) return;
-    const link = this.connectTo(this.addresses[this.place % this.addresses.length], {
+    this.choice = this.versions[this.place];
+    const { v5 } = this.choice;
+    this.version = v5 ? 5 : 4;
+    const link = this.connectTo(this.addresses[this.place], {
       clientId: `asip-node-red-${randomBytes(8).toString('hex')}`, // published nowhere
-      protocolVersion: this.version, clean: true, reconnectPeriod: 0, connectTimeout: 5000, keepalive: 10, queueQoSZero: false, resubscribe: false,
+      protocolVersion: this.version, clean: true, reconnectPeriod: 0, connectTimeout: 30000, keepalive: 10, queueQoSZero: false, resubscribe: false,
       username: this.options.user || undefined, password: this.options.password || undefined, ca: this.options.ca,
       ...(this.version === 5 ? { properties: { maximumPacketSize: 2 << 20 } } : {}),
     });
     this.link = link;
-    let refused = '';
+    const attempt = { v5, accepted: false, how: 'closed', why: '' };
+    const silent = setTimeout(() => {
+      Object.assign(attempt, { how: link.stream?.connecting ? 'other' : 'silent', why: 'the broker does not answer' });
+      link.end(true);
+    }, ANSWER_SECONDS * 1000);
     link.on('connect', () => {
+      clearTimeout(silent);
+      attempt.accepted = true;
+      this.choice.accepted();
       link.stream?.setNoDelay?.(true);
       this.boards.connected(now());
       link.subscribe([this.topics.replies(), this.topics.description('+'), this.topics.state('+')], { qos: 1 });
@@ -91,11 +103,16 @@ class Bus extends EventEmitter {
     });
     link.on('message', (topic, payload, packet) => this.guard(`a message on ${topic}`, () => this.onMessage(topic, payload, packet)));
     link.on('error', (error) => {
-      refused = error.message;
-      if (this.version === 5 && (error.code === 1 || error.code === 132 || /protocol version/i.test(error.message))) this.version = 4;
+      // A code is that of a CONNACK (those of 3.1.1 are below 128), or a word of the network; without one a packet was none of this version.
+      if (v5 && (error.code === undefined || error.code === 132 || error.code < 128)) attempt.how = 'version';
+      else if (error.code !== 'ECONNRESET') attempt.how = 'other';
+      attempt.why = error.message;
       link.end(true);
     });
-    link.on('close', () => this.onClose(link, refused || 'the connection to the broker ended'));
+    link.on('close', () => {
+      clearTimeout(silent);
+      this.onClose(link, attempt);
+    });
   }
 
   drop(link, why) {
@@ -103,22 +120,24 @@ class Bus extends EventEmitter {
     link.end(true);
   }
 
-  onClose(link, why) {
+  onClose(link, attempt) {
     if (link !== this.link) return;
+    if (!attempt.accepted) this.choice.failed(attempt.how, attempt.v5);
+    const atOnce = !attempt.accepted && attempt.how === 'version' && attempt.v5;
     clearTimeout(this.hello);
     this.link = null;
     this.ready = false;
     this.boards.disconnected();
     this.failures += 1;
-    this.place += 1;
+    if (!this.choice.suspected && !atOnce) this.place = (this.place + 1) % this.addresses.length;
     for (const call of this.open.values()) {
       call.end(new AsipError('Unproven', `${call.where}: the connection to the broker broke before the answer came; it may or may not have been executed`,
         { sent: null, reason: 'disconnected', board: call.board, service: call.service }));
     }
-    this.emit('disconnected', this.why || why);
+    this.emit('disconnected', this.why || attempt.why || 'the connection to the broker ended');
     this.why = undefined;
     if (this.closed) return;
-    const wait = this.failures < this.addresses.length ? 0 : Math.min(5000, 200 * 2 ** Math.min(this.failures, 6)) * (0.5 + Math.random() / 2);
+    const wait = atOnce || this.failures < this.addresses.length ? 0 : Math.min(5000, 200 * 2 ** Math.min(this.failures, 6)) * (0.5 + Math.random() / 2);
     this.retry = setTimeout(() => this.begin(), wait);
   }
 

@@ -11,6 +11,7 @@ const protocol = require('../lib/protocol.js');
 const { Boards } = require('../lib/boards.js');
 const { Bus } = require('../lib/bus.js');
 const { addressOf } = require('../lib/bus-address.js');
+const { VersionChoice } = require('../lib/mqtt-version.js');
 const { Models, askerOf, commandsOf, unitOf } = require('../lib/models.js');
 const json = (path) => JSON.parse(readFileSync(new URL(path, import.meta.url)));
 const vectors = json('../../tests/vectors/bus.json');
@@ -49,6 +50,17 @@ test('clock', () => {
     const clocks = new protocol.Clocks();
     for (const [text, asked, answered] of notes) clocks.note('desk', text, asked, answered);
     assert.equal(clocks.reading('desk', now), reading, about);
+  }
+});
+
+test('versions of MQTT', () => {
+  for (const { about, attempts } of json('../../tests/vectors/mqtt_version.json').brokers) {
+    const choice = new VersionChoice();
+    for (const { ended, then, same } of attempts) {
+      if (ended === 'accepted') choice.accepted();
+      else choice.failed(ended, choice.v5);
+      assert.deepEqual([choice.v5 ? 5 : 4, choice.suspected], [then, same], `${about}: ${ended}`);
+    }
   }
 });
 

@@ -19,6 +19,7 @@ from concurrent.futures import InvalidStateError
 from typing import Any, Callable, Protocol
 
 from . import _wait, errors
+from ._brokers import Brokers
 from ._callbacks import Dispatcher
 from ._paho import Link
 from ._session import Action, Call, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
@@ -26,8 +27,8 @@ from ._topics import Topics
 from .settings import Settings
 
 log = logging.getLogger("asip")
-CONNECT_SECONDS = 5.0
-MAX_BACKOFF = 5.0
+ANSWER_SECONDS = 2.0  # a broker that did not answer by then may know no MQTT 5, or hang
+READY_SECONDS = 11.0
 _all: "weakref.WeakSet[Engine]" = weakref.WeakSet()
 
 
@@ -56,10 +57,10 @@ class Engine:
         self._late_links: "collections.deque[Link]" = collections.deque()
         self._wake = threading.Event()
         self._due = 0.0  # when `asip-clock` looks again, at the latest
-        self._v5 = True
-        self._next = 0
+        self._brokers = Brokers(settings.brokers)
+        self._v5 = True  # of the present connection
+        self._accepted = False
         self._link_began = 0.0
-        self._failures = 0
         self._not_before = 0.0
         self._replace: str | None = None
         self.faults = 0  # messages and other events that raised here: each was dropped
@@ -242,18 +243,14 @@ class Engine:
         if sends:
             self._wake.set()
         if ready and not was_ready:
-            self._failures = 0
+            self._brokers.served()
             self._notify()
 
-    def _went_down(self, link: Link, why: str, version: bool) -> None:
+    def _went_down(self, link: Link, why: str, how: str) -> None:
         with self._lock:
             if link is not self._link:
                 return
-            if version and self._v5:
-                self._v5 = False
-                self._not_before = 0.0
-            else:
-                self._back_off()
+            self._back_off(how)
             actions = self.session.disconnected(time.monotonic(), why)
             self._link = None
             self._late.clear()
@@ -263,12 +260,9 @@ class Engine:
         self._late_links.append(link)
         self._wake.set()
 
-    def _back_off(self) -> None:
-        self._failures += 1
-        self._next += 1
-        rounds = self._failures // len(self.settings.brokers)
-        self._not_before = time.monotonic() + (0 if self._failures < len(self.settings.brokers) else
-                                               min(MAX_BACKOFF, 0.2 * 2 ** min(rounds, 6)) * random.uniform(0.5, 1.0))
+    def _back_off(self, how: str) -> None:
+        self._accepted = False
+        self._not_before = time.monotonic() + self._brokers.ended(how, self._v5, random.random())
 
     # The clock ----------------------------------------------------------------------------------------------------------
 
@@ -303,43 +297,49 @@ class Engine:
             self._perform(late + actions)
         if self._replace is not None:
             why, self._replace = self._replace, None
-            self._give_up(why)
+            self._give_up(why, "other")
         if self._link is None and not self.closed:
             if time.monotonic() >= self._not_before:
                 self._connect()
             due = min(due, self._not_before) if self._link is None else due
-        elif not self.session.ready and time.monotonic() > self._link_began + CONNECT_SECONDS + 6:
-            self._give_up("the broker does not answer")
+        elif not self.session.ready:
+            limit = self._link_began + (READY_SECONDS if self._accepted else ANSWER_SECONDS)
+            if time.monotonic() > limit:
+                self._give_up("the broker does not answer", "other" if self._accepted else "silent")
+                return self._not_before
+            due = min(due, limit + 0.01)
         return due
 
     def _connect(self) -> None:
-        broker = self.settings.brokers[self._next % len(self.settings.brokers)]
-        with self._lock:
-            v5 = self._v5
+        broker = self._brokers.current
+        v5 = self._v5 = self._brokers.v5
         # The identifier on the wire is published nowhere: no other client can take the connection over.
         client_id = f"asip-python-{uuid.uuid4().hex}"
         try:
             link: Link = self._new_link(broker, self.settings, client_id, v5, lambda is_v5: self._happened(link, lambda now: self._up(now, is_v5)),
-                        lambda why, version: self._went_down(link, why, version),
+                        lambda why, how: self._went_down(link, why, how),
                         lambda *message: self._message(link, *message),
                                         lambda key: self._happened(link, lambda now: self.session.denied(key)))
             with self._lock:
                 self._link = link
-                self._link_began = time.monotonic()
+                self._link_began = float("inf")
             link.start()
+            self._link_began = time.monotonic()
         except Exception as fault:  # noqa: BLE001: sockets, TLS and paho raise many kinds
             with self._lock:
                 self._link = None
-                self._back_off()
+                self._back_off("other")
                 self.session.trouble = f"{broker.host}:{broker.port}: {fault}"
 
     def _up(self, now: float, v5: bool) -> list[Action]:
+        self._accepted = True
+        self._brokers.accepted()
         return self.session.connected(now, v5)
 
-    def _give_up(self, why: str) -> None:
+    def _give_up(self, why: str, how: str) -> None:
         with self._lock:
             link, self._link = self._link, None
-            self._back_off()
+            self._back_off(how)
             actions = self.session.disconnected(time.monotonic(), why)
         self._tell_all(actions)
         log.warning("asip: %s", why)

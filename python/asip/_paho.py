@@ -24,14 +24,6 @@ _MAX_PACKET_BYTES = 2 << 20
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 
 
-class Refused(Exception):
-    """The broker refused the connection. `version`: it does not speak MQTT 5."""
-
-    def __init__(self, text: str, version: bool = False):
-        super().__init__(text)
-        self.version = version
-
-
 class _Client(mqtt.Client):  # type: ignore[misc]  # paho-mqtt 1.6 has no types
     """paho's thread runs loop_forever(): when that ends, by whatever a packet raised there, the connection has ended."""
 
@@ -53,12 +45,12 @@ class _Client(mqtt.Client):  # type: ignore[misc]  # paho-mqtt 1.6 has no types
 class Link:
     """One connection, from its first packet to its end.
 
-    `on_up(v5)`, `on_down(why, version)`, `on_message(topic, payload, retained, expiry)`, `on_denied(key)`: in paho's thread. `on_down`
+    `on_up(v5)`, `on_down(why, how)` (`how`: as asip._brokers has it), `on_message(topic, payload, retained, expiry)`, `on_denied(key)`: in paho's thread. `on_down`
     comes at most once, also where the connection was never up. paho-mqtt 1.6 tells of no denied message.
     """
 
     def __init__(self, broker: Broker, settings: Settings, client_id: str, v5: bool, on_up: Callable[[bool], None],
-                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None],
+                 on_down: Callable[[str, str], None], on_message: Callable[[str, bytes, bool, "int | None"], None],
                  on_denied: Callable[[str], None]):
         self._v5 = v5
         self._on_denied = on_denied
@@ -67,6 +59,7 @@ class Link:
         self._denied: set[int] = set()    # before publish() said which number a packet has
         self._on_up, self._on_down, self._on_message = on_up, on_down, on_message
         self._down = False
+        self._answered = False  # by a CONNACK
         self._socket: Any = None
         extra: dict[str, Any] = {}
         if hasattr(mqtt, "CallbackAPIVersion"):
@@ -175,26 +168,28 @@ class Link:
                 pass
 
     def _connected(self, _client: Any, _data: Any, _flags: Any, reason: Any, *_: Any) -> None:
+        self._answered = True
         if reason == 0:
             self._on_up(self._v5)
             return
         text = str(reason)
         number = getattr(reason, "value", reason)
         version = self._v5 and number in (1, 132) or "protocol version" in text.lower()
-        self._ended(f"the broker refuses us: {text}", bool(version))
+        self._ended(f"the broker refuses us: {text}", "version" if version else "other")
 
     def _disconnected(self, _client: Any, _data: Any, *rest: Any) -> None:
         # (reason, properties) with 1.6, (flags, reason, properties) with 2.x
         reason = rest[1] if len(rest) >= 3 else rest[0] if rest else ""
-        self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({reason})", False)
+        self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({reason})", "other" if self._answered else "closed")
 
     def _thread_ended(self, why: str) -> None:
-        self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({why})", False)
+        # Of a refusal in the words of 3.1.1 paho-mqtt may understand nothing.
+        self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({why})", "other" if self._answered or not self._v5 else "version")
 
-    def _ended(self, why: str, version: bool) -> None:
+    def _ended(self, why: str, how: str) -> None:
         if not self._down:
             self._down = True
-            self._on_down(why, version)
+            self._on_down(why, how)
 
     def _received(self, _client: Any, _data: Any, message: Any) -> None:
         self._acknowledge_at_once()

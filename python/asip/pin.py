@@ -3,126 +3,18 @@
 from __future__ import annotations
 
 import contextlib
-import threading
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any, Callable
 
 from . import _wait, errors
+from ._bank import ANALOG, INPUT, OUTPUT, PULLUP, PWM, Bank, by_pin
 from ._callbacks import takes
 
 if TYPE_CHECKING:
-    from .board import Board
-    from .service import Service, Watch
+    from .service import Watch
 
-_INPUT, _PULLUP, _OUTPUT, _ANALOG, _PWM = 1, 2, 3, 4, 5
-_WORDS = {"input": _INPUT, "input-pullup": _PULLUP, "output": _OUTPUT, "analog": _ANALOG, "pwm": _PWM}
+_WORDS = {"input": INPUT, "input-pullup": PULLUP, "output": OUTPUT, "analog": ANALOG, "pwm": PWM}
 _SET_SECONDS = 1.0  # agents tell at most twice a second what was set
-
-
-class Bank:
-    """What is known of all pins of one board: their modes, and what was set on them by whichever program. `set` of the bus tells
-    it; a mode that it does not tell is asked of the board, which changes nothing there."""
-
-    def __init__(self, board: "Board"):
-        self.board = board
-        self.changed = threading.Condition(threading.RLock())
-        self.pins: dict[int, Pin] = {}
-        self.modes: dict[int, int] = {}   # of each pin whose mode is known
-        self.chosen: dict[int, int] = {}  # modes that a command set; others are the sketch's
-        self.levels: dict[int, int] = {}
-        self.duties: dict[int, int] = {}
-        self.told = 0
-        self._heard = False
-
-    def io(self) -> "Service":
-        for service in self.board:
-            if service.model is not None and service.model.name == "io":
-                return service
-        raise errors.NotThere(f"{self.board.name} offers no pins: it has no service io", board=self.board.name, service="io")
-
-    def hear(self) -> "Service":
-        io = self.io()
-        if not self._heard:
-            self._heard = True
-            self.board._follow()
-            self.board._engine.do(lambda session, now: session.watch_set(self.board.name, io.name, self._on_set))
-        return io
-
-    def mode(self, number: int, timeout: float | None) -> int:
-        """The mode of a pin; the board is asked where the bus does not tell it."""
-        io = self.hear()
-        if number not in self.modes:
-            answer = io.command("modes", timeout=timeout) if io.model and "modes" in io.model.commands else None
-            if not isinstance(answer, list):
-                answer = self._described().get("modes")
-            with self.changed:
-                for pin, mode in _by_pin(answer).items():
-                    self.modes.setdefault(pin, mode)
-        return self.modes.get(number, 0)
-
-    def channel(self, number: int) -> int | None:
-        return _numbers(self._described().get("analog")).get(number)
-
-    def _described(self) -> dict[str, Any]:
-        pins = self.board.description.get("pins")
-        return pins if isinstance(pins, dict) else {}
-
-    def number_of(self, name: str) -> int | None:
-        """The pin that people named so; `A0` is that of analog channel 0."""
-        names = self.names()
-        analog = {f"A{channel}": pin for pin, channel in _numbers(self._described().get("analog")).items()}
-        return next((pin for pin, own in names.items() if own == name), analog.get(name))
-
-    def names(self) -> dict[int, str]:
-        return {int(pin): str(name) for pin, name in self.board._pin_names().items() if pin.isascii() and pin.isdigit() and len(pin) < 4}
-
-    def _on_set(self, payload: dict[str, Any], _now: float) -> None:
-        with self.changed:
-            self.told += 1
-            before = {*self.chosen, *self.duties}
-            self.chosen, self.levels, self.duties = (_numbers(payload.get(name)) for name in ("mode", "write", "pwm"))
-            known = {**self.chosen, **dict.fromkeys(self.duties, _PWM)}
-            if not payload:  # the board restarted, or was away
-                self.modes.clear()
-                for pin in self.pins.values():
-                    pin.level = None
-            for number in before - {*known}:
-                self.modes.pop(number, None)
-            for number, mode in known.items():
-                if mode in (_OUTPUT, _PWM) and number in self.pins:
-                    self.pins[number].level = None
-                if self.chosen.get(number, mode) == mode:
-                    self.modes[number] = mode
-                else:
-                    self.modes.pop(number, None)  # a mode and a duty: which one is newer is asked
-        for pin in [*self.pins.values()]:
-            pin._look()
-
-    def executed(self, number: int, command: str, value: int, told: list[int]) -> None:
-        """This program's command. What the bus told behind the answer, `told[0]`, is as new."""
-        with self.changed:
-            if told and told[0] != self.told:
-                return
-            if command == "mode":
-                self.modes[number] = self.chosen[number] = value
-            elif command == "write":
-                self.levels[number] = value
-                self.duties.pop(number, None)
-            else:
-                self.duties[number], self.modes[number] = value, _PWM
-                self.levels.pop(number, None)
-
-
-def _by_pin(modes: Any) -> dict[int, int]:
-    return _numbers(dict(zip(map(str, range(256)), modes))) if isinstance(modes, (str, list)) else {}
-
-
-def _numbers(told: Any) -> dict[int, int]:
-    """Pins and their numbers, of what anybody may have published."""
-    if not isinstance(told, dict):
-        return {}
-    return {int(pin): int(value) for pin, value in told.items() if pin.isascii() and pin.isdigit() and len(pin) < 4
-            and (type(value) is int and 0 <= value < 256 or isinstance(value, str) and len(value) == 1 and value in "0123456789")}
 
 
 class Pin:
@@ -154,12 +46,12 @@ class Pin:
         self._set_mode(_WORDS[word], timeout)
 
     def _set_mode(self, mode: int, timeout: float | None) -> None:
-        if mode in (_INPUT, _PULLUP):
+        if mode in (INPUT, PULLUP):
             self._hear()
-            if self._bank.modes.get(self.number) not in (_INPUT, _PULLUP):
+            if self._bank.modes.get(self.number) not in (INPUT, PULLUP):
                 self.level = None
         self._command("mode", mode, timeout)
-        self._again = mode if mode in (_INPUT, _PULLUP) else None
+        self._again = mode if mode in (INPUT, PULLUP) else None
 
     def _command(self, name: str, value: int, timeout: float | None) -> None:
         bank, told = self._bank, list[int]()
@@ -174,8 +66,8 @@ class Pin:
     def write(self, level: bool | int, *, timeout: float | None = None) -> None:
         """Sets an output. Returns when the board has executed it."""
         wanted = self._level_of(level)
-        if self._bank.modes.get(self.number) != _OUTPUT:
-            self._set_mode(_OUTPUT, timeout)
+        if self._bank.modes.get(self.number) != OUTPUT:
+            self._set_mode(OUTPUT, timeout)
         self._command("write", 1 if wanted else 0, timeout)
 
     def _level_of(self, level: Any) -> bool:
@@ -196,14 +88,14 @@ class Pin:
     def toggle(self, *, timeout: float | None = None) -> None:
         """The other level than the one that was set last, by whichever program; on, where none is known."""
         mode = self._bank.mode(self.number, timeout)
-        self.write(not (mode in (_OUTPUT, _PWM) and self._within(_SET_SECONDS)), timeout=timeout)
+        self.write(not (mode in (OUTPUT, PWM) and self._within(_SET_SECONDS)), timeout=timeout)
 
     def pwm(self, duty: int, *, timeout: float | None = None) -> None:
         """Sets the duty of a PWM pin, 0 to 255."""
         if isinstance(duty, bool) or not isinstance(duty, int) or not 0 <= duty <= 255:
             raise errors.Invalid(f"{self}: {duty!r} is no duty: a whole number from 0 to 255", board=self.board.name)
-        if self._bank.modes.get(self.number) != _PWM:
-            self._set_mode(_PWM, timeout)
+        if self._bank.modes.get(self.number) != PWM:
+            self._set_mode(PWM, timeout)
         self._command("pwm", duty, timeout)
 
     # Inputs -------------------------------------------------------------------------------------------------------------
@@ -214,20 +106,20 @@ class Pin:
         seconds = self.board._timeout(timeout)
         self.board._must_be_there()
         mode = self._bank.mode(self.number, seconds)
-        if mode == _ANALOG:
+        if mode == ANALOG:
             channel = self._bank.channel(self.number)
             if channel is None:
                 raise errors.Unproven(f"{self}: the board did not tell which analog channel it is", board=self.board.name, reason="no-value")
             return int(self._bank.io()[channel].read("analog", timeout=seconds))
-        decided = mode == _PULLUP or self.number in self._bank.chosen
-        if mode not in (_OUTPUT, _PWM):
+        decided = mode == PULLUP or self.number in self._bank.chosen
+        if mode not in (OUTPUT, PWM):
             if not decided and self.level is None:
                 raise errors.Invalid(f'{self} has no mode: pin({self.number}).mode("input-pullup") makes it an input', board=self.board.name)
             self._hear()
-        value = self._within(min(seconds, _SET_SECONDS) if mode in (_OUTPUT, _PWM) else seconds)
+        value = self._within(min(seconds, _SET_SECONDS) if mode in (OUTPUT, PWM) else seconds)
         if value is None:
             self.board._engine.check_open()
-            why = "it is not known what was set on it" if mode in (_OUTPUT, _PWM) else (
+            why = "it is not known what was set on it" if mode in (OUTPUT, PWM) else (
                 f"the board told no level within {seconds:g} s; it tells one when it changes, and behind mode()")
             raise errors.Unproven(f"{self}: {why}", board=self.board.name, reason="no-value")
         return value
@@ -235,10 +127,10 @@ class Pin:
     def _present(self) -> bool | int | None:
         """What is known at this moment."""
         mode = self._bank.modes.get(self.number)
-        if mode == _OUTPUT:
+        if mode == OUTPUT:
             level = self._bank.levels.get(self.number)
             return None if level is None else bool(level)
-        return self._bank.duties.get(self.number) if mode == _PWM else self.level
+        return self._bank.duties.get(self.number) if mode == PWM else self.level
 
     def _within(self, seconds: float) -> bool | int | None:
         with self._changed:
@@ -250,7 +142,7 @@ class Pin:
         wanted = self._level_of(level)
         if timeout is not None:
             _wait.seconds(timeout)
-        if self._listen(pull_up) in (_ANALOG, _PWM):
+        if self._listen(pull_up) in (ANALOG, PWM):
             raise errors.Invalid(f'{self} has numbers, not levels; pin({self.number}).mode("input-pullup") makes it an input', board=self.board.name)
         with self._changed:
             if not _wait.until(self._changed, lambda: self._present() is wanted or self.board._engine.closed, timeout):
@@ -292,15 +184,15 @@ class Pin:
         board tells the level then. No other pin gets one."""
         self._hear()
         mode = self._bank.mode(self.number, None)
-        if mode > _PWM:
+        if mode > PWM:
             raise errors.Invalid(f"{self} belongs to the board itself, or to one of its services", board=self.board.name)
-        if mode not in (_OUTPUT, _ANALOG, _PWM) and self.level is None:
-            decided = mode == _PULLUP or self.number in self._bank.chosen
-            self._set_mode(mode if decided and mode != 0 else _PULLUP if pull_up else _INPUT, None)
+        if mode not in (OUTPUT, ANALOG, PWM) and self.level is None:
+            decided = mode == PULLUP or self.number in self._bank.chosen
+            self._set_mode(mode if decided and mode != 0 else PULLUP if pull_up else INPUT, None)
         return mode
 
     def _reported(self, payload: dict[str, Any], _now: float) -> None:
-        analog = self._bank.modes.get(self.number) == _ANALOG
+        analog = self._bank.modes.get(self.number) == ANALOG
         told = payload.get("analog" if analog else "digital")
         value = told.get(str(self._bank.channel(self.number) if analog else self.number)) if isinstance(told, dict) else None
         if type(value) is int:  # boards report levels of inputs only
@@ -339,8 +231,8 @@ class Pin:
             self._bank.io().begin("modes").add_done_callback(lambda answer: put(self._set_again, (answer,)))
 
     def _set_again(self, answer: "Future[Any]") -> None:
-        modes = _by_pin(answer.result()) if answer.exception() is None else {}
-        if self._again is not None and modes.get(self.number, _OUTPUT) <= _PULLUP:
+        modes = by_pin(answer.result()) if answer.exception() is None else {}
+        if self._again is not None and modes.get(self.number, OUTPUT) <= PULLUP:
             with contextlib.suppress(errors.Error):
                 self._bank.io().begin("mode", self.number, self._again)
 

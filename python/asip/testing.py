@@ -277,7 +277,7 @@ class _MemoryLink:
     """What asip._paho.Link is for a broker."""
 
     def __init__(self, memory: MemoryBus, _broker: Any, _settings: Any, _client_id: str, _v5: bool, on_up: Callable[[bool], None],
-                 on_down: Callable[[str, bool], None], on_message: Callable[[str, bytes, bool, "int | None"], None],
+                 on_down: Callable[[str, str], None], on_message: Callable[[str, bytes, bool, "int | None"], None],
                  _on_denied: Callable[[str], None]):
         self._memory, self._on_up, self._on_down, self._on_message = memory, on_up, on_down, on_message
         self._filters: set[str] = set()
@@ -309,7 +309,7 @@ class _MemoryLink:
 
     def end(self, why: str) -> None:
         self._leave()
-        self._on_down(why, False)
+        self._on_down(why, "other")
 
     def close(self) -> None:
         self._leave()

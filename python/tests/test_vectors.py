@@ -4,7 +4,7 @@ import json
 import pathlib
 import unittest
 
-from asip import _clock, _envelope, _topics, errors
+from asip import _brokers, _clock, _envelope, _topics, errors
 
 VECTORS = json.loads((pathlib.Path(__file__).resolve().parents[2] / "tests" / "vectors" / "bus.json").read_text())
 
@@ -54,6 +54,17 @@ class Vectors(unittest.TestCase):
             for reading, asked, answered in vector["notes"]:
                 clocks.note("desk", reading, asked, answered)
             self.assertEqual(clocks.reading("desk", vector["now"]), vector["reading"], vector["about"])
+
+    def test_versions_of_mqtt(self):
+        vectors = json.loads((pathlib.Path(__file__).resolve().parents[2] / "tests" / "vectors" / "mqtt_version.json").read_text())
+        for broker in vectors["brokers"]:
+            choice = _brokers.VersionChoice()
+            for attempt in broker["attempts"]:
+                if attempt["ended"] == "accepted":
+                    choice.accepted()
+                else:
+                    choice.failed(attempt["ended"], choice.v5)
+                self.assertEqual((5 if choice.v5 else 4, choice.suspected), (attempt["then"], attempt["same"]), (broker["about"], attempt))
 
 
 if __name__ == "__main__":
