@@ -92,6 +92,10 @@ class Bus extends EventEmitter {
     }, ANSWER_SECONDS * 1000);
     link.on('connect', () => {
       clearTimeout(silent);
+      if (this.closed || link !== this.link) { // given up, or the flow has ended
+        link.end(true);
+        return;
+      }
       attempt.accepted = true;
       this.choice.accepted();
       link.stream?.setNoDelay?.(true);
@@ -122,6 +126,7 @@ class Bus extends EventEmitter {
 
   onClose(link, attempt) {
     if (link !== this.link) return;
+    clearTimeout(this.retry);
     if (!attempt.accepted) this.choice.failed(attempt.how, attempt.v5);
     const atOnce = !attempt.accepted && attempt.how === 'version' && attempt.v5;
     clearTimeout(this.hello);
@@ -141,8 +146,13 @@ class Bus extends EventEmitter {
     this.retry = setTimeout(() => this.begin(), wait);
   }
 
-  // Ends what waits; calls done() within a second.
-  close(done = () => {}) {
+  // Ends what waits; calls done() within a second, once.
+  close(whenDone = () => {}) {
+    let isDone = false;
+    const done = () => {
+      if (!isDone) whenDone();
+      isDone = true;
+    };
     this.closed = true;
     clearInterval(this.timer);
     clearTimeout(this.retry);
@@ -150,7 +160,11 @@ class Bus extends EventEmitter {
     const link = this.link;
     if (!link) return done();
     if (this.ready) for (const board of this.demands.keys()) this.publish(this.topics.demand(board), { services: {}, lease: LEASE_SECONDS }, LEASE_SECONDS, 0);
-    const kill = setTimeout(() => { link.end(true); done(); }, 800);
+    const kill = setTimeout(() => {
+      link.end(true);
+      this.onClose(link, { accepted: true });
+      done();
+    }, 800);
     link.end(false, {}, () => { clearTimeout(kill); done(); });
     return undefined;
   }

@@ -3,6 +3,7 @@
 'use strict';
 
 const { isThere, words } = require('./boards');
+const { AsipError } = require('./protocol');
 
 const short = (text) => (text.length > 20 ? `${text.slice(0, 19)}…` : text);
 
@@ -35,10 +36,28 @@ function withBus(RED, node, config, begin) {
     bus.off('connected', show);
     bus.off('disconnected', show);
     bus.off('board', onBoard);
-    if (end) end();
-    done();
+    try {
+      if (end) end();
+    } finally {
+      done();
+    }
   });
   return bus;
+}
+
+// Does what a node is asked for one after the other, so that their order is kept. What waits when the flow ends is not done any more.
+function inTurn(node) {
+  let last = Promise.resolve();
+  let over = false;
+  node.on('close', () => { over = true; });
+  return (action) => {
+    const result = last.then(() => {
+      if (over) throw new AsipError('Closed', 'the flow has ended; nothing was sent');
+      return action();
+    });
+    last = result.catch(() => {});
+    return result;
+  };
 }
 
 // Calls `again()` when the board is there: now, and each time it comes back. Returns a function that ends it.
@@ -79,4 +98,4 @@ function outcome(node, bus, board, msg, send, done) {
   };
 }
 
-module.exports = { outcome, showBoard, whenThere, withBus };
+module.exports = { inTurn, outcome, showBoard, whenThere, withBus };

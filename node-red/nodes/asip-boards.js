@@ -30,9 +30,10 @@ module.exports = (RED) => {
       bus.on('board', told);
       bus.on('connected', count);
       bus.on('disconnected', count);
-      for (const board of bus.boards.all.values()) setImmediate(told, board);
+      const first = setImmediate(() => bus.guard('the boards that there are', () => [...bus.boards.all.values()].forEach(told)));
       count();
       return () => {
+        clearImmediate(first);
         bus.off('board', told);
         bus.off('connected', count);
         bus.off('disconnected', count);

@@ -44,7 +44,7 @@ class Dispatcher:
         self._queue: "collections.OrderedDict[object, tuple[Callable[..., Any], tuple[Any, ...]]]" = collections.OrderedDict()
         self._changed = threading.Condition()
         self._thread: threading.Thread | None = None
-        self._closed = False
+        self._closed = self._full = False
 
     def put(self, function: Callable[..., Any], args: tuple[Any, ...], key: object = None) -> None:
         """`key`: what waits under the same key is replaced. Never blocks."""
@@ -58,6 +58,9 @@ class Dispatcher:
             if len(self._queue) >= MAX_WAITING and key not in self._queue:
                 self._queue.popitem(last=False)
                 self.dropped += 1
+                if not self._full:
+                    self._full = True
+                    log.error("asip: %d calls of functions wait; from now on the oldest give way", MAX_WAITING)
             self._queue[key] = (function, args)
             if self._thread is None:
                 self._thread = threading.Thread(target=self._run, name="asip-callbacks", daemon=True)
@@ -75,7 +78,7 @@ class Dispatcher:
             began = time.monotonic()
             try:
                 function(*args)
-            except Exception as error:  # noqa: BLE001: a function of the user's may raise anything
+            except BaseException as error:  # noqa: BLE001: a function of the user's may raise anything, and others wait for this thread
                 if self._closed:
                     return  # the bus was closed while the function used it
                 self.failures += 1
@@ -83,7 +86,7 @@ class Dispatcher:
                 if self.on_error is not None:
                     try:
                         self.on_error(error)
-                    except Exception:  # noqa: BLE001
+                    except BaseException:  # noqa: BLE001
                         log.exception("asip: on_error failed")
             took = time.monotonic() - began
             if took > SLOW_SECONDS:

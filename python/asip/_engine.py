@@ -198,10 +198,10 @@ class Engine:
         for action in actions:
             try:
                 _tell(action)
-            except Exception as fault:  # noqa: BLE001: one that fails keeps no other from being told
+            except BaseException as fault:  # noqa: BLE001: what a user hangs on a future may raise anything, and keeps no other from being told
                 self._failed("what was told", fault)
 
-    def _failed(self, what: str, fault: Exception) -> None:
+    def _failed(self, what: str, fault: BaseException) -> None:
         """A fault of this package, or of a message that nobody thought of: counted, logged once, dropped."""
         self.faults += 1
         kind = f"{type(fault).__name__} {fault.__traceback__.tb_next.tb_lineno if fault.__traceback__ and fault.__traceback__.tb_next else ''}"
@@ -321,6 +321,8 @@ class Engine:
                         lambda *message: self._message(link, *message),
                                         lambda key: self._happened(link, lambda now: self.session.denied(key)))
             with self._lock:
+                if self.closed:
+                    return
                 self._link = link
                 self._link_began = float("inf")
             link.start()

@@ -16,6 +16,7 @@ import paho.mqtt.client as mqtt
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
+from . import _wait
 from .settings import Broker, Settings
 
 KEEPALIVE_SECONDS = 10
@@ -31,6 +32,7 @@ class _Client(mqtt.Client):  # type: ignore[misc]  # paho-mqtt 1.6 has no types
 
     def loop_forever(self, *args: Any, **named: Any) -> Any:
         why = "its thread ended"
+        _wait.forbid()
         try:
             return super().loop_forever(*args, **named)
         except Exception as fault:  # noqa: BLE001: what a broker sends may raise anything in paho

@@ -31,7 +31,7 @@ def forbid() -> None:
 def result(future: "Future[Any]") -> Any:
     """Waits until `future` ends; its owner limits how long that takes."""
     if getattr(_forbidden, "here", False):
-        raise RuntimeError("a thread that carries messages waits for a message: this is a fault of the package")
+        raise RuntimeError("what is called when a future ends runs in the thread that carries messages: it must not wait for one")
     while True:
         try:
             return future.result(_SLICE)

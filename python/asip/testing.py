@@ -18,7 +18,7 @@ import threading
 import time
 from typing import Any, Callable, Iterable, Mapping, Sequence
 
-from . import _model
+from . import _model, _wait
 from .board import standard_model
 from .bus import Bus
 from .settings import Settings
@@ -323,6 +323,7 @@ class _MemoryLink:
                 self._memory._links.remove(self)
 
     def _run(self) -> None:
+        _wait.forbid()
         while True:
             work = self._work.get()
             if work is None:
