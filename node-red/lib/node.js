@@ -86,14 +86,20 @@ function outcome(node, bus, board, msg, send, done) {
     began: () => node.status({ fill: 'blue', shape: 'dot', text: 'waits for an answer' }),
     executed: (answer) => {
       showBoard(node, bus, board);
-      send([{ ...msg, asip: { status: 'ok', proof: answer.proof }, payload: answer.answer ?? msg.payload }, null, null]);
-      done();
+      try {
+        send([{ ...msg, asip: { status: 'ok', proof: answer.proof }, payload: answer.answer ?? msg.payload }, null, null]);
+      } finally {
+        done();
+      }
     },
     failed: (error) => { // an AsipError, or a fault of this package: either ends the message
       node.status({ fill: 'red', shape: 'dot', text: short(String(error.code ? `error ${error.code}` : error.reason || error.kind || error.message)) });
       const told = { ...msg, asip: { status: error.kind || error.name, code: error.code, reason: error.reason, text: error.message, sent: error.sent } };
-      send(error.sent === null ? [null, null, told] : [null, told, null]);
-      done(error);
+      try {
+        send(error.sent === null ? [null, null, told] : [null, told, null]);
+      } finally {
+        done(error);
+      }
     },
   };
 }
