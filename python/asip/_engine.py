@@ -15,12 +15,12 @@ import threading
 import time
 import uuid
 import weakref
-from concurrent.futures import InvalidStateError
 from typing import Any, Callable, Protocol
 
 from . import _wait, errors
 from ._brokers import Brokers
 from ._callbacks import Dispatcher
+from ._faults import Faults
 from ._paho import Link
 from ._session import Action, Call, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
 from ._topics import Topics
@@ -63,14 +63,18 @@ class Engine:
         self._link_began = 0.0
         self._not_before = 0.0
         self._replace: str | None = None
-        self.faults = 0  # messages and other events that raised here: each was dropped
-        self._faulty: set[str] = set()
-        self.session.watch_boards(self._board_changed)
+        self._faults = Faults()
+        self.session.watch_boards(lambda _name: self._notify())
         _all.add(self)
         self._thread = threading.Thread(target=self._run, name="asip-clock", daemon=True)
         self._thread.start()
 
     # For callers --------------------------------------------------------------------------------------------------------
+
+    @property
+    def faults(self) -> int:
+        """How many messages and other events raised here, and were dropped."""
+        return self._faults.count
 
     def check_open(self) -> None:
         if self.forked:
@@ -173,9 +177,6 @@ class Engine:
 
     # What happens -------------------------------------------------------------------------------------------------------
 
-    def _board_changed(self, _name: str) -> None:
-        self._notify()
-
     def _perform(self, actions: list[Action]) -> None:
         """With `_sending` held, by a caller's thread or `asip-clock`."""
         for action in actions:
@@ -192,22 +193,7 @@ class Engine:
             elif isinstance(action, Drop):
                 self._replace = action.why
             else:
-                self._tell_all([action])
-
-    def _tell_all(self, actions: list[Action]) -> None:
-        for action in actions:
-            try:
-                _tell(action)
-            except BaseException as fault:  # noqa: BLE001: what a user hangs on a future may raise anything, and keeps no other from being told
-                self._failed("what was told", fault)
-
-    def _failed(self, what: str, fault: BaseException) -> None:
-        """A fault of this package, or of a message that nobody thought of: counted, logged once, dropped."""
-        self.faults += 1
-        kind = f"{type(fault).__name__} {fault.__traceback__.tb_next.tb_lineno if fault.__traceback__ and fault.__traceback__.tb_next else ''}"
-        if kind not in self._faulty and len(self._faulty) < 100:
-            self._faulty.add(kind)
-            log.error("asip: %s was dropped; others of this kind will be without a line here", what, exc_info=fault)
+                self._faults.tell([action])
 
     def _message(self, link: Link, topic: str, payload: bytes, retained: bool, expiry: int | None) -> None:
         """In paho's thread. Values, which come by the thousand, need nothing but to be told."""
@@ -218,9 +204,9 @@ class Engine:
                         return
                     actions = self.session.message(topic, payload, retained, expiry, time.monotonic())
             except Exception as fault:  # noqa: BLE001: whatever arrives, the thread that carries messages goes on
-                self._failed(f"a message on {topic!r}", fault)
+                self._faults.note(f"a message on {topic!r}", fault)
                 return
-            self._tell_all(actions)
+            self._faults.tell(actions)
         else:
             self._happened(link, lambda now: self.session.message(topic, payload, retained, expiry, now))
 
@@ -233,13 +219,13 @@ class Engine:
             try:
                 actions = event(time.monotonic())
             except Exception as fault:  # noqa: BLE001: as above
-                self._failed("a message", fault)
+                self._faults.note("a message", fault)
                 return
             ready = self.session.ready
             sends = [action for action in actions if not isinstance(action, (Tell, Resolve))]
             if sends:
                 self._late.extend(sends)
-        self._tell_all(actions)
+        self._faults.tell(actions)
         if sends:
             self._wake.set()
         if ready and not was_ready:
@@ -254,7 +240,7 @@ class Engine:
             actions = self.session.disconnected(time.monotonic(), why)
             self._link = None
             self._late.clear()
-        self._tell_all(actions)
+        self._faults.tell(actions)
         log.info("asip: %s", why)
         # paho's thread cannot end itself: the clock's does.
         self._late_links.append(link)
@@ -272,7 +258,7 @@ class Engine:
             try:
                 due = self._turn()
             except Exception as fault:  # noqa: BLE001: this thread keeps the connection up
-                self._failed("a turn of the clock", fault)
+                self._faults.note("a turn of the clock", fault)
                 due = time.monotonic() + 0.1
             self._wake.wait(max(0.0, due - time.monotonic()))
             self._wake.clear()
@@ -284,7 +270,7 @@ class Engine:
             try:
                 self._chores.popleft()()
             except Exception as fault:  # noqa: BLE001
-                self._failed("a chore", fault)
+                self._faults.note("a chore", fault)
         while self._late_links:
             self._late_links.popleft().close()
         with self._sending:
@@ -317,8 +303,7 @@ class Engine:
         client_id = f"asip-python-{uuid.uuid4().hex}"
         try:
             link: Link = self._new_link(broker, self.settings, client_id, v5, lambda is_v5: self._happened(link, lambda now: self._up(now, is_v5)),
-                        lambda why, how: self._went_down(link, why, how),
-                        lambda *message: self._message(link, *message),
+                                        lambda why, how: self._went_down(link, why, how), lambda *message: self._message(link, *message),
                                         lambda key: self._happened(link, lambda now: self.session.denied(key)))
             with self._lock:
                 if self.closed:
@@ -343,24 +328,10 @@ class Engine:
             link, self._link = self._link, None
             self._back_off(how)
             actions = self.session.disconnected(time.monotonic(), why)
-        self._tell_all(actions)
+        self._faults.tell(actions)
         log.warning("asip: %s", why)
         if link is not None:
             link.close()
-
-
-def _tell(action: Action) -> None:
-    """Futures and sinks: neither blocks."""
-    if isinstance(action, Tell):
-        action.sink(*action.args)
-    elif isinstance(action, Resolve):
-        try:
-            if action.error is not None:
-                action.future.set_exception(action.error)
-            else:
-                action.future.set_result(action.result)
-        except InvalidStateError:
-            pass  # cancelled meanwhile
 
 
 def _close_all() -> None:

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What raised where nobody thought of it: counted, logged once, dropped."""
+from __future__ import annotations
+
+import logging
+from concurrent.futures import InvalidStateError
+
+from ._session import Action, Resolve, Tell
+
+log = logging.getLogger("asip")
+_MAX_KINDS = 100
+
+
+class Faults:
+    """Of one bus."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._kinds: set[str] = set()
+
+    def note(self, what: str, fault: BaseException) -> None:
+        self.count += 1
+        inner = fault.__traceback__.tb_next if fault.__traceback__ else None
+        kind = f"{type(fault).__name__} {inner.tb_lineno if inner else ''}"
+        if kind not in self._kinds and len(self._kinds) < _MAX_KINDS:
+            self._kinds.add(kind)
+            log.error("asip: %s was dropped; others of this kind will be without a line here", what, exc_info=fault)
+
+    def tell(self, actions: list[Action]) -> None:
+        """Futures and sinks: neither blocks, and none that fails keeps another from being told."""
+        for action in actions:
+            try:
+                _tell(action)
+            except BaseException as fault:  # noqa: BLE001: what a user hangs on a future may raise anything
+                self.note("what was told", fault)
+
+
+def _tell(action: Action) -> None:
+    if isinstance(action, Tell):
+        action.sink(*action.args)
+    elif isinstance(action, Resolve):
+        try:
+            if action.error is not None:
+                action.future.set_exception(action.error)
+            else:
+                action.future.set_result(action.result)
+        except InvalidStateError:
+            pass  # cancelled meanwhile
