@@ -108,7 +108,7 @@ const MAX_DEPTH = 32;
 // Numbers that may be beyond what a double holds: such a text is read with care.
 const ODD = /[0-9.][eE]\+?[0-9]{3}|[0-9]{300}/;
 
-// Refuses numbers without an end, and the members that stand for an object's own parts.
+// Refuses numbers without an end.
 function finite(key, value) {
   if (typeof value === 'number' && !Number.isFinite(value)) throw new RangeError(key);
   return value;
