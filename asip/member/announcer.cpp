@@ -56,6 +56,11 @@ mqtt::Message plain(std::string topic, std::string payload) {
     return message;
 }
 
+// A stored description proves no living agent, nor does a goodbye.
+bool proves_life(const mqtt::Message& message, const model::Description& other) {
+    return !message.retain && !(other.state && other.state->state == model::BoardState::kOffline);
+}
+
 Duration random_part(Duration of, const Random& random) {
     return std::chrono::duration_cast<Duration>(of * random_unit(random));
 }
@@ -224,12 +229,11 @@ void Announcer::on_message(const mqtt::Message& message, Time now, Announcements
 void Announcer::on_foreign_description(const mqtt::Message& message, Time now, Announcements& out) {
     const auto other = model::parse_description(message.payload);
     if (other && other->session == session_) return;
-    if (message.retain) {  // a stored one proves no living agent
-        if (!other || other->session < session_) return;
-        if (!established_) {
+    if (message.retain && (!other || other->session < session_)) return;
+    if (!established_ && other && !proves_life(message, *other)) {
+        if (session_ < other->session)
             session_ = session_behind(other->session, options_.started_unix, random_);
-            return;
-        }
+        return;
     }
     retained_until_.reset();
     if (!other) return;
@@ -237,7 +241,7 @@ void Announcer::on_foreign_description(const mqtt::Message& message, Time now, A
                                (other->agent.client.empty() ? other->session : other->agent.client) +
                                (other->agent.host.empty() ? "" : " on " + other->agent.host);
     if (established_ && other->session < session_) return announce_within(kProbeAnswer, now);
-    if (established_) return challenge(*other, holder, now, out);
+    if (established_) return challenge(*other, proves_life(message, *other), holder, now, out);
     if (options_.takeover) {
         if (session_ < other->session)
             session_ = session_behind(other->session, options_.started_unix, random_);
@@ -248,14 +252,14 @@ void Announcer::on_foreign_description(const mqtt::Message& message, Time now, A
                           "; give this board another one with --name, or take the name with --takeover"};
 }
 
-void Announcer::challenge(const model::Description& other, const std::string& holder, Time now,
+void Announcer::challenge(const model::Description& other, bool lives, const std::string& holder, Time now,
                           Announcements& out) {
     if (!challenge_ || challenge_->session != other.session) {
         challenge_ = Challenge{other.session, other.seq, holder, now + kClaimTime};
         out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
         return;
     }
-    if (other.seq <= challenge_->seq) return;
+    if (other.seq <= challenge_->seq || !lives) return;
     out.fatal = Fatal{program::kExitNameConflict,
                       "the board name \"" + options_.board + "\" was taken over by " + holder};
 }

@@ -34,7 +34,7 @@ struct AnnouncerOptions {
 /// A claim asks whether a living agent holds the name, by a probe, and waits 1.3 s for its announcement. Once
 /// established, an announcement of an older session is a ghost. One of a later session means that the name
 /// was taken over, if its agent answers a probe with another one; a single message with no living agent
-/// behind it is put right.
+/// behind it, or a goodbye, is put right.
 ///
 /// The description holds the state of the board, why, and for how long. Each change of it is announced at
 /// once: the description first, so that a reader of both learns of it once and with its reason.
@@ -98,7 +98,8 @@ class Announcer {
         Time ends;
     };
 
-    void challenge(const model::Description& other, const std::string& holder, Time now, Announcements& out);
+    void challenge(const model::Description& other, bool lives, const std::string& holder, Time now,
+                   Announcements& out);
     /// State, description and names.
     void announce(Time now, Announcements& out);
     /// State and description. False as publish_description().

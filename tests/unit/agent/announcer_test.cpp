@@ -16,8 +16,10 @@ const std::string kState = "asip/servicebus/uno1/$state";
 const std::string kDescription = "asip/servicebus/uno1/$description";
 const std::string kProbe = "asip/servicebus/$probe";
 
-std::string foreign_description(const std::string& session, std::uint64_t seq = 1) {
+std::string foreign_description(const std::string& session, std::uint64_t seq = 1,
+                                model::BoardState state = model::BoardState::kOnline) {
     model::Description other;
+    other.state = model::SaidState{state};
     other.board = "uno1";
     other.session = session;
     other.seq = seq;
@@ -213,6 +215,32 @@ TEST(Announcer, LaterSessionAnnouncesOurNameAndAnswersTheProbe_WeEnd) {
     bench.hear(kDescription, foreign_description("ffffffffffffffff", 2));
     ASSERT_TRUE(bench.fatal);
     EXPECT_EQ(bench.fatal->status, program::kExitNameConflict);
+}
+
+TEST(Announcer, LaterSessionAnnouncesOurNameAndSaysGoodbye_WeStayAsTheLaterOne) {
+    for (const std::uint64_t goodbye : {1, 2}) {
+        BridgeBench bench;
+        bench.go_online();
+        if (goodbye == 2) bench.hear(kDescription, foreign_description("ffffffffffffffff"));
+        bench.hear(kDescription,
+                   foreign_description("ffffffffffffffff", goodbye, model::BoardState::kOffline));
+        bench.hear(kState, "offline");
+        bench.pass(2s);
+        EXPECT_FALSE(bench.fatal);
+        EXPECT_GT(model::parse_description(bench.on(kDescription).back())->session, "ffffffffffffffff");
+        EXPECT_EQ(bench.on(kState).back(), "online");
+    }
+}
+
+TEST(Announcer, HolderSaysGoodbyeDuringOurClaim_TheNameIsOursAsTheLaterOne) {
+    BridgeBench bench;
+    bench.plug();
+    bench.connect();
+    bench.hear(kDescription, foreign_description("ffffffffffffff00", 9, model::BoardState::kOffline));
+    bench.pass(1500ms);
+    EXPECT_FALSE(bench.fatal);
+    ASSERT_EQ(bench.on(kDescription).size(), 1u);
+    EXPECT_GT(model::parse_description(bench.on(kDescription)[0])->session, "ffffffffffffff00");
 }
 
 TEST(Announcer, OneForgedDescription_IsPutRightAndWeStay) {
