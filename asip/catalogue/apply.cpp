@@ -85,9 +85,9 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     }
     Board& b = board(slot);
     const bool new_session = b.session != members.session || !b.described;
-    const bool succeeds = b.described && b.session != members.session;
+    const bool succeeds = b.described && new_session;
     const bool live = !a.retained;
-    const Judgement judgement = judge(b, members, live, now, events);
+    const Judgement judgement = judge(b, members, a, now, events);
     const bool renews = judgement.verdict == Verdict::kRenew;
     if (judgement.verdict == Verdict::kRefuse) {
         drop_unused(firmware, pins, services);
@@ -101,9 +101,14 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
         b.session = members.session;
         b.seq = members.seq;
         b.lease_seconds = lease_of(members);
+        b.says_state = members.state.has_value();
     }
 
-    if (!renews) take_said_state(b, members, a, succeeds, now);
+    if (!renews && members.state) {
+        take_said_state(b, members, a, new_session, now);
+    } else if (!renews && live && succeeds && !model::is_there(b.reported)) {
+        say(b, {}, now, now);
+    }
     renewed_by_description(b, a, renews, now, events);
     if (live && !added && !changed && !renews) ++stats_.renewals;
     update_state(slot, now, events, added);
@@ -118,27 +123,17 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
 // The state that a description holds. An agent publishes it before the same on `$state`: so a retained
 // `$state` that says something else of a board that was there is newer, and the word of the broker.
 void Catalogue::Impl::take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a,
-                                      bool succeeds, Time now) {
-    b.says_state = members.state.has_value();
-    if (!members.state) {
-        if (!a.retained && succeeds && !model::is_there(b.reported)) say(b, {}, now, now);
-        return;
-    }
-    Duration on_the_way{};  // since it was published
-    if (a.retained && a.expiry_seconds && !a.ages_are_of_now) {
-        const auto left = std::chrono::seconds(*a.expiry_seconds);
-        on_the_way = std::max<Duration>(std::chrono::seconds(b.lease_seconds) - left, Duration{});
-    }
-    const bool newer = b.reported_since != Time{} && now - on_the_way > b.reported_since + kApart;
+                                      bool new_session, Time now) {
+    const Time said_at = a.ages_are_of_now ? now : published(a, b.lease_seconds, now).value_or(now);
+    const bool newer = b.reported_since != Time{} && said_at > b.reported_since + kApart;
     const bool gone_since = a.retained && b.epoch_gone == epoch_ && !model::is_there(b.reported) &&
                             members.state->state != b.reported && !newer;
-    b.described_at = now - on_the_way;
+    b.said_at = said_at;
     if (gone_since) return;
-    const auto age =
-        on_the_way + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(members.state->age));
+    const auto age = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(members.state->age));
     // Another session came into its state when it says, though the one before it had been in the same.
-    if (succeeds) b.reported_since = Time{};
-    say(b, *members.state, now - age, now);
+    if (new_session) b.reported_since = Time{};
+    say(b, *members.state, said_at - age, now);
 }
 
 // Messages that say the same again can only be later than the moment, so the earliest counts, unless the
@@ -178,17 +173,19 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     if (a.expiry_seconds && *a.expiry_seconds <= model::kStateExpirySeconds)
         published = now - std::chrono::seconds(model::kStateExpirySeconds - *a.expiry_seconds);
     // A bridge delivers what it has stored again: the agent has said more since then.
-    if (b.says_state && !there && published && *published + kApart < b.described_at) return Refusal::kOldHint;
-    if (!there) b.epoch_gone = epoch_;
+    if (b.says_state && !there && published && *published + kApart < b.said_at) return Refusal::kOldHint;
     // The newer of two words counts, also where both say that it is not there: a will comes after a stop,
     // too, and the description that came with a stop may have come and gone while nothing was heard.
-    const bool gone_otherwise = !there && !model::is_there(b.reported) && *reported != b.reported &&
-                                (live || (published && *published > b.described_at + kApart));
-    if (!b.says_state || (!there && model::is_there(b.reported)) || gone_otherwise) {
+    const bool gone_otherwise =
+        !there && !model::is_there(b.reported) && *reported != b.reported && (live || published);
+    const bool again = !live && published && *published <= b.said_at + kApart && *reported == b.reported;
+    if ((!b.says_state && !again) || (!there && model::is_there(b.reported)) || gone_otherwise) {
         Time since = live && (added || *reported != b.reported) ? now : Time{};
         if (!live && published) since = *published;
         say(b, {*reported, model::reason_of_word(*reported)}, since, now);
     }
+    if (!there && b.reported == *reported) b.epoch_gone = epoch_;
+    b.said_at = std::max(b.said_at, published.value_or(live ? now : Time{}));
     if (live && !b.says_state && there) {
         b.deadline = now + std::chrono::seconds(b.lease_seconds);
         heard(b, now);

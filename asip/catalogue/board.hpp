@@ -31,6 +31,12 @@ struct UncommonBoardData {
     std::vector<std::string> service_names;  // published names, sorted
     std::unique_ptr<Challenger> challenger;
     std::unique_ptr<model::Labels> labels;  // null: none
+
+    std::uint64_t* old_seq(std::string_view session) {
+        for (auto& [old, seq] : old_sessions)
+            if (old == session) return &seq;
+        return nullptr;
+    }
 };
 
 struct Board {
@@ -46,12 +52,13 @@ struct Board {
     PinsPart* pins = nullptr;
     ServicesPart* services = nullptr;
     std::uint64_t seq = 0;
-    Time deadline{};  // of its lease
+    Time deadline{};      // of its lease
+    Time session_ends{};  // the same of its descriptions alone, and without grace
     Time last_heard{};
     Time first_seen{};
     Time since{};           // of `effective`; Time{}: not known
     Time reported_since{};  // the same of `reported`
-    Time described_at{};    // when its last description was published, as far as can be known
+    Time said_at{};         // when its state was said last, as far as can be known
     std::unique_ptr<UncommonBoardData> uncommon;
     model::BoardState reported = model::BoardState::kOnline;
     model::BoardState effective = model::BoardState::kLost;

@@ -117,7 +117,8 @@ std::string_view without_line_end(std::string_view text);
 ///  first message of the session that it replaced.
 /// Messages of a session in any order end at its highest `seq`; those of a replaced session, seen before,
 /// change nothing; of two sessions that both live, both catalogues end with the larger one as holder (agents'
-/// sessions begin with the time of their start: the later one). Times
+/// sessions begin with the time of their start: the later one; an earlier one, of an agent whose clock went
+/// back, counts by what it says after the lease of the later one). Times
 /// (last seen, lease) are those of the newest message that counted, so a duplicate may extend a lease by at
 /// most its length.
 ///

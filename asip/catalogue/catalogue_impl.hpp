@@ -62,7 +62,7 @@ class Catalogue::Impl {
     std::optional<Refusal> service_name(const Announcement& a, Time now, Events& events);
     std::optional<Refusal> traffic(const Announcement& a, Time now, Events& events);
     void say(Board& b, const model::SaidState& said, Time since, Time now);
-    void take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a, bool succeeds,
+    void take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a, bool new_session,
                          Time now);
 
     // presence_lease.cpp: how long a board counts as there
@@ -81,12 +81,15 @@ class Catalogue::Impl {
         Verdict verdict;
         Refusal refusal = Refusal::kOldSession;
     };
-    Judgement judge(Board& b, const DescriptionMembers& members, bool live, Time now, Events& events);
-    Judgement judge_other_session(Board& b, const DescriptionMembers& members, bool live, Time now,
-                                  Events& events);
+    Judgement judge(Board& b, const DescriptionMembers& members, const Announcement& a, Time now,
+                    Events& events);
+    Judgement judge_other_session(Board& b, const DescriptionMembers& members, const Announcement& a,
+                                  Time now, Events& events);
+    /// When a description was published; nothing of a stored one whose broker does not tell its age.
+    static std::optional<Time> published(const Announcement& a, std::uint32_t lease_seconds, Time now);
     void holder_spoke(Board& b, Time now, Events& events);
     bool challenge(Board& b, const DescriptionMembers& members, Time now, Events& events);
-    void take_over(Board& b, const DescriptionMembers& members, Time now);
+    void take_over(Board& b, const DescriptionMembers& members);
     void resolve(Board& b, Events& events);
 
     // records.cpp: parts and indices

@@ -25,7 +25,7 @@ void Catalogue::Impl::renewed_by_description(Board& b, const Announcement& a, bo
                                              Events& events) {
     const auto lease = std::chrono::seconds(b.lease_seconds);
     if (!a.retained) {
-        b.deadline = now + lease;
+        b.deadline = b.session_ends = now + lease;
         b.proven = true;
         b.retained_without_expiry = !a.expiry_seconds;
         b.names_only = false;
@@ -36,11 +36,10 @@ void Catalogue::Impl::renewed_by_description(Board& b, const Announcement& a, bo
     }
     if (model::is_there(b.reported)) b.retained_without_expiry = !a.expiry_seconds;
     // Also where it says that the board is not there: until then what an earlier session says comes late.
-    if (a.expiry_seconds) {
-        b.deadline =
-            std::max(b.deadline, now + std::min<Duration>(std::chrono::seconds(*a.expiry_seconds), lease));
-    } else if (!repeats) {
-        b.deadline = std::max(b.deadline, now + lease);
+    if (a.expiry_seconds || !repeats) {
+        const Duration left = a.expiry_seconds ? std::chrono::seconds(*a.expiry_seconds) : lease;
+        b.session_ends = std::max(b.session_ends, now + std::min<Duration>(left, lease));
+        b.deadline = std::max(b.deadline, b.session_ends);
     }
 }
 
@@ -85,7 +84,9 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events,
     }
     if (is != was || added) {
         const bool unknown = judged ? added : !model::is_there(is) && b.reported_since == Time{};
-        b.since = unknown ? Time{} : judged ? b.deadline : now;
+        // What the grace after an interruption added is no time in which it was there.
+        const Time lease_ended = b.says_state && !b.names_only ? b.session_ends : b.deadline;
+        b.since = unknown ? Time{} : judged ? lease_ended : now;
     }
     const bool told = b.says_state || !model::is_there(is);
     if (!judged && told && b.reported_since != Time{}) b.since = b.reported_since;

@@ -20,44 +20,48 @@ bool is_older(std::string_view session, std::string_view than) {
 
 }  // namespace
 
-Catalogue::Impl::Judgement Catalogue::Impl::judge(Board& b, const DescriptionMembers& members, bool live,
-                                                  Time now, Events& events) {
+Catalogue::Impl::Judgement Catalogue::Impl::judge(Board& b, const DescriptionMembers& members,
+                                                  const Announcement& a, Time now, Events& events) {
     if (!b.described || b.session.empty()) return {Verdict::kAccept};
-    if (b.session != members.session) return judge_other_session(b, members, live, now, events);
+    if (b.session != members.session) return judge_other_session(b, members, a, now, events);
     if (members.seq < b.seq) return {Verdict::kRefuse, Refusal::kOldSequence};
     if (members.seq == b.seq) return {Verdict::kRenew};
-    if (live) holder_spoke(b, now, events);
+    if (!a.retained) holder_spoke(b, now, events);
     return {Verdict::kAccept};
 }
 
+// A later session counts, whatever was before. An earlier one counts by what it says after the lease of the
+// later one: the clock of its agent went back, and nothing on the bus told it of the later one.
 Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const DescriptionMembers& members,
-                                                                bool live, Time now, Events& events) {
-    auto* old = static_cast<std::pair<std::string, std::uint64_t>*>(nullptr);
-    if (b.uncommon) {
-        for (auto& entry : b.uncommon->old_sessions) {
-            if (entry.first == members.session) old = &entry;
-        }
-    }
-    if (old != nullptr && members.seq <= old->second) return {Verdict::kRefuse, Refusal::kOldSession};
-    const bool holder_lives = alive(b, now) && b.proven;
-    const bool older = is_older(members.session, b.session);
-    const bool newer = is_older(b.session, members.session);
-    if (!live) {
-        if (old != nullptr || older) return {Verdict::kRefuse, Refusal::kOldSession};
-        if (holder_lives && !newer) return {Verdict::kRefuse, Refusal::kUnproven};
-    } else if (holder_lives) {
-        const bool disputed = b.conflict() != nullptr && now < b.uncommon->challenger->deadline;
-        if (old != nullptr || disputed || older) {
-            if (!challenge(b, members, now, events)) return {Verdict::kRefuse, Refusal::kConflict};
-            return {Verdict::kAccept};
-        }
-    } else if (older && now < b.deadline) {
-        // What its session said last counts. An agent whose clock went back makes its session a later one
-        // where it sees this one, and nothing renews this one where it does not.
+                                                                const Announcement& a, Time now,
+                                                                Events& events) {
+    const bool old = b.uncommon && b.uncommon->old_seq(members.session) != nullptr;
+    if (old && members.seq <= *b.uncommon->old_seq(members.session))
         return {Verdict::kRefuse, Refusal::kOldSession};
+    const bool later = is_older(b.session, members.session);
+    const bool earlier = is_older(members.session, b.session);
+    if (!later && !(earlier && published(a, lease_of(members), now) >= std::optional(b.session_ends))) {
+        const bool holder_lives = alive(b, now) && b.proven;
+        if (a.retained) {
+            if (earlier || old) return {Verdict::kRefuse, Refusal::kOldSession};
+            if (holder_lives) return {Verdict::kRefuse, Refusal::kUnproven};
+        } else if (holder_lives) {
+            const bool disputed = b.conflict() != nullptr && now < b.uncommon->challenger->deadline;
+            if ((earlier || old || disputed) && !challenge(b, members, now, events))
+                return {Verdict::kRefuse, Refusal::kConflict};
+        } else if (earlier) {
+            return {Verdict::kRefuse, Refusal::kOldSession};
+        }
     }
-    take_over(b, members, now);
+    if (b.session != members.session) take_over(b, members);
     return {Verdict::kAccept};
+}
+
+std::optional<Time> Catalogue::Impl::published(const Announcement& a, std::uint32_t lease_seconds, Time now) {
+    if (!a.retained) return now;
+    if (!a.expiry_seconds) return std::nullopt;
+    const Duration left = std::chrono::seconds(*a.expiry_seconds);
+    return now - std::max<Duration>(std::chrono::seconds(lease_seconds) - left, Duration{});
 }
 
 // Another session lives beside the holder, or lived when its message was sent. One message may have been
@@ -67,9 +71,7 @@ Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const 
 bool Catalogue::Impl::challenge(Board& b, const DescriptionMembers& members, Time now, Events& events) {
     UncommonBoardData& uncommon = b.uncommon_data();
     const auto lease = std::chrono::seconds(members.lease == 0 ? b.lease_seconds : members.lease);
-    for (auto& entry : uncommon.old_sessions) {
-        if (entry.first == members.session) entry.second = members.seq;
-    }
+    if (auto* seq = uncommon.old_seq(members.session)) *seq = members.seq;
     if (!uncommon.challenger) uncommon.challenger = std::make_unique<Challenger>();
     Challenger& other = *uncommon.challenger;
     if (other.session != members.session) {
@@ -86,7 +88,7 @@ bool Catalogue::Impl::challenge(Board& b, const DescriptionMembers& members, Tim
     other.agent = members.agent;
     if (new_conflict) ++stats_.conflicts;
     const bool changes_hands = other.confirmed && b.session < members.session;
-    if (changes_hands) take_over(b, members, now);
+    if (changes_hands) take_over(b, members);
     if (new_conflict || changes_hands) emit(events, Event::Kind::kConflict, b);
     return changes_hands;
 }
@@ -110,7 +112,7 @@ void Catalogue::Impl::resolve(Board& b, Events& events) {
 
 // The session of `members` becomes the holder. The old one is remembered, so that its old messages cannot
 // come back.
-void Catalogue::Impl::take_over(Board& b, const DescriptionMembers& members, Time) {
+void Catalogue::Impl::take_over(Board& b, const DescriptionMembers& members) {
     UncommonBoardData& uncommon = b.uncommon_data();
     auto& old = uncommon.old_sessions;
     old.erase(std::remove_if(old.begin(), old.end(),
@@ -131,6 +133,7 @@ void Catalogue::Impl::take_over(Board& b, const DescriptionMembers& members, Tim
     }
     b.session = members.session;
     b.seq = 0;
+    b.session_ends = Time{};
     b.proven = false;
     b.epoch_heard = 0;
 }
