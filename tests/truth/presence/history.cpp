@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "tests/truth/presence/judge.hpp"
 #include "tests/truth/presence/sim_agent.hpp"
 #include "tests/truth/presence/views.hpp"
 
@@ -19,35 +20,52 @@ namespace {
 using namespace std::chrono_literals;
 using asip::model::to_text;
 
-constexpr Time kBegin = Time{} + 1000s;
 // A claim takes 1.3 s, a challenge as long, an answer to a probe 0.9 s.
 constexpr Duration kQuiet = 5s;
-// What happens is in every view within this time; a machine that is gone, after its lease; all, after the
-// broker was away.
-constexpr Duration kPromised = 1s;
-constexpr Duration kPromisedOfLeases = 2s;
-constexpr Duration kPromisedOfBroker = 3s;
-// A registry judges no lease for so long after it heard the bus again.
-constexpr Duration kGrace = 12s;
+constexpr Duration kPromisedOfBroker = 3s;  // all is right again, after the broker was away
 constexpr Duration kStep = 500ms;
+
+// Every third history begins with a clock that went back.
+bool has_clock_behind(std::uint64_t seed) {
+    return seed % 3 == 2;
+}
+
+Setting draw_setting(Dice& dice, bool clock_behind) {
+    Setting setting;
+    setting.in_order = !dice.chance(clock_behind ? 0.5 : 0.3);
+    setting.says_state = !setting.in_order || dice.chance(0.75);
+    setting.lease = static_cast<int>(dice.chance(0.8) ? dice.between(3, 10) : dice.between(11, 40));
+    dice.chance(0.2);  // stays, so that the seeds of earlier failures play the same histories
+    return setting;
+}
 
 class History {
   public:
-    History(std::uint64_t seed, bool with_trace)
+    History(std::uint64_t seed, bool with_trace, const std::string& watched)
         : dice_(seed),
-          in_order_(!dice_.chance(0.3)),
-          says_state_(!in_order_ || dice_.chance(0.75)),
-          lease_(static_cast<int>(dice_.chance(0.8) ? dice_.between(3, 10) : dice_.between(11, 40))),
+          clock_behind_(has_clock_behind(seed)),
+          setting_(draw_setting(dice_, clock_behind_)),
           with_trace_(with_trace),
-          broker_(dice_, in_order_) {
-        note(fmt::format("seed {}: {}, {}, lease {} s", seed, in_order_ ? "in order" : "bridged brokers",
-                         says_state_ ? "agents that say states" : "older agents", lease_));
+          broker_(dice_, setting_.in_order) {
+        note(fmt::format("seed {}: {}, {}, lease {} s", seed,
+                         setting_.in_order ? "in order" : "bridged brokers",
+                         setting_.says_state ? "agents that say states" : "older agents", setting_.lease));
+        if (!watched.empty())
+            broker_.watch = [this, watched](SimBroker::Client to, const Message& message, Time at) {
+                for (const auto& view : views_)
+                    if (view->client() == to && view->name() == watched)
+                        end_.trace.push_back(fmt::format(
+                            "{:8.3f}   {}{}{} {}", seconds(at), message.topic,
+                            message.retain ? ", stored" : "",
+                            message.expiry_seconds ? fmt::format(", {} s left", *message.expiry_seconds) : "",
+                            message.payload.substr(0, 300)));
+            };
         for (std::size_t i = 0; i < 2; ++i) {
             auto name = fmt::format("b{}", i);
-            agents_.push_back(
-                std::make_unique<SimAgent>(broker_, dice_, name, truths_[i], lease_, says_state_));
-            agents_.push_back(
-                std::make_unique<SimAgent>(broker_, dice_, name, truths_[i], lease_, says_state_));
+            agents_.push_back(std::make_unique<SimAgent>(broker_, dice_, name, truths_[i], setting_.lease,
+                                                         setting_.says_state));
+            agents_.push_back(std::make_unique<SimAgent>(broker_, dice_, name, truths_[i], setting_.lease,
+                                                         setting_.says_state));
         }
         views_.push_back(make_registry(broker_, dice_, "r1", now_));
         views_.push_back(make_gateway(broker_, dice_));
@@ -58,12 +76,12 @@ class History {
 
     End run() {
         // Many short ones find more than few long ones; what needs many actions is rare.
+        if (clock_behind_) clock_goes_back();
         const auto actions = dice_.chance(0.05) ? dice_.between(5, 12) : dice_.between(1, 4);
         for (std::int64_t i = 0; i < actions && end_.failure.empty(); ++i) {
             act();
             ++end_.counts.actions;
-            pass(dice_.chance(0.5) ? std::chrono::milliseconds(dice_.between(1, 3000))
-                                   : std::chrono::milliseconds(dice_.between(1, lease_ * 1500)));
+            pass(some_time());
             if (dice_.chance(0.2)) compare();
         }
         compare();
@@ -73,11 +91,13 @@ class History {
 
   private:
     void note(std::string what) {
-        if (with_trace_)
-            end_.trace.push_back(
-                fmt::format("{:8.3f} {}", std::chrono::duration<double>(now_ - kBegin).count(), what));
+        if (with_trace_) end_.trace.push_back(fmt::format("{:8.3f} {}", seconds(now_), what));
     }
 
+    Duration some_time() {
+        return std::chrono::milliseconds(dice_.chance(0.5) ? dice_.between(1, 3000)
+                                                           : dice_.between(1, setting_.lease * 1500));
+    }
     SimAgent& some_agent() { return *agents_[dice_.below(agents_.size())]; }
 
     void act() {
@@ -121,10 +141,49 @@ class History {
     void start(SimAgent& agent) {
         // Clocks jump: that of a machine without one goes back at each start.
         const std::int64_t skew = dice_.chance(0.3) ? dice_.between(-2000, 2000) : 0;
-        const bool takeover = dice_.chance(0.3);
+        start(agent, skew, dice_.chance(0.3));
+    }
+    void start(SimAgent& agent, std::int64_t skew, bool takeover) {
         note(fmt::format("agent of {} starts, its clock off by {} s{}", agent.board(), skew,
                          takeover ? ", and takes over" : ""));
+        const auto& truth = truths_[agent.board().back() - '0'];
+        const auto before = truth.before(agent, now_);
         agent.start(skew, takeover, now_);
+        const Clock clock = truth.session.empty()             ? Clock::kFirst
+                            : agent.session() < truth.session ? Clock::kBehind
+                                                              : Clock::kLater;
+        end_.counts.starts.add({clock, before, !setting_.in_order, takeover});
+    }
+    /// A board gets an agent whose clock is behind that of the one before it: a machine without a clock, or
+    /// with an empty battery. What became of the one before is different each time; it may come back.
+    void clock_goes_back() {
+        const auto number = dice_.below(agents_.size());
+        auto& first = *agents_[number];
+        auto& second = *agents_[number ^ 1];
+        const auto skew = dice_.between(0, 2000);
+        start(first, skew, dice_.chance(0.3));
+        const Time began = now_;
+        pass(std::chrono::milliseconds(dice_.between(1400, 5000)));
+        const auto fate = dice_.below(6);
+        if (fate == 0) {
+            note("its agent ends");
+            dice_.chance(0.5) ? first.stop(now_) : first.kill(now_);
+        } else if (fate > 1) {
+            note("its agent is cut off");
+            first.cut_off(now_);
+        }
+        if (fate > 2) pass(std::chrono::seconds(setting_.lease));
+        pass(std::chrono::milliseconds(dice_.between(1, 2500)));
+        if (fate > 2 && dice_.chance(0.6))
+            while (first.waits_for_will())
+                pass(1s);
+        const auto passed = std::chrono::duration_cast<std::chrono::seconds>(now_ - began).count();
+        start(second, skew - passed - dice_.between(1, 3000), dice_.chance(0.5));
+        if (!first.is_cut_off() || dice_.chance(0.4)) return;
+        pass(some_time());
+        note("the agent before it is back");
+        first.heal(now_);
+        pass(some_time());
     }
     void become(SimAgent& agent, BoardState state, StateReason reason) {
         note(fmt::format("{} becomes {} {}", agent.board(), to_text(state), to_text(reason)));
@@ -136,8 +195,8 @@ class History {
         const auto& agents = truths_[number].agents;
         const bool alone = std::count_if(agents.begin(), agents.end(),
                                          [](const SimAgent* one) { return one->claims(); }) == 1;
-        const bool certain =
-            in_order_ && says_state_ && alone && agent.is_heard() && truths_[number].said.announced;
+        const bool certain = setting_.in_order && setting_.says_state && alone && agent.is_heard() &&
+                             truths_[number].said.announced;
         happens();
         if (!certain || dice_.chance(0.5)) return;
         pass(kPromised + 1ms);
@@ -159,7 +218,7 @@ class History {
             pass(std::chrono::milliseconds(dice_.between(0, 100))), view->connect(now_);
         for (auto* agent : agents)
             pass(std::chrono::milliseconds(dice_.between(0, 100))), agent->heal(now_);
-        if (!in_order_ || !says_state_) return;
+        if (!setting_.in_order || !setting_.says_state) return;
         pass(kPromisedOfBroker);
         for (std::size_t i = 0; i < 2; ++i)
             if (truths_[i].is_heard() && !truths_[i].is_disputed()) compare_now(i);
@@ -195,18 +254,17 @@ class History {
     void replay() {
         auto& view = *views_[dice_.below(views_.size())];
         const auto& all = broker_.published();
-        if (!view.is_connected() || all.empty() || !says_state_) return;
+        if (!view.is_connected() || all.empty() || !setting_.says_state) return;
         const auto& [at, message] = all[dice_.below(all.size())];
         const bool newest = message.topic.ends_with("/$description") &&
                             std::none_of(all.begin(), all.end(), [&](const auto& other) {
                                 return other.second.topic == message.topic && other.first > at;
                             });
         const bool state = message.topic.ends_with("/$state");
-        const auto described = last_description(message.topic.substr(16, 2));
+        const auto described = judge_.last_description(message.topic.substr(16, 2));
         if (at < view.connected_at() || newest || (state && at + 4s > described)) return;
         note("replayed to " + view.name() + ": " + message.topic + " of " +
-             fmt::format("{:.3f}", std::chrono::duration<double>(at - kBegin).count()) + " " +
-             message.payload.substr(0, 200));
+             fmt::format("{:.3f}", seconds(at)) + " " + message.payload.substr(0, 200));
         auto again = message;
         const auto age = std::chrono::duration_cast<std::chrono::seconds>(now_ - at).count();
         if (again.expiry_seconds) *again.expiry_seconds -= static_cast<std::uint32_t>(age);
@@ -231,94 +289,28 @@ class History {
         }
     }
 
-    /// What came in another order is put right by the next renewal.
-    Duration settling() const {
-        return in_order_ ? kPromised : kPromised + std::chrono::milliseconds(lease_ * 400);
-    }
     /// All that is under way has arrived.
     void compare() {
-        pass(kQuiet + settling() - kPromised);
+        pass(kQuiet + judge_.settling() - kPromised);
         for (std::size_t i = 0; i < 2; ++i)
             compare_now(i);
     }
     void compare_now(std::size_t number) {
         const auto name = fmt::format("b{}", number);
         for (const auto& view : views_) {
-            if (view->is_connected()) compare(*view, name, truths_[number]);
-            if (in_order_ && says_state_) compare_changes(*view, name, truths_[number]);
+            if (!end_.failure.empty()) return;
+            const auto& truth = truths_[number];
+            std::string wrong;
+            if (view->is_connected()) wrong = judge_.says(*view, name, truth, now_, end_.counts.comparisons);
+            if (wrong.empty()) wrong = judge_.told(*view, name, truth);
+            if (!wrong.empty()) fail(*view, name, wrong, truth.really(now_));
         }
     }
-    /// Each change is told once: what a registry tells is what was said, in that order, and the ends of
-    /// leases.
-    void compare_changes(const View& view, const std::string& name, const BoardTruth& truth) {
-        const auto changes = view.changes_of(name);
-        auto said = truth.words.begin();
-        for (std::size_t i = 0; i < changes.size() && end_.failure.empty(); ++i) {
-            const bool twice = i > 0 && changes[i] == changes[i - 1];
-            if (!twice && changes[i] == "lost expired") continue;
-            said = std::find(said, truth.words.end(), changes[i]);
-            if (twice || said == truth.words.end())
-                return fail(view, name, "told too often that it is " + changes[i] + ":", truth.really(now_));
-        }
-    }
-
-    void compare(View& view, const std::string& name, const BoardTruth& truth) {
-        const Really really = truth.really(now_);
-        if (!end_.failure.empty()) return;
-        // A change that is still under way, or a will that its agent puts right.
-        if (now_ - really.since < kPromised || now_ - truth.last_will < settling()) return;
-        const auto seen = view.board(name, now_);
-        if (!view.is_complete()) {
-            // Another registry that does not answer is waited for.
-            if (now_ - view.connected_at() > 15s) fail(view, name, "is not complete", really);
-            return;
-        }
-        ++end_.counts.comparisons;
-        if (!really.announced) {
-            if (seen) fail(view, name, "has a board that never announced itself", really);
-            return;
-        }
-        // A lease that ran out is judged when the program had time to hear of a renewal.
-        const bool judged = really.reason == StateReason::kExpired;
-        const bool heard_bus = view.connected_at() + kGrace < really.since;
-        if (judged && now_ - (heard_bus ? really.since : view.connected_at()) <
-                          (heard_bus ? kPromisedOfLeases : kGrace))
-            return;
-        if (!seen) return fail(view, name, "has no such board", really);
-        if (seen->state != to_text(really.state)) return fail(view, name, "says " + seen->state, really);
-        // Of an agent that is gone for longer than a lease the broker has the word of the state alone.
-        const bool knows_why =
-            says_state_ &&
-            (view.heard(really.since) ||
-             (!judged && (view.connected_at() < last_description(name) + std::chrono::seconds(lease_) ||
-                          broker_.stores("asip/servicebus/" + name + "/$description", now_))));
-        if (!knows_why) return;
-        const bool in_conflict = seen->reason == "conflict" && really.reason == StateReason::kNone;
-        if (seen->reason != to_text(really.reason) && !in_conflict)
-            return fail(view, name, "says " + seen->state + " " + seen->reason, really);
-        const auto tolerance = judged && !heard_bus ? kGrace : in_order_ ? Duration(2s) : Duration(3s);
-        const auto difference = seen->since - instant(really.since).wall;
-        if (difference > tolerance || difference < -tolerance)
-            fail(view, name,
-                 fmt::format("says {} since {:.3f} s", seen->state,
-                             std::chrono::duration<double>(seen->since - instant(kBegin).wall).count()),
-                 really);
-    }
-
-    Time last_description(const std::string& board) const {
-        Time last{};
-        for (const auto& [at, message] : broker_.published())
-            if (message.topic == "asip/servicebus/" + board + "/$description") last = at;
-        return last;
-    }
-
     void fail(const View& view, const std::string& board, const std::string& what, const Really& really) {
-        end_.failure =
-            fmt::format("{:.3f} s: {} (since {:.3f} s) {} {}; really: {} {} since {:.3f} s",
-                        std::chrono::duration<double>(now_ - kBegin).count(), view.name(),
-                        std::chrono::duration<double>(view.started_at() - kBegin).count(), what, board,
-                        really.announced ? to_text(really.state) : "unknown", to_text(really.reason),
-                        std::chrono::duration<double>(really.since - kBegin).count());
+        end_.failure = fmt::format("{:.3f} s: {} (since {:.3f} s) {} {}; really: {} {} since {:.3f} s",
+                                   seconds(now_), view.name(), seconds(view.started_at()), what, board,
+                                   really.announced ? to_text(really.state) : "unknown",
+                                   to_text(really.reason), seconds(really.since));
         note(end_.failure);
         if (!with_trace_) return;
         for (const auto& change : view.changes_of(board))
@@ -328,15 +320,15 @@ class History {
     }
 
     Dice dice_;
-    bool in_order_;
-    bool says_state_;
-    int lease_;
+    bool clock_behind_;
+    Setting setting_;
     bool with_trace_;
     End end_;
     Time now_ = kBegin;
     Time next_tick_ = kBegin;
     int registries_ = 1;
     SimBroker broker_;
+    Judge judge_{setting_, broker_};
     BoardTruth truths_[2];
     std::vector<std::unique_ptr<SimAgent>> agents_;
     std::vector<std::unique_ptr<View>> views_;
@@ -344,8 +336,8 @@ class History {
 
 }  // namespace
 
-End run_history(std::uint64_t seed, bool with_trace) {
-    return History(seed, with_trace).run();
+End run_history(std::uint64_t seed, bool with_trace, const std::string& watched) {
+    return History(seed, with_trace, watched).run();
 }
 
 }  // namespace truth::presence

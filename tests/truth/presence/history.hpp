@@ -4,15 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "tests/truth/presence/starts.hpp"
+
 namespace truth::presence {
 
 struct Counts {
-    std::uint64_t histories = 0, actions = 0, comparisons = 0, messages = 0;
+    std::uint64_t histories = 0, actions = 0, comparisons = 0;
+    Starts starts;
     Counts& operator+=(const Counts& other) {
         histories += other.histories;
         actions += other.actions;
         comparisons += other.comparisons;
-        messages += other.messages;
+        starts += other.starts;
         return *this;
     }
 };
@@ -24,7 +27,8 @@ struct End {
 };
 
 /// A random history of boards, agents, brokers' connections and programs that look at them; from time to
-/// time, when all is quiet, each view is compared with what is really so.
-End run_history(std::uint64_t seed, bool with_trace);
+/// time, when all is quiet, each view is compared with what is really so. `watched`: the view whose messages
+/// are part of the trace.
+End run_history(std::uint64_t seed, bool with_trace, const std::string& watched = {});
 
 }  // namespace truth::presence

@@ -15,6 +15,9 @@ using asip::model::to_text;
 
 constexpr std::uint64_t kStartOfTime = 1'790'000'000;  // of the day, when the simulation begins
 
+// Messages of bridged brokers come in their order behind that.
+constexpr Duration kReordered = std::chrono::milliseconds(800);
+
 /// As agents of older versions announce.
 void leave_out_state(std::string& description) {
     const auto begin = description.find(R"(,"state":{)");
@@ -32,15 +35,60 @@ bool BoardTruth::is_disputed() const {
     return std::count_if(agents.begin(), agents.end(), [](const SimAgent* one) { return one->claims(); }) > 1;
 }
 
+Before BoardTruth::before(const SimAgent& agent, Time now) const {
+    Before before = Before::kEnded;
+    for (const auto* one : agents) {
+        if (one != &agent && one->runs() && !one->is_cut_off()) return Before::kLives;
+        if (one->waits_for_will()) {
+            before = now < lease_end ? Before::kLeaseRuns : Before::kLeaseOver;
+        } else if (one != &agent && one->is_cut_off() && before == Before::kEnded) {
+            before = Before::kWillCame;
+        }
+    }
+    return before;
+}
+
 void BoardTruth::say(const Really& what) {
     said = what;
+    taken_back = true;
     words.push_back(fmt::format("{} {}", to_text(what.state), to_text(what.reason)));
 }
 
 Really BoardTruth::really(Time now) const {
+    // It ended before it could.
+    if (unordered_will != Time{} && !taken_back && !is_heard())
+        return {true, BoardState::kLost, StateReason::kAgentGone, unordered_will};
     if (said.announced && !is_heard() && asip::model::is_there(said.state) && now >= lease_end)
         return {true, BoardState::kLost, StateReason::kExpired, lease_end};
     return said;
+}
+
+// Also of a name that was claimed and not announced yet. An agent that is heard takes it back; of a board
+// that is lost it changes nothing.
+void BoardTruth::will(SimBroker::Client of, Time now) {
+    const Really before = said;
+    say({true, BoardState::kLost, StateReason::kAgentGone, now});
+    last_will = now;
+    const bool lost = before.announced && before.state == BoardState::kLost;
+    const bool lives = is_heard();
+    if (lost || lives) said = before;
+    if (lost || (!lives && (of == described_by || now > described_at + kReordered))) return;
+    unordered_will = now;
+    taken_back = !lives;
+}
+
+bool BoardTruth::counts(const std::string& by, Time now) const {
+    return by >= session || now >= lease_end;
+}
+
+void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::Client over,
+                          int lease_seconds, Time now) {
+    session = by;
+    lease_end = now + std::chrono::seconds(lease_seconds);
+    described_by = over;
+    described_at = now;
+    if (now > unordered_will + kReordered) unordered_will = Time{};
+    say(what);
 }
 
 SimAgent::SimAgent(SimBroker& broker, Dice& dice, std::string board, BoardTruth& truth, int lease_seconds,
@@ -107,18 +155,9 @@ void SimAgent::kill(Time now) {
     if (!runs()) return;
     announcer_.reset();
     if (client_ == 0) return;
-    broker_.end(std::exchange(client_, 0), true, now);
-    die(now);
-}
-
-/// The broker says so, also of a name that was claimed and not announced yet. An agent that is heard takes it
-/// back.
-void SimAgent::die(Time now) {
-    const Really said = truth_.said;
-    truth_.say({true, BoardState::kLost, StateReason::kAgentGone, now});
-    truth_.last_will = now;
-    if ((!said.announced || said.state != BoardState::kLost) && !truth_.is_heard()) return;
-    truth_.said = said;
+    const auto client = std::exchange(client_, 0);
+    broker_.end(client, true, now);
+    truth_.will(client, now);
 }
 
 void SimAgent::cut_off(Time now) {
@@ -160,7 +199,7 @@ void SimAgent::take(const Message& message, Time now) {
 void SimAgent::tick(Time now) {
     if (will_due_ && now >= *will_due_) {
         broker_.end(lingering_, true, now);
-        die(now);
+        truth_.will(lingering_, now);
         will_due_.reset();
     }
     if (!announcer_) return;
@@ -181,13 +220,16 @@ void SimAgent::perform(Announcements& out, Time now) {
     for (auto& publication : out.publish) {
         auto& message = publication.message;
         if (message.topic == description_topic_) {
-            truth_.say({true, state_, reason_, since_});
-            truth_.lease_end = now + std::chrono::seconds(lease_seconds_);
+            // What older agents say on `$state` is of no session.
+            if (!says_state_ || truth_.counts(announcer_->session(), now))
+                truth_.describe({true, state_, reason_, since_}, announcer_->session(), client_,
+                                lease_seconds_, now);
             if (!says_state_) leave_out_state(message.payload);
         }
-        // Of two agents with one name, the words of the one that is not believed.
-        if (truth_.is_disputed() && message.topic.ends_with("/$state") && message.payload == "lost")
-            truth_.words.push_back("lost agent-gone");
+        // A word on `$state` is of no session: that of an agent that is not believed is taken for a will.
+        if (message.topic.ends_with("/$state") && message.payload == "lost" &&
+            truth_.session != announcer_->session())
+            truth_.will(client_, now);
         if (client_ != 0) broker_.publish(client_, std::move(message), now);
     }
     if (!out.fatal) return;

@@ -8,6 +8,7 @@
 
 #include "asip/member/announcer.hpp"
 #include "tests/truth/presence/sim_broker.hpp"
+#include "tests/truth/presence/starts.hpp"
 
 namespace truth::presence {
 
@@ -26,17 +27,33 @@ class SimAgent;
 
 /// What is so of one name, whichever agents have had it.
 struct BoardTruth {
-    Really said;       ///< the last words, of an agent or of the broker in its place
-    Time lease_end{};  ///< of them
+    Really said;          ///< the last words, of an agent or of the broker in its place
+    Time lease_end{};     ///< of them
+    std::string session;  ///< of them: the later one, while its lease runs
     Time last_will{};
+    /// One beside a description of another connection, until a renewal behind it: nothing says which of them
+    /// bridged brokers deliver last.
+    Time unordered_will{};
+    bool taken_back = false;  ///< an agent has put it right
+    SimBroker::Client described_by = 0;
+    Time described_at{};
     std::vector<const SimAgent*> agents;
     /// All that was said, as "lost unplugged".
     std::vector<std::string> words;
 
     void say(const Really& what);
+    /// Whether a description of this session does: that of an earlier one, after the lease of the later one.
+    bool counts(const std::string& by, Time now) const;
+    /// An agent's description.
+    void describe(const Really& what, const std::string& by, SimBroker::Client over, int lease_seconds,
+                  Time now);
+    /// The broker speaks in the place of an agent.
+    void will(SimBroker::Client of, Time now);
     bool is_heard() const;
     /// Several agents run for the name.
     bool is_disputed() const;
+    /// What became of the agent that had the name before `agent`, which is about to start.
+    Before before(const SimAgent& agent, Time now) const;
     Really really(Time now) const;
 };
 
@@ -61,6 +78,9 @@ class SimAgent {
     /// The broker is gone: nothing is said in its place.
     void lose_broker(Time now);
     bool is_cut_off() const { return announcer_ && client_ == 0; }
+    /// The broker takes a connection of it for alive that is not.
+    bool waits_for_will() const { return will_due_.has_value(); }
+    const std::string& session() const { return announcer_->session(); }
 
     /// What happens to the board. Nothing is said of one that was never there.
     void becomes(BoardState state, StateReason reason, Time now);
@@ -79,7 +99,6 @@ class SimAgent {
     void take(const Message& message, Time now);
     void perform(asip::member::Announcements& out, Time now);
     void describe();
-    void die(Time now);
     asip::Random random();
 
     SimBroker& broker_;

@@ -131,6 +131,7 @@ void SimBroker::deliver_until(Time now) {
         const auto found = sessions_.find(delivery.client);
         if (found == sessions_.end()) continue;
         const auto receive = found->second.receive;  // it may end its own connection
+        if (watch) watch(delivery.client, *delivery.message, delivery.due);
         receive(*delivery.message, delivery.due);
     }
 }

@@ -27,10 +27,11 @@ void View::connect(Time now) {
 }
 
 bool View::heard(Time time) const {
+    const Time from = time - std::chrono::seconds(1);
     const Time until = time + std::chrono::seconds(1);
-    return (is_connected() && connected_at_ < time) ||
+    return (is_connected() && connected_at_ < from) ||
            std::any_of(connections_.begin(), connections_.end(),
-                       [&](const auto& one) { return one.first < time && until < one.second; });
+                       [&](const auto& one) { return one.first < from && until < one.second; });
 }
 
 void View::disconnect(Time now) {
@@ -106,7 +107,11 @@ class RegistryView final : public View {
     }
     void event(const Message& message) {
         const auto change = asip::bus::parse_change_event(message.payload);
-        if (!change || change->kind != asip::bus::ChangeEvent::Kind::kState) return;
+        if (!change) return;
+        if (change->kind == asip::bus::ChangeEvent::Kind::kReset)
+            for (auto& [board, changes] : changes_)
+                changes.emplace_back(kReset);
+        if (change->kind != asip::bus::ChangeEvent::Kind::kState) return;
         changes_[change->board.board].push_back(change->board.state + " " + change->reason);
     }
 

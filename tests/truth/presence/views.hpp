@@ -22,7 +22,8 @@ class View {
     bool is_connected() const { return client_ != 0; }
     Time connected_at() const { return connected_at_; }
     Time started_at() const { return started_at_; }
-    /// Whether it was connected then and for a second after: what came at other times it may never learn.
+    /// Whether it was connected for a second then, and for one after: what came at other times it may never
+    /// learn.
     bool heard(Time time) const;
 
     void start(Time now) {
@@ -37,7 +38,8 @@ class View {
     virtual void tick(Time now) = 0;
     virtual bool is_complete() const = 0;
     virtual std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) = 0;
-    /// The states that it reported one by one, of one board, as "lost unplugged".
+    static constexpr const char* kReset = "reset";
+    /// The states that it reported one by one, of one board, as "lost unplugged", and resets between them.
     virtual std::vector<std::string> changes_of(const std::string&) const { return {}; }
 
   protected:

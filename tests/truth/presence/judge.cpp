@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/truth/presence/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace truth::presence {
+namespace {
+
+using namespace std::chrono_literals;
+using asip::model::to_text;
+
+// A machine that is gone is in every view so long after its lease.
+constexpr Duration kPromisedOfLeases = 2s;
+// A registry judges no lease for so long after it heard the bus again.
+constexpr Duration kGrace = 12s;
+// Another registry that does not answer is waited for.
+constexpr Duration kComplete = 15s;
+
+}  // namespace
+
+double seconds(Time time) {
+    return std::chrono::duration<double>(time - kBegin).count();
+}
+
+Duration Judge::settling() const {
+    return setting_.in_order ? kPromised : kPromised + std::chrono::milliseconds(setting_.lease * 400);
+}
+
+Time Judge::last_description(const std::string& board) const {
+    Time last{};
+    for (const auto& [at, message] : broker_.published())
+        if (message.topic == "asip/servicebus/" + board + "/$description") last = at;
+    return last;
+}
+
+std::string Judge::told(const View& view, const std::string& board, const BoardTruth& truth) const {
+    if (!setting_.in_order || !setting_.says_state) return {};
+    const auto changes = view.changes_of(board);
+    auto said = truth.words.begin();
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        if (changes[i] == View::kReset) continue;
+        const bool twice = i > 0 && changes[i] == changes[i - 1];
+        if (!twice && changes[i] == "lost expired") continue;
+        said = std::find(said, truth.words.end(), changes[i]);
+        if (twice || said == truth.words.end()) return "told too often that it is " + changes[i] + ":";
+    }
+    return {};
+}
+
+std::string Judge::says(View& view, const std::string& board, const BoardTruth& truth, Time now,
+                        std::uint64_t& compared) const {
+    const Really really = truth.really(now);
+    // A change that is still under way, or a will that its agent puts right.
+    if (now - really.since < kPromised || now - truth.last_will < settling()) return {};
+    if (!setting_.in_order && truth.unordered_will != Time{}) return {};
+    const auto seen = view.board(board, now);
+    if (!view.is_complete()) return now - view.connected_at() > kComplete ? "is not complete" : "";
+    ++compared;
+    if (!really.announced) return seen ? "has a board that never announced itself" : "";
+    // A lease that ran out is judged when the program had time to hear of a renewal.
+    const bool judged = really.reason == StateReason::kExpired;
+    const bool heard_bus = view.connected_at() + kGrace < really.since;
+    if (judged &&
+        now - (heard_bus ? really.since : view.connected_at()) < (heard_bus ? kPromisedOfLeases : kGrace))
+        return {};
+    if (!seen) return "has no such board";
+    if (seen->state != to_text(really.state)) return "says " + seen->state;
+    return reason_and_time(view, board, *seen, truth, now);
+}
+
+std::string Judge::reason_and_time(const View& view, const std::string& board,
+                                   const asip::bus::BoardItem& seen, const BoardTruth& truth,
+                                   Time now) const {
+    const Really really = truth.really(now);
+    const bool judged = really.reason == StateReason::kExpired;
+    // Of an agent that is gone for longer than a lease the broker has the word of the state alone.
+    const bool knows_why = setting_.says_state &&
+                           (view.heard(really.since) ||
+                            (!judged && (view.connected_at() + kPromised <
+                                             last_description(board) + std::chrono::seconds(setting_.lease) ||
+                                         broker_.stores("asip/servicebus/" + board + "/$description", now))));
+    if (!knows_why) return {};
+    const bool in_conflict = seen.reason == "conflict" && really.reason == StateReason::kNone;
+    if (seen.reason != to_text(really.reason) && !in_conflict)
+        return "says " + seen.state + " " + seen.reason;
+    const auto tolerance = setting_.in_order ? Duration(2s) : Duration(3s);
+    const auto is_since = [&](Time since) {
+        const auto difference = seen.since - instant(since).wall;
+        return difference <= tolerance && difference >= -tolerance;
+    };
+    // Of a board that was lost already another will changes nothing but what is stored.
+    const bool again = really.reason == StateReason::kAgentGone && !view.heard(really.since);
+    if (is_since(really.since) || (again && is_since(truth.last_will))) return {};
+    return fmt::format("says {} since {:.3f} s", seen.state,
+                       std::chrono::duration<double>(seen.since - instant(kBegin).wall).count());
+}
+
+}  // namespace truth::presence

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/truth/presence/starts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace truth::presence {
+namespace {
+
+constexpr const char* kClockTexts[] = {"first session", "later session", "clock behind"};
+constexpr const char* kBeforeTexts[] = {"one that ended", "a living one", "one cut off, its lease runs",
+                                        "one cut off, its lease over", "one cut off, its will came"};
+
+}  // namespace
+
+std::size_t Starts::place(const StartKind& kind) {
+    return (static_cast<std::size_t>(kind.clock) * kBefore + static_cast<std::size_t>(kind.before)) * 4 +
+           (kind.bridged ? 2 : 0) + (kind.takeover ? 1 : 0);
+}
+
+Starts& Starts::operator+=(const Starts& other) {
+    for (std::size_t i = 0; i < counts_.size(); ++i)
+        counts_[i] += other.counts_[i];
+    return *this;
+}
+
+std::vector<std::string> Starts::lines() const {
+    std::vector<std::string> lines{fmt::format("{:<15}{:<29}{:>10}{:>10}{:>10}{:>10}", "starts of agents",
+                                               " behind", "one broker", "takeover", "bridged", "takeover")};
+    for (std::size_t clock = 0; clock < kClocks; ++clock) {
+        for (std::size_t before = 0; before < kBefore; ++before) {
+            const auto* counts = &counts_[(clock * kBefore + before) * 4];
+            lines.push_back(fmt::format("{:<15} {:<29}{:>10}{:>10}{:>10}{:>10}", kClockTexts[clock],
+                                        kBeforeTexts[before], counts[0], counts[1], counts[2], counts[3]));
+        }
+    }
+    return lines;
+}
+
+std::uint64_t Starts::rarest_behind() const {
+    return *std::min_element(counts_.begin() + static_cast<std::ptrdiff_t>(place({Clock::kBehind})),
+                             counts_.end());
+}
+
+}  // namespace truth::presence
