@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -26,6 +28,7 @@ struct Challenger {
 
 /// What few boards have; kept apart, so that the others stay small.
 struct UncommonBoardData {
+    static constexpr std::size_t kOldSessions = 8;
     // the newest last, with the highest seq seen
     std::vector<std::pair<std::string, std::uint64_t>> old_sessions;
     std::vector<std::string> service_names;  // published names, sorted
@@ -36,6 +39,14 @@ struct UncommonBoardData {
         for (auto& [old, seq] : old_sessions)
             if (old == session) return &seq;
         return nullptr;
+    }
+    void remember(std::string_view session, std::uint64_t seq) {
+        if (auto* known = old_seq(session)) {
+            *known = std::max(*known, seq);
+            return;
+        }
+        old_sessions.emplace_back(session, seq);
+        if (old_sessions.size() > kOldSessions) old_sessions.erase(old_sessions.begin());
     }
 };
 

@@ -52,7 +52,6 @@ class Catalogue::Impl {
 
   private:
     static constexpr std::uint32_t kPage = 256;
-    static constexpr std::size_t kOldSessions = 8;
     using Events = std::vector<Event>;
 
     // apply.cpp: what a message means

@@ -51,7 +51,7 @@ std::string Catalogue::Impl::check() const {
         if (b.pins != nullptr) pins.push_back(b.pins);
         if (b.services != nullptr) services.push_back(b.services);
         if (b.conflict() != nullptr) ++conflicts;
-        if (b.uncommon && b.uncommon->old_sessions.size() > kOldSessions)
+        if (b.uncommon && b.uncommon->old_sessions.size() > UncommonBoardData::kOldSessions)
             return b.name + ": too many old sessions";
     }
     if (conflicts != stats_.conflicts) return "conflicts counted wrong";

@@ -40,7 +40,11 @@ Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const 
         return {Verdict::kRefuse, Refusal::kOldSession};
     const bool later = is_older(b.session, members.session);
     const bool earlier = is_older(members.session, b.session);
-    if (!later && !(earlier && published(a, lease_of(members), now) >= std::optional(b.session_ends))) {
+    const bool too_early =
+        earlier && !(published(a, lease_of(members), now) >= std::optional(b.session_ends));
+    // It comes too early for ever, however late a bridge delivers it again.
+    if (too_early) b.uncommon_data().remember(members.session, members.seq);
+    if (!later && (too_early || !earlier)) {
         const bool holder_lives = alive(b, now) && b.proven;
         if (a.retained) {
             if (earlier || old) return {Verdict::kRefuse, Refusal::kOldSession};
@@ -114,12 +118,8 @@ void Catalogue::Impl::resolve(Board& b, Events& events) {
 // come back.
 void Catalogue::Impl::take_over(Board& b, const DescriptionMembers& members) {
     UncommonBoardData& uncommon = b.uncommon_data();
-    auto& old = uncommon.old_sessions;
-    old.erase(std::remove_if(old.begin(), old.end(),
-                             [&](const auto& entry) { return entry.first == members.session; }),
-              old.end());
-    old.emplace_back(b.session, b.seq);
-    if (old.size() > kOldSessions) old.erase(old.begin());
+    std::erase_if(uncommon.old_sessions, [&](const auto& entry) { return entry.first == members.session; });
+    uncommon.remember(b.session, b.seq);
     if (uncommon.challenger && uncommon.challenger->session == members.session) {
         if (uncommon.challenger->confirmed) {
             Challenger& other = *uncommon.challenger;

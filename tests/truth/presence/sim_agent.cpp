@@ -54,19 +54,23 @@ void BoardTruth::say(const Really& what) {
     words.push_back(fmt::format("{} {}", to_text(what.state), to_text(what.reason)));
 }
 
+// A will that no agent took back before it ended, too.
+Really BoardTruth::last_word() const {
+    if (unordered_will == Time{} || taken_back || is_heard()) return said;
+    return {true, BoardState::kLost, StateReason::kAgentGone, unordered_will};
+}
+
 Really BoardTruth::really(Time now) const {
-    // It ended before it could.
-    if (unordered_will != Time{} && !taken_back && !is_heard())
-        return {true, BoardState::kLost, StateReason::kAgentGone, unordered_will};
-    if (said.announced && !is_heard() && asip::model::is_there(said.state) && now >= lease_end)
+    const Really last = last_word();
+    if (last.announced && !is_heard() && asip::model::is_there(last.state) && now >= lease_end)
         return {true, BoardState::kLost, StateReason::kExpired, lease_end};
-    return said;
+    return last;
 }
 
 // Also of a name that was claimed and not announced yet. An agent that is heard takes it back; of a board
 // that is lost it changes nothing.
 void BoardTruth::will(SimBroker::Client of, Time now) {
-    const Really before = said;
+    const Really before = last_word();
     say({true, BoardState::kLost, StateReason::kAgentGone, now});
     last_will = now;
     const bool lost = before.announced && before.state == BoardState::kLost;

@@ -54,6 +54,7 @@ struct BoardTruth {
     bool is_disputed() const;
     /// What became of the agent that had the name before `agent`, which is about to start.
     Before before(const SimAgent& agent, Time now) const;
+    Really last_word() const;
     Really really(Time now) const;
 };
 

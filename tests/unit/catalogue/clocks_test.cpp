@@ -40,6 +40,17 @@ TEST_F(ClocksTest, EarlierSessionWithinTheLeaseOfTheLaterOne_IsRefusedHoweverThe
     }
 }
 
+TEST_F(ClocksTest, EarlierSessionWithinTheLeaseOfTheLaterOne_CountsNotEvenWhereABridgeDeliversItAgainLater) {
+    give(says(kLater, 1));
+    give(says(kEarlier, 7), 30s);
+    expire(60s);
+    give(says(kEarlier, 7), 70s);
+    EXPECT_EQ(refused, Refusal::kOldSession);
+    EXPECT_EQ(state_of("uno1"), "lost");
+    give(says(kEarlier, 8), 71s);
+    EXPECT_EQ(state_of("uno1"), "online");
+}
+
 TEST_F(ClocksTest, EarlierSessionBehindTheLeaseOfTheLaterOne_CountsAndTheLaterOneComesBackAtOnce) {
     give(says(kLater, 3));
     EXPECT_THAT(expire(60s), ElementsAre(Kind::kState, Kind::kGhost));
@@ -89,7 +100,7 @@ TEST_F(ClocksTest, StoredDescriptionOfAnEarlierSession_CountsWhereItWasPublished
     give(retained(says(kEarlier, 5)), 80s);
     EXPECT_EQ(refused, Refusal::kOldSession) << "nobody knows when";
     EXPECT_EQ(state_of("uno1"), "lost");
-    give(retained(says(kEarlier, 5), 45), 80s);
+    give(retained(says(kEarlier, 6), 45), 80s);
     EXPECT_EQ(refused, std::nullopt);
     EXPECT_EQ(holder(), kEarlier);
     EXPECT_EQ(state_of("uno1"), "online");
