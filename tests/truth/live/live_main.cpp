@@ -7,6 +7,7 @@
 //   answers ok at once                    ok and not executed, a bad command was ok
 //   loses each 50th answer                never answered
 //   sends each 20th command twice         sent to the board twice
+//   stands still after 14 s               never answered (also at a load of 30 on two processors)
 // Not noticed within three rounds: commands refused without a board and sent when it is back, a
 // point-to-point client that does not learn what was damaged (unit_agent has tests for both).
 #include <fmt/format.h>

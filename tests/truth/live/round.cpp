@@ -6,7 +6,6 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <fstream>
 #include <stdexcept>
 
 namespace truth {
@@ -16,7 +15,6 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr auto kBackOnline = 60s;
-constexpr std::int64_t kWatchedMs = 400;
 constexpr const char* kReplies = "asip/reply/truth";
 
 }  // namespace
@@ -69,7 +67,7 @@ void Round::end_outages() {
         if (outage.over()) continue;
         if (online(*outage.board) && announced(*outage.board) > outage.announced)
             outage.until = now_ms();
-        else if (now_ms() > outage.from + std::chrono::milliseconds(kBackOnline).count())
+        else if (passed_ms(outage.from) > std::chrono::milliseconds(kBackOnline).count())
             throw std::runtime_error(
                 fmt::format("seed {}: {} does not come back", seed_, outage.board->name()));
     }
@@ -85,31 +83,12 @@ void Round::watch_own_connection() {
         note(
             fmt::format("the test's own connection was lost (reason {}) and is back", probe_->last_reason()));
         for (const auto& board : boards_)
-            outages_.push_back({board.get(), connected_, 0, now + kStarvedMs});
+            outages_.push_back({board.get(), connected_, 0, now + kLagMs});
     }
     if (probe_->connected()) connected_ = now;
 }
 
-// An agent that waits for a processor reads what was sent later than it was sent.
-void Round::watch_processor() {
-    if (now_ms() < watched_ + kWatchedMs) return;
-    for (const auto& board : boards_) {
-        const auto pid = board->agent().pid();
-        std::ifstream statistics(fmt::format("/proc/{}/schedstat", pid));
-        std::int64_t ran_ns = 0, waited_ns = 0;
-        if (!(statistics >> ran_ns >> waited_ns)) continue;
-        const auto [known, first] = waited_.try_emplace(pid, waited_ns);
-        if (!first && waited_ns - known->second > kWatchedMs / 4 * 1'000'000)
-            starved_.emplace_back(watched_, now_ms());
-        known->second = waited_ns;
-    }
-    watched_ = now_ms();
-}
-
 void Round::pump() {
-    if (pumped_ != 0 && now_ms() > pumped_ + kStarvedMs) starved_.emplace_back(pumped_, now_ms());
-    pumped_ = now_ms();
-    watch_processor();
     for (auto& client : clients_)
         client->pump();
     for (auto& board : boards_)
@@ -290,11 +269,11 @@ void Round::run(std::int64_t active_ms) {
 }
 
 void Round::drain() {
-    const auto until = now_ms() + kDeadlineMs + kSlackMs;
+    const auto began = now_ms();
     const auto waiting = [&] {
         return std::any_of(sent_.begin(), sent_.end(), [](const Sent& sent) { return sent.answers == 0; });
     };
-    while (!later_.empty() || (now_ms() < until && waiting()))
+    while (!later_.empty() || (passed_ms(began) < kDeadlineMs + kSlackMs && waiting()))
         pump();
     for (const auto end = now_ms() + 300; now_ms() < end;)
         pump();

@@ -5,7 +5,6 @@
 #include <deque>
 #include <functional>
 #include <limits>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "tests/support/mosquitto_broker.hpp"
 #include "tests/truth/dice.hpp"
 #include "tests/truth/live/live_board.hpp"
+#include "tests/truth/live/machine.hpp"
 #include "tests/truth/live/tcp_client.hpp"
 
 namespace truth {
@@ -22,8 +22,8 @@ namespace truth {
 constexpr std::int64_t kDeadlineMs = 5000;
 // The longest pause of broker or agent, and what the programs need besides.
 constexpr std::int64_t kSlackMs = 2000;
-// A test that itself was not run for so long cannot judge the times of others.
-constexpr std::int64_t kStarvedMs = 300;
+// By which the test itself may see things late.
+constexpr std::int64_t kLagMs = 300;
 
 struct Counts {
     std::uint64_t rounds = 0, commands = 0, faults = 0, incidents = 0, ok = 0, error = 0, doubt = 0,
@@ -77,15 +77,14 @@ class Round {
     void check();
     void check(const Sent& sent);
     bool nobody_there(const Sent& sent) const;
-    bool starved(std::int64_t from, std::int64_t until) const;
-    std::int64_t starved_ms(std::int64_t from, std::int64_t until) const;
+    /// In time of the machine: see Machine.
+    std::int64_t passed_ms(std::int64_t from, std::int64_t until = now_ms()) const;
     bool executed(const Sent& sent) const;
     void fail(const Sent& sent, const std::string& what);
     std::size_t announced(const LiveBoard& board) const;
     void begin_outage(const LiveBoard& board) { outages_.push_back({&board, now_ms(), announced(board)}); }
     void end_outages();
     void watch_own_connection();
-    void watch_processor();
 
     std::uint64_t seed_;
     Counts& counts_;
@@ -102,10 +101,7 @@ class Round {
     std::deque<Sent> sent_;
     std::array<std::array<int, 16>, 2> duties_{};
     std::vector<Downtime> outages_;
-    std::vector<std::pair<std::int64_t, std::int64_t>> starved_;
-    std::int64_t pumped_ = 0;
-    std::int64_t watched_ = 0;  // when watch_processor() looked last
-    std::map<pid_t, std::int64_t> waited_;
+    Machine machine_;
     std::vector<std::pair<std::int64_t, std::string>> story_;  // the incidents, and wrong answers
     std::vector<std::pair<std::int64_t, std::function<void()>>> later_;
 };

@@ -17,24 +17,17 @@ constexpr std::int64_t kDamageLastsMs = 3000;
 
 }  // namespace
 
-// Time in which an agent, or the test, waited for a processor is added to what an answer may take.
-std::int64_t Round::starved_ms(std::int64_t from, std::int64_t until) const {
-    std::int64_t sum = 0;
-    for (const auto& [begin, end] : starved_)
-        sum += std::max<std::int64_t>(0, std::min(end, until) - std::max(begin, from));
-    return sum;
+std::int64_t Round::passed_ms(std::int64_t from, std::int64_t until) const {
+    const auto time = [](std::int64_t ms) { return asip::Time{} + std::chrono::milliseconds(ms); };
+    const auto passed = machine_.passed(time(from), time(until));
+    return std::chrono::duration_cast<std::chrono::milliseconds>(passed).count();
 }
 
 bool Round::nobody_there(const Sent& sent) const {
     return std::any_of(outages_.begin(), outages_.end(), [&](const Downtime& outage) {
         return outage.board == sent.board && outage.until >= sent.at &&
-               outage.from <= sent.at + kDeadlineMs + starved_ms(sent.at, outage.from);
+               passed_ms(sent.at, outage.from) <= kDeadlineMs;
     });
-}
-
-bool Round::starved(std::int64_t from, std::int64_t until) const {
-    return std::any_of(starved_.begin(), starved_.end(),
-                       [&](const auto& span) { return span.first <= until && span.second >= from; });
 }
 
 bool Round::executed(const Sent& sent) const {
@@ -85,19 +78,19 @@ void Round::check() {
 }
 
 void Round::check(const Sent& sent) {
-    const auto latest = sent.at + kDeadlineMs + kSlackMs;
+    constexpr auto kLatestMs = kDeadlineMs + kSlackMs;
     const auto to_board = sent.board->line().seen(sent.request);
     if (sent.answers > sent.copies) fail(sent, "answered twice");
     if (sent.duty != 0 && to_board.times > 1) fail(sent, "sent to the board twice");
-    if (sent.duty != 0 && to_board.last_ms > latest && !starved(sent.at, to_board.last_ms))
+    if (sent.duty != 0 && passed_ms(sent.at, to_board.last_ms) > kLatestMs)
         fail(sent, "sent to the board after its deadline");
     if (sent.answers == 0) {
         if (!nobody_there(sent)) return fail(sent, "never answered");
         ++counts_.nobody_there;
         return;
     }
-    if (sent.answered > latest) {
-        if (!starved(sent.at, sent.answered)) fail(sent, "answered late");
+    if (sent.answered > sent.at + kLatestMs) {
+        if (passed_ms(sent.at, sent.answered) > kLatestMs) fail(sent, "answered late");
         ++counts_.starved;
     }
     if (sent.status == "refused") ++counts_.refused;
@@ -110,7 +103,7 @@ void Round::check(const Sent& sent) {
     ++counts_.ok;
     if (sent.duty != 0 && executed(sent)) return;
     const bool excused = !sent.board->has_checksums() &&
-                         sent.board->line().damaged(sent.at - kDamageLastsMs, sent.answered + kStarvedMs);
+                         sent.board->line().damaged(sent.at - kDamageLastsMs, sent.answered + kLagMs);
     if (!excused) return fail(sent, sent.duty == 0 ? "a bad command was ok" : "ok and not executed");
     ++counts_.invisible;
 }
