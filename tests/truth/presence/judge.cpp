@@ -92,7 +92,8 @@ std::string Judge::reason_and_time(const View& view, const std::string& board,
         return difference <= tolerance && difference >= -tolerance;
     };
     // Of a board that was lost already another will changes nothing but what is stored.
-    const bool again = really.reason == StateReason::kAgentGone && !view.heard(really.since);
+    const bool again = really.reason == StateReason::kAgentGone &&
+                       !(view.heard(really.since) && view.heard(truth.last_will));
     if (is_since(really.since) || (again && is_since(truth.last_will))) return {};
     return fmt::format("says {} since {:.3f} s", seen.state,
                        std::chrono::duration<double>(seen.since - instant(kBegin).wall).count());
