@@ -39,6 +39,12 @@ void Motors::setPower(uint8_t motor, int16_t power) {
 
 Error Motors::processRequest(Request& request) {
     const char tag = request.tag();
+    if (tag == 'A' && reported_ != nullptr) {
+        const uint16_t period = request.number();
+        if (!request.complete()) return Error::kBadArgument;
+        setPeriod(period == 1 ? kUsualPeriodMs : period);
+        return Error::kNone;
+    }
     uint16_t motor = 0;
     int16_t powers[2] = {0, 0};
     if (tag == 'm' || tag == 's') motor = request.number();
@@ -56,6 +62,14 @@ Error Motors::processRequest(Request& request) {
         if (tag == 'S' || i < 2) setPower(i, tag == 'S' ? 0 : powers[i]);
     }
     return Error::kNone;
+}
+
+void Motors::reportValue(uint8_t index) {
+    reported_->reportValue(index);
+}
+
+void Motors::reportValues() {
+    board.sendList(*this, 'e', reported_->count());
 }
 
 }  // namespace asip

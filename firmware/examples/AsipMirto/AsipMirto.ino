@@ -18,6 +18,7 @@ asip::Servos servo(18);
 asip::Distance distance(19);
 
 void setup() {
+    motors.report(encoders);  // to clients that ask for them by M,A
     asip::board.add(motors);
     asip::board.add(encoders);
     asip::board.add(bump);

@@ -15,6 +15,7 @@ asip::Reflectance reflectance(A3, A0, A1, A2);
 asip::Tone buzzer(A4);
 
 void setup() {
+    motors.report(encoders);  // to clients that ask for them by M,A
     asip::board.add(motors);
     asip::board.add(encoders);
     asip::board.add(bump);

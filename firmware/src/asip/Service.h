@@ -46,6 +46,9 @@ class Service {
     }
     uint16_t period() const { return period_; }
 
+    // How many values it reports.
+    uint8_t count() const { return countAndDue_ & (kHoldsText - 1); }
+
   protected:
     // `count` values are reported, at most 63; a service that reports none has no auto-event request either.
     // kHoldsText is added where its requests hold text: they end at line ends only.
@@ -53,7 +56,6 @@ class Service {
     constexpr explicit Service(char id, uint8_t count = 0)
         : next_(nullptr), period_(0), remaining_(0), id_(id), countAndDue_(count) {}
 
-    uint8_t count() const { return countAndDue_ & (kHoldsText - 1); }
     void setCount(uint8_t count) { countAndDue_ = static_cast<uint8_t>((countAndDue_ & kHoldsText) | count); }
 
   private:

@@ -2,7 +2,10 @@
 // The services of a robot: motors, encoders, bump and reflectance sensors, tone.
 #include <gtest/gtest.h>
 
-#include "firmware_board.hpp"
+#include <cstdio>
+#include <cstdlib>
+
+#include "quadrature.hpp"
 
 namespace asip::firmware {
 namespace {
@@ -57,8 +60,31 @@ TEST(MotorsTest, Errors_ChangeNothing) {
     EXPECT_EQ(board.ask("M,M,1"), "~M,M,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("M,S,0"), "~M,S,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("M,x"), "~M,x,2{UNKNOWN_REQUEST}");
-    EXPECT_EQ(board.ask("M,A,9"), "~M,A,2{UNKNOWN_REQUEST}");
+    EXPECT_EQ(board.ask("M,A,x"), "~M,A,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("M,E,"), "~M,E,2{UNKNOWN_REQUEST}");
     EXPECT_EQ(board->pin(7), sim::Level::kLow);
+}
+
+TEST(MotorsTest, EncodersAskedForByM_AreReportedAsThoseOfE) {
+    FirmwareBoard board(kRobotImage);
+    Quadrature wheels(board, {{2, 4}, {3, 9, true}});
+    EXPECT_EQ(board.ask("M,A,1"), "");
+    wheels.turn(100, milliseconds(2));
+    long steps[2] = {0, 0}, lines = 0;
+    for (const auto& line : board.lines_within(milliseconds(50))) {
+        long left = 0, right = 0;
+        ASSERT_EQ(std::sscanf(line.c_str(), "@M,e,2,{%*d:%ld,%*d:%ld}", &left, &right), 2) << line;
+        steps[0] += left;
+        steps[1] += right;
+        ++lines;
+    }
+    EXPECT_NEAR(static_cast<double>(lines), 10, 1) << "each 25 ms";
+    EXPECT_EQ(std::abs(steps[0]), 200);
+    EXPECT_EQ(steps[1], steps[0]);
+    board.ask("M,A,100");
+    EXPECT_EQ(board.lines_within(milliseconds(1050)).size(), 10u);
+    EXPECT_EQ(board.ask("M,A,0"), "");
+    EXPECT_TRUE(board.lines_within(milliseconds(200)).empty());
 }
 
 TEST(BumpTest, Touched_IsZeroAndFreeIsOne) {
