@@ -72,6 +72,16 @@ TEST(LibraryPropertiesTest, Version_IsThatOfTheProjectAndOfPlatformIo) {
     EXPECT_EQ(manifest().at("name"), properties().at("name"));
 }
 
+// An IDE names the folder of the library by it. That of the published library is asip.
+TEST(LibraryPropertiesTest, Name_IsAnotherFolderThanThatOfThePublishedLibrary) {
+    std::string name = properties().at("name");
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    EXPECT_NE(name, "asip");
+    std::ifstream archive(ASIP_SOURCE_DIR "/packaging/arduino_library");
+    const std::string text((std::istreambuf_iterator<char>(archive)), {});
+    EXPECT_NE(text.find("FOLDER = \"" + properties().at("name") + "\""), std::string::npos);
+}
+
 TEST(LibraryJsonTest, Headers_AreThoseOfTheLibrary) {
     const auto known = manifest();
     std::set<std::string> named;
