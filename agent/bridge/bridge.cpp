@@ -13,6 +13,29 @@ namespace {
 
 constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
 
+const char* why_unanswered(const session::NoAnswer& none, bool tcp) {
+    if (none.heard_banner)
+        return " said that it is an ASIP board, and answers no question: does it restart again and again "
+               "(its "
+               "power), is its sketch busy for seconds, or does the line lose what is sent to it?";
+    if (tcp)
+        return none.heard_bytes
+                   ? " sends bytes, but they are not ASIP: is it the port of another program, or one that "
+                     "frames "
+                     "lines otherwise (HOST:PORT/frames, HOST:PORT/lines)?"
+                   : " takes the connection and does not answer: is an ASIP board behind it, does it serve "
+                     "another client already, or does it want frames, as the bridge of the Java programs "
+                     "does "
+                     "(HOST:PORT/frames)?";
+    if (none.heard_bytes)
+        return " sends bytes, but they are not ASIP at 57600 baud or any rate that a board steps up to: is "
+               "it "
+               "another device, a sketch without ASIP, or does another program read from this port, too "
+               "(fuser "
+               "PORT, lsof PORT; brltty, ModemManager)?";
+    return " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and is it the right port?";
+}
+
 }  // namespace
 
 Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
@@ -229,17 +252,8 @@ void Bridge::on_action(const session::BecameSilent&, Time now, Effects& out) {
 void Bridge::on_action(const session::NoAnswer& none, Time now, Effects& out) {
     if (announcer_ && announcer_->state() == model::BoardState::kLost)
         announcer_->set_state(model::BoardState::kLost, model::StateReason::kSilent, now, out);
-    const std::string why =
-        none.heard_banner
-            ? " said that it is an ASIP board, and answers no question: does it restart again and again (its "
-              "power), is its sketch busy for seconds, or does the line lose what is sent to it?"
-        : none.heard_bytes ? " sends bytes, but they are not ASIP at 57600 baud or any rate that a board "
-                             "steps up to: is it another device, a sketch without ASIP, or does another "
-                             "program read from this port, too (fuser PORT, lsof PORT; brltty, ModemManager)?"
-                           : " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and "
-                             "is it the right port?";
+    const auto text = describer_.link().path + why_unanswered(none, describer_.link().kind == "tcp");
     // A board that was here may come back; a port where none ever was is more likely the wrong one.
-    const auto text = describer_.link().path + why;
     if (!found_ && !options_.announce_unreached) {
         out.fatal = Fatal{program::kExitBoard, text};
         return;

@@ -15,15 +15,13 @@ namespace log = program::log;
 namespace {
 
 constexpr Duration kGoodbye = std::chrono::milliseconds(700);
-// Longer than a boot loader and two rounds of asking at the start rate.
-constexpr Duration kSilentAtStart = std::chrono::milliseconds(3500);
 // Commands with a hold are undone before the goodbye. A board that does not answer is not waited for longer.
 constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
 constexpr Duration kLeaveLine = std::chrono::milliseconds(400);
 constexpr Duration kLookAgain = std::chrono::milliseconds(5);
 
 link::StreamTarget stream_target(const AgentOptions& options) {
-    if (options.serial.empty()) return *link::parse_tcp_address(options.tcp);
+    if (options.serial.empty()) return options.tcp_address.address;
     const auto dtr =
         options.reset == ResetPolicy::kAlways ? link::DtrAtOpen::kPulse : link::DtrAtOpen::kLeave;
     return link::SerialTarget{options.serial, options.baud, dtr};
@@ -64,13 +62,13 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
                }),
       bridge_(bridge_options(options_.bridge, label_files_, stop_files_, host.goes_on), options_.models,
               system_random()),
+      framing_(options_.tcp_address.framing, options_.tcp_address.address.port == PointToPoint::kJavaPort
+                                                 ? LinkFraming::Kind::kFrames
+                                                 : LinkFraming::Kind::kLines),
       link_(io_, stream_target(options_),
             {[this](const link::StreamOpened& opened) { link_opened(opened); },
              [this](const link::StreamError& error) { link_lost(error); },
-             [this](std::string_view bytes) {
-                 board_heard();
-                 with_bridge([&](Time now, Effects& out) { bridge_.receive(bytes, now, out); });
-             },
+             [this](std::string_view bytes) { link_received(bytes); },
              [this](const link::StreamError& error) { link_failed(error); }}),
       clients_(
           io_, log_, options_.listen_silence,
@@ -128,7 +126,7 @@ void BoardAgent::perform(Effects& effects) {
     }
     for (auto& action : effects.link) {
         if (const auto* write = std::get_if<session::Write>(&action)) {
-            link_.write(write->bytes);
+            link_.write(framing_.outgoing(write->bytes));
         } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
             link_.set_rate(rate->baud, [this](bool ok) {
                 with_bridge([&](Time now, Effects& out) { bridge_.line_rate_set(ok, now, out); });
@@ -231,59 +229,6 @@ void BoardAgent::arm_timer() {
         with_bridge([&](Time now, Effects& out) {
             if (const auto due = bridge_.next_deadline(); due && *due <= now) bridge_.tick(now, out);
         });
-    });
-}
-
-void BoardAgent::link_opened(const link::StreamOpened& opened) {
-    outage_.opened();
-    model::LinkInfo info{options_.serial.empty() ? "tcp" : "serial", opened.name,
-                         static_cast<int>(opened.baud)};
-    with_bridge([&](Time now, Effects& out) {
-        bridge_.link_up({opened.baud, opened.restarting}, std::move(info), now, out);
-    });
-    if (!opened.restarting && options_.reset == ResetPolicy::kIfSilent) board_silent_at_start();
-}
-
-void BoardAgent::link_failed(const link::StreamError& error) {
-    using Kind = link::StreamError::Kind;
-    const bool waiting_helps =
-        error.kind == Kind::kNotThere || error.kind == Kind::kUnreachable || error.kind == Kind::kClosed;
-    const bool announced = host_.goes_on && !options_.bridge.name.empty();
-    if (outage_.first_attempt() && !waiting_helps && !announced) {
-        log_.error(error.text, {});
-        return finish(program::kExitBoard);
-    }
-    if (outage_.failed(error.kind, Clock::now()))
-        log_.warning("board not reachable; waiting for it", {{"why", error.text}});
-    if (bridge_.why_unreached() == error.text) return;
-    with_bridge([&](Time now, Effects& out) {
-        bridge_.unreached(waiting_helps               ? model::StateReason::kUnplugged
-                          : error.kind == Kind::kBusy ? model::StateReason::kReleased
-                                                      : model::StateReason::kNone,
-                          error.text,
-                          {options_.serial.empty() ? "tcp" : "serial",
-                           options_.serial.empty() ? options_.tcp : options_.serial, 0},
-                          now, out);
-    });
-    handlers_.on_changed();
-}
-
-void BoardAgent::link_lost(const link::StreamError& error) {
-    reset_timer_.cancel();
-    // Opened and closed without a byte from the board: the same as not opened.
-    if (bridge_.session().counters().bytes_in == 0) link_failed(error);
-    with_bridge([&](Time now, Effects& out) { bridge_.link_down(error.text, now, out); });
-}
-
-void BoardAgent::board_heard() {
-    if (!ended() && outage_.heard()) log_.info("board reachable again", {});
-}
-
-void BoardAgent::board_silent_at_start() {
-    reset_timer_.expires_after(kSilentAtStart);
-    reset_timer_.async_wait([this](boost::system::error_code error) {
-        if (error || ended() || bridge_.session().state() == session::BoardSession::State::kReady) return;
-        if (link_.restart_board()) log_.info("board silent; restarting it by DTR", {});
     });
 }
 

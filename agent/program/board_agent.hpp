@@ -15,6 +15,7 @@
 #include "agent/describe/label_files.hpp"
 #include "agent/inbound/continuations.hpp"
 #include "agent/inbound/inbox.hpp"
+#include "agent/port/link_framing.hpp"
 #include "agent/port/port_outage.hpp"
 #include "agent/program/broker_reports.hpp"
 #include "agent/program/loader.hpp"
@@ -99,6 +100,7 @@ class BoardAgent {
     void finish(int status);
 
     // The link to the board
+    void link_received(std::string_view bytes);
     void link_opened(const link::StreamOpened& opened);
     void link_lost(const link::StreamError& error);
     void link_failed(const link::StreamError& error);
@@ -135,6 +137,7 @@ class BoardAgent {
     BoardLog log_;
     BrokerReports reports_;
     Bridge bridge_;
+    LinkFraming framing_;
     link::KeptStream link_;
     PointToPoint clients_;
     std::unique_ptr<mqtt::Client> bus_;

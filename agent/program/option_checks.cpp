@@ -17,7 +17,8 @@ namespace asip::agent {
 
 namespace {
 
-Expected<ListenAddress> parse_listen(std::string_view text) {
+/// HOST:PORT, with how lines are framed there: HOST:PORT/frames, HOST:PORT/lines.
+Expected<ListenAddress> parse_framed_address(std::string_view text, std::string_view default_host) {
     using Kind = ClientFraming::Kind;
     ListenAddress listen;
     if (text.starts_with("tcp://")) text.remove_prefix(6);
@@ -28,7 +29,7 @@ Expected<ListenAddress> parse_listen(std::string_view text) {
         listen.framing = framing == "lines" ? Kind::kLines : Kind::kFrames;
         text = text.substr(0, slash);
     }
-    auto address = link::parse_tcp_address(text, "127.0.0.1");
+    auto address = link::parse_tcp_address(text, default_host);
     if (!address) return fail(address.error());
     listen.address = std::move(*address);
     return listen;
@@ -106,11 +107,13 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
                     model::suggest_name(raw.name));
     raw.serial = port_path(raw.serial);
     if (const auto fault = serial_fault(raw.serial); !fault.empty()) return fail("--serial: " + fault);
-    if (!raw.tcp.empty())
-        if (const auto address = link::parse_tcp_address(raw.tcp); !address)
-            return fail("--tcp: " + address.error());
+    if (!raw.tcp.empty()) {
+        auto address = parse_framed_address(raw.tcp, {});
+        if (!address) return fail("--tcp: " + address.error());
+        options.tcp_address = std::move(*address);
+    }
     for (const std::string& text : raw.listen) {
-        auto listen = parse_listen(text);
+        auto listen = parse_framed_address(text, "127.0.0.1");
         if (!listen) return fail("--listen: " + listen.error());
         options.listen.push_back(std::move(*listen));
     }

@@ -18,8 +18,8 @@ namespace asip::agent {
 /// nothing.
 enum class ResetPolicy { kNever, kAlways, kIfSilent };
 
-/// Where point-to-point clients connect. The framing is known from the configuration, or recognised by what a
-/// client sends first.
+/// Where point-to-point clients connect, or a board with a network listens. The framing is known from the
+/// configuration, or recognised by what the other side sends first.
 struct ListenAddress {
     link::TcpAddress address;
     ClientFraming::Kind framing = ClientFraming::Kind::kUnknown;
@@ -34,7 +34,8 @@ struct AgentOptions {
     std::filesystem::path state_folder;  ///< where labels are kept; empty: nowhere
     // The board: one of both.
     std::string serial;                 ///< device; empty: `tcp`
-    std::string tcp;                    ///< HOST:PORT; empty: `serial`
+    std::string tcp;                    ///< HOST:PORT[/FRAMING]; empty: `serial`
+    ListenAddress tcp_address;          ///< the same, read
     std::vector<ListenAddress> listen;  ///< for point-to-point clients
     /// A client that sent nothing for so long is taken to want plain lines.
     Duration listen_silence = std::chrono::seconds(5);

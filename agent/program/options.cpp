@@ -8,7 +8,11 @@ namespace asip::agent {
 void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw) {
     settings.setting(app.add_option("--serial", raw.serial, "Serial port of the board, e.g. /dev/ttyACM0")
                          ->group("Board"));
-    settings.setting(app.add_option("--tcp", raw.tcp, "HOST:PORT of a board with a network")->group("Board"));
+    settings.setting(
+        app.add_option(
+               "--tcp", raw.tcp,
+               "HOST:PORT of a board with a network, HOST:PORT/frames behind a bridge of the Java programs")
+            ->group("Board"));
     settings.setting(
         app.add_option("--name", raw.name,
                        "Name of the board on the bus; default: stored on the board, else from the port")

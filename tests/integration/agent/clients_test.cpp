@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <deque>
 
 #include "tests/integration/agent/fake_port.hpp"
@@ -300,6 +301,25 @@ TEST_F(AgentOnPort, ManyLinesAtOnce_AreReadMoreSlowlyAndNoneIsLost) {
     for (int i = 0; i < 400; ++i)
         ASSERT_TRUE(fake_.executed("S,W,1," + std::to_string(i))) << i;
     EXPECT_EQ(probe_.count("asip/uno1/servo/error"), 0u);
+}
+
+// Frames as the bridge of the published Java programs sends and wants them, from the port of another agent.
+TEST(BoardBehindABridge, FramesAreSpokenWhereTheyAreNamedAndWhereTheyAreHeard) {
+    MosquittoBroker broker;
+    SimulatedUno uno;
+    BusProbe probe{broker.port(), {"asip/servicebus/#", "asip/far/#"}};
+    const auto bridge = "127.0.0.1:" + std::to_string(free_port());
+    Agent near{broker, uno.port(), {"--listen", bridge + "/frames", "--keep-outputs"}};
+    ASSERT_TRUE(wait_state(probe, "online")) << near.process().errors();
+    probe.publish("asip/uno1/in", "I,A,100");
+    for (const std::string framing : {"/frames", ""}) {
+        ChildProcess far({ASIP_PROGRAMS "/asip-agent", "--broker", broker.url(), "--tcp", bridge + framing,
+                          "--name", "far", "--keep-outputs"});
+        ASSERT_TRUE(wait_state(probe, "online", kDeadline, "far")) << framing << far.errors();
+        far.signal(SIGTERM);
+        ASSERT_TRUE(far.wait_exit()) << framing;
+        ASSERT_TRUE(wait_state(probe, "offline", kDeadline, "far"));
+    }
 }
 
 }  // namespace

@@ -25,6 +25,24 @@ TEST(NoAnswer, NoBoardEverIdentified_EndsTheProgram) {
     EXPECT_THAT(bench.fatal->text, HasSubstr("does not answer"));
 }
 
+TEST(NoAnswer, BehindTcp_IsToldInWordsOfTcp) {
+    for (const std::string bytes : {"", "HTTP/1.1 400 Bad Request\r\n\r\n"}) {
+        BridgeBench bench;
+        bench.board.mute = true;
+        bench.run(
+            [&](Effects& out) { bench.bridge.link_up({0, false}, {"tcp", "pi:6789", 0}, bench.now, out); });
+        for (int i = 0; i < 20; ++i) {
+            if (!bytes.empty()) bench.say(bytes);
+            bench.pass(1s);
+        }
+        ASSERT_TRUE(bench.fatal);
+        EXPECT_THAT(bench.fatal->text, HasSubstr("pi:6789"));
+        EXPECT_THAT(bench.fatal->text, HasSubstr("HOST:PORT/frames"));
+        EXPECT_THAT(bench.fatal->text, HasSubstr(bytes.empty() ? "does not answer" : "sends bytes"));
+        EXPECT_THAT(bench.fatal->text, testing::Not(testing::AnyOf(HasSubstr("baud"), HasSubstr("fuser"))));
+    }
+}
+
 TEST(NoAnswer, BoardSaidItsBannerAndNothingElse_IsCalledABoard) {
     BridgeBench bench;
     bench.board.mute = true;
