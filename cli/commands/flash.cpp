@@ -163,6 +163,7 @@ class Flasher {
                             {"chip", taken.chip}});
             return;
         }
+        if (!programmed) return environment_.note(board_ + ": answers with " + taken.sketch);
         environment_.say(board_ + ": " + taken.sketch + ", was " + taken.sketch_before);
     }
 

@@ -6,6 +6,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <new>
+#include <utility>
+
+#include "sim/chip/image_chip.hpp"
 
 namespace asip::sim {
 namespace {
@@ -16,6 +20,17 @@ constexpr int kSupplyMillivolts = 5000;
 void ignore_log(avr_t*, int, const char*, va_list) {}
 
 void sleep_takes_no_time(avr_t*, avr_cycle_count_t) {}
+
+/// simavr writes wherever the stack pointer shows, beyond the end of the chip's memory, too.
+void make_room_for_every_stack(avr_t& avr) {
+    constexpr std::size_t kAddresses = 0x10000;
+    const std::size_t size = avr.ramend + std::size_t{1};
+    if (size >= kAddresses) return;
+    auto* const data = static_cast<std::uint8_t*>(std::calloc(kAddresses, 1));
+    if (data == nullptr) throw std::bad_alloc();
+    std::memcpy(data, avr.data, size);
+    std::free(std::exchange(avr.data, data));
+}
 
 void interrupt_entered(avr_irq_t*, std::uint32_t running, void* param) {
     if (running != 0) static_cast<avr_t*>(param)->cycle += kInterruptEntryCycles;
@@ -31,10 +46,9 @@ Expected<std::unique_ptr<Chip>> Chip::create(const BoardKind& kind, std::uint32_
     avr_t* avr = avr_make_mcu_by_name(kind.chip.c_str());
     if (avr == nullptr) return fail(fmt::format("simavr does not know the chip {}", kind.chip));
     avr_init(avr);
+    make_room_for_every_stack(*avr);
     std::unique_ptr<Chip> chip(new Chip(avr));
-    if (image.flash.size() > avr->flashend + std::size_t{1})
-        return fail(fmt::format("the image has {} bytes, the {} of the {} only {}", image.flash.size(),
-                                kind.chip, kind.name, avr->flashend + 1));
+    if (auto fits = check_chip(image, kind, avr->flashend + std::size_t{1}); !fits) return fail(fits.error());
     avr->frequency = frequency;
     avr->vcc = avr->avcc = avr->aref = kSupplyMillivolts;
     avr->sleep = sleep_takes_no_time;

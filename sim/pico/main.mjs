@@ -45,6 +45,9 @@ function use(socket) {
   line = socket
   socket.setNoDelay?.(true)
   socket.on('data', (bytes) => {
+    // They take their time on the wire from now on, not from when the board last ran.
+    const behind = clock() - began - pico.now
+    if (plugged && behind > 0) pico.runFor(Math.min(behind, MAX_TURN_NANOS))
     pico.uart.give(bytes)
     if (pico.uart.waiting > MAX_QUEUED_BYTES) socket.pause() // a sender waits, as it does for a slow wire
     wake()

@@ -55,8 +55,10 @@ std::vector<std::string> AvrBoard::part_names() const {
 Pace AvrBoard::tick(Time now) {
     if (started_ == Time{}) started_ = now;
     if (!plugged_) return Pace::kIdle;
-    receive_from_ports(notice_opening().readable);
+    // First up to now: bytes that are here have just come, and take their time on the wire from now on.
+    const auto opening = notice_opening();
     const bool behind = run_towards(now);
+    receive_from_ports(opening.readable);
     if (!to_host_.empty() || board_->sending() > 0) busy_until_ = now + kBusy;
     send_to_ports();
     if (now >= next_housekeeping_) {

@@ -68,6 +68,16 @@ std::vector<std::string> split(std::string_view line) {
     return words;
 }
 
+/// The line from that word on, with its blanks: the name of a file.
+std::string rest_from(std::string_view line, std::size_t word) {
+    constexpr std::string_view kBlanks = " \t\r\n";
+    for (std::size_t i = 0;; ++i) {
+        line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+        if (i == word) return std::string(line.substr(0, line.find_last_not_of(kBlanks) + 1));
+        line.remove_prefix(std::min(line.find_first_of(kBlanks), line.size()));
+    }
+}
+
 /// How many words a command takes behind the part, at most.
 std::size_t words_after_part(std::string_view verb) {
     std::size_t most = 1;
@@ -107,14 +117,14 @@ void RunningBoards::execute(std::string_view line, Reply reply) {
     const auto words = split(line);
     if (words.empty()) return reply(std::string());
     const auto& verb = words[0];
-    if (words.size() > 2 + words_after_part(verb))
+    if (verb != "load" && words.size() > 2 + words_after_part(verb))
         return reply(fail(fmt::format("too many words after \"{}\"", words[1 + words_after_part(verb)])));
     if (verb == "help") return reply(help());
     if (verb == "list" && words.size() == 1) return list_from(0, "", std::move(reply));
     if (is_board_command(verb)) {
         const auto place = board_called(words.size() > 1 ? words[1] : "");
         if (!place) return reply(fail(place.error()));
-        const auto argument = words.size() > 2 ? words[2] : std::string();
+        const auto argument = words.size() > 2 ? rest_from(line, 2) : std::string();
         if (argument.empty() != (verb != "load"))
             return reply(fail(verb == "load" ? std::string("load what? load BOARD IMAGE")
                                              : fmt::format("too many words after \"{}\"", words[1])));

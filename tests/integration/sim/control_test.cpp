@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "sim_program.hpp"
@@ -86,6 +87,19 @@ TEST(Control, EachLineEndThatTerminalsSend_EndsACommand) {
             << end;
     }
     EXPECT_EQ(control.received().find("error"), std::string::npos);
+}
+
+TEST(Control, Load_TakesFilesWithBlanksInTheirNames) {
+    const TempDir folder;
+    const auto file = board_file(folder, "uno.json");
+    const auto image = nlohmann::json::parse(std::ifstream(file)).at("image").get<std::string>();
+    SimProgram sim(folder, {file, "--json"});
+    std::filesystem::copy(image, folder.file("a  new sketch.elf"));
+    const auto loaded = sim.control({"load", "uno", folder.file("a  new sketch.elf")});
+    EXPECT_EQ(loaded.status, 0) << loaded.errors;
+    EXPECT_TRUE(sim.process().wait_for_output("loaded"));
+    EXPECT_THAT(sim.control({"load", "uno", folder.file("no such file")}).errors,
+                HasSubstr("no such file: cannot"));
 }
 
 TEST(Control, BackgroundOfAShell_DoesNotStopIt) {

@@ -57,6 +57,26 @@ TEST_F(LiveBoardTest, FarBehind_AnswersItsHostOnTheWay) {
     EXPECT_LT(turns, 100);
 }
 
+// Two bytes to the board and one back: 10 bits each, at 57600 baud.
+TEST_F(LiveBoardTest, BytesAndTheirAnswer_TakeTheTimeOfTheWire) {
+    constexpr auto kWire = std::chrono::microseconds(3 * 10 * 1'000'000 / 57'600);
+    for (int i = 0; i < 10; ++i) {
+        tick_after(1ms);
+        (void)host_->received();
+        host_->expect("x", 0ms);
+        host_->write("Ex");
+        Duration took{};
+        tick_after(std::chrono::microseconds(100 * i));  // it came at this moment at the latest
+        while (host_->received().find('x') == std::string::npos && took < 10ms) {
+            took += 20us;
+            tick_after(20us);
+        }
+        EXPECT_GE(took, kWire) << i;
+        EXPECT_LT(took, kWire + 300us) << i;
+        ASSERT_TRUE(host_->expect("x", 0ms));
+    }
+}
+
 TEST_F(LiveBoardTest, NothingOnItsLine_IsIdleUntilAByteOrACommandComes) {
     for (int i = 0; i < 10; ++i)
         tick_after(1ms);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
 
 #include "monitor.hpp"
+#include "sim/board_kind.hpp"
 
 namespace asip::sim {
 namespace {
@@ -229,6 +231,59 @@ TEST(Board, ImageTooLargeForTheChip_Refused) {
     auto config = Monitor::config();
     config.image = folder / "large.hex";
     EXPECT_THAT(refusal(config), HasSubstr("65537 bytes, the atmega328p of the uno only 32768"));
+}
+
+std::string hex_of(const std::vector<unsigned>& bytes) {
+    std::string text;
+    for (std::size_t at = 0; at < bytes.size(); at += 4) {
+        unsigned sum = 4 + static_cast<unsigned>(at >> 8) + static_cast<unsigned>(at & 0xff);
+        text += fmt::format(":04{:04X}00", at);
+        for (std::size_t i = at; i < at + 4; ++i) {
+            text += fmt::format("{:02X}", bytes[i]);
+            sum += bytes[i];
+        }
+        text += fmt::format("{:02X}\r\n", -sum & 0xff);
+    }
+    return text + ":00000001FF\r\n";
+}
+
+TEST(Board, ImageOfAnotherChip_RefusedByItsVectors) {
+    TemporaryFolder folder;
+    for (const unsigned vectors : {26u, 31u, 35u, 43u, 57u}) {
+        std::vector<unsigned> bytes;
+        for (unsigned i = 0; i < vectors; ++i)
+            bytes.insert(bytes.end(), {0x0c, 0x94, 0, 0});
+        bytes.insert(bytes.end(), {0, 0, 0, 0});
+        write_file(folder / "other image.hex", hex_of(bytes));
+        for (const auto& kind : BoardKind::all()) {
+            auto config = Monitor::config();
+            config.board = kind.name;
+            config.image = folder / "other image.hex";
+            const bool own = vectors == (kind.chip == "atmega328p"    ? 26u
+                                         : kind.chip == "atmega1284p" ? 35u
+                                         : kind.chip == "atmega32u4"  ? 43u
+                                                                      : 57u);
+            const auto board = Board::create(config);
+            EXPECT_EQ(board.has_value(), own) << kind.name << vectors;
+            EXPECT_THAT(own ? "" : board.error(),
+                        HasSubstr(own ? "" : "other image.hex: an image for another chip"));
+        }
+    }
+}
+
+// A chip with less memory than the image thinks: what its stack overwrites must not be ours.
+TEST(Board, StackBeyondTheMemory_HarmsNothing) {
+    TemporaryFolder folder;
+    // Stack pointer 0xffff; then a call of itself, for ever.
+    write_file(folder / "stack.hex",
+               hex_of({0x0f, 0xef, 0x0d, 0xbf, 0x0f, 0xef, 0x0e, 0xbf, 0xff, 0xdf, 0, 0}));
+    auto config = Monitor::config();
+    config.image = folder / "stack.hex";
+    for (int i = 0; i < 20; ++i) {
+        auto board = Board::create(config);
+        ASSERT_TRUE(board) << board.error();
+        (*board)->run_for(std::chrono::milliseconds(4));
+    }
 }
 
 TEST(Board, UnknownBoardOrUart_Refused) {
