@@ -36,6 +36,34 @@ TEST(LiteralBytes, ModelOf04_MakesOneRequestOfTwoHalves) {
     EXPECT_EQ(model.executed(), (Requests{"M,m,1,13"})) << "the fault that ours must not have";
 }
 
+// What was measured on its images.
+TEST(LiteralBytes, ModelOf04_HasItsKnownFaults) {
+    test::Model04 model;
+    model.receive("I,M");
+    model.pass(5000);
+    EXPECT_EQ(model.take_executed(), Requests{}) << "fewer than four bytes sit until more come";
+    model.receive("\n");
+    EXPECT_EQ(model.take_executed(), Requests{"I,M"});
+    model.receive("I,d,13\n");
+    model.pass(500);
+    EXPECT_EQ(model.take_executed(), Requests{}) << "it waits for the number that is missing";
+    model.receive("I,P,2,1\n");
+    EXPECT_EQ(model.take_executed(), Requests{"I,d,13,2"}) << "and takes it from the next request";
+    model.receive("M,m,1,10");
+    model.pass(999);
+    EXPECT_EQ(model.take_executed(), Requests{});
+    model.pass(1);
+    EXPECT_EQ(model.take_executed(), Requests{"M,m,1,10"}) << "a number that is cut off ends after a second";
+}
+
+TEST(LiteralBytes, ModelOf04_SkipsWhatStandsBeforeARequestAndEndsItAnyhow) {
+    test::Model04 model;
+    model.receive(std::string(" \0\t\x1bI,d,13,1\r", 14));
+    EXPECT_EQ(model.take_executed(), Requests{"I,d,13,1"});
+    model.receive("!hello\nM,m,0,12.5\n I,a,9, 64\n\r");
+    EXPECT_EQ(model.take_executed(), (Requests{"M,m,0,12", "I,a,9,64"}));
+}
+
 /// A service of a robot that notes each request that it takes.
 class Noting final : public Service {
   public:
