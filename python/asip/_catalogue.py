@@ -12,9 +12,9 @@ from typing import Any
 
 from . import _description, _model
 from ._description import STATES
+from ._entry import NEVER, THERE, WORDS, Challenger, Entry
 from ._topics import valid_board
 
-THERE = ("online", "sleeping", "updating")
 # `$state` is published with this expiry, in seconds: what is left of it says how old a retained one is.
 _STATE_EXPIRY = 3_000_000_000
 # Two messages that say one state name its beginning alike within this time: delays and whole seconds.
@@ -25,72 +25,8 @@ _APART = 2.0
 _GRACE = 10.0
 _FORGET_AFTER = 7 * 86_400.0
 _MAX_OLD_SESSIONS = 8
-_NEVER = float("-inf")
-WORDS = {"unplugged": "cable unplugged", "silent": "the board answers nothing", "agent-gone": "its agent died or lost the broker",
-         "expired": "its agent fell silent and the lease ran out", "released": "its port is in other hands", "stopped": "its agent was stopped",
-         "conflict": "two agents claim its name", "latched": "STOPPED until it is resumed"}
 _REASON_OF_WORD = {"lost": "agent-gone", "offline": "stopped", "updating": "released"}
 _TIMED = re.compile(r"[0-9a-f]{16}(-|\Z)")
-
-
-class Entry:
-    """What is known of one board. Times are of the monotonic clock."""
-
-    def __init__(self, name: str, now: float) -> None:
-        self.name = name
-        self.reported, self.reported_reason, self.reported_since = "online", "", _NEVER
-        self.effective, self.judged_reason, self.since = "lost", "", now
-        self.session, self.seq, self.lease = "", -1, float(_description.DEFAULT_LEASE)
-        self.description: dict[str, Any] = {}
-        self.described = self.says_state = False  # its descriptions hold the state: they alone make it be there
-        self.described_at = _NEVER  # when its last description was published, as far as can be known
-        self.proven = False         # its session was heard live, not only retained
-        self.deadline = self.first_seen = now
-        self.last_heard = _NEVER
-        self.epoch_heard = self.epoch_gone = 0
-        self.kept_until = _NEVER
-        self.old_sessions: dict[str, int] = {}
-        self.challenger: Challenger | None = None
-        self.listed = False  # as a registry listed it, or as it was when this program looked last
-        self.hinted = False  # only a retained word says that it is there
-
-    @property
-    def state(self) -> str:
-        """`unknown` until something says more than that it was there once."""
-        return "unknown" if self.hinted else self.effective
-
-    @property
-    def reason(self) -> str:
-        """A word of docs/service-bus.md, "Presence", or empty."""
-        return "conflict" if self.conflict and not self.judged_reason else self.judged_reason
-
-    def words(self, now: float) -> str:
-        """`lost 3 min ago: cable unplugged`"""
-        ago = "" if now - self.since < 1 or self.since == _NEVER else f" {_duration(now - self.since)} ago"
-        why = WORDS.get(self.reason, "")
-        return f"{self.state}{ago}" + (f": {why}" if why and self.state != "online" else "")
-
-    def alive(self, now: float) -> bool:
-        return self.reported in THERE and now < self.deadline
-
-    @property
-    def conflict(self) -> bool:
-        return self.challenger is not None and self.challenger.confirmed
-
-
-class Challenger:
-    """A session that claims a board beside its holder."""
-
-    def __init__(self, session: str, known: bool) -> None:
-        self.session, self.seq, self.deadline = session, 0, 0.0
-        self.answered = self.confirmed = known  # the holder announced itself after it; and it announced itself again
-
-
-def _duration(seconds: float) -> str:
-    for size, unit in ((86400, "d"), (3600, "h"), (60, "min")):
-        if seconds >= size:
-            return f"{int(seconds // size)} {unit}"
-    return f"{int(seconds)} s"
 
 
 def _is_older(session: str, than: str) -> bool:
@@ -235,13 +171,13 @@ class Catalogue:
                 self._say(entry, "online", "", now, now)
             return
         on_the_way = max(0.0, entry.lease - expiry) if retained and expiry is not None else 0.0
-        newer = entry.reported_since != _NEVER and now - on_the_way > entry.reported_since + _APART
+        newer = entry.reported_since != NEVER and now - on_the_way > entry.reported_since + _APART
         gone_since = retained and entry.epoch_gone == self._epoch and entry.reported not in THERE and said["is"] != entry.reported and not newer
         entry.described_at = now - on_the_way
         if gone_since:
             return
         if succeeds:
-            entry.reported_since = _NEVER
+            entry.reported_since = NEVER
         self._say(entry, said["is"], said.get("reason", ""), now - on_the_way - said.get("age", 0), now)
 
     @staticmethod
@@ -249,8 +185,8 @@ class Catalogue:
         """Messages that say the same again can only be later than the moment, so the earliest counts, unless the board left the state
         meanwhile and came into it again."""
         reason = reason if reason in WORDS else ""
-        if entry.reported == state and entry.reported_reason == reason and entry.reported_since != _NEVER:
-            if since == _NEVER:
+        if entry.reported == state and entry.reported_reason == reason and entry.reported_since != NEVER:
+            if since == NEVER:
                 since = entry.reported_since
             if abs(since - entry.reported_since) < _SAME_MOMENT:
                 since = min(since, entry.reported_since)
@@ -284,7 +220,7 @@ class Catalogue:
         gone_otherwise = not there and entry.reported not in THERE and word != entry.reported and (
             not retained or published is not None and published > entry.described_at + _APART)
         if not entry.says_state or not there and entry.reported in THERE or gone_otherwise:
-            since = now if not retained and (added or word != entry.reported) else _NEVER
+            since = now if not retained and (added or word != entry.reported) else NEVER
             if retained and published is not None:
                 since = published
             self._say(entry, word, _REASON_OF_WORD.get(word, ""), since, now)
@@ -303,12 +239,12 @@ class Catalogue:
         state = entry.reported if entry.alive(now) or entry.reported not in THERE else "lost"
         judged = state != entry.reported  # by its lease
         was, entry.effective = entry.effective, state
-        entry.kept_until = _NEVER
+        entry.kept_until = NEVER
         changed = was != state or added
         if changed:
-            unknown = judged and added or not judged and state not in THERE and entry.reported_since == _NEVER
-            entry.since = _NEVER if unknown else entry.deadline if judged else now
-        if not judged and entry.reported_since != _NEVER and (entry.says_state or state not in THERE):
+            unknown = judged and added or not judged and state not in THERE and entry.reported_since == NEVER
+            entry.since = NEVER if unknown else entry.deadline if judged else now
+        if not judged and entry.reported_since != NEVER and (entry.says_state or state not in THERE):
             entry.since = entry.reported_since
         entry.judged_reason = "expired" if judged else entry.reported_reason
         if was != state and entry.conflict and not entry.alive(now):
@@ -325,7 +261,7 @@ class Catalogue:
                 continue
             if entry.effective in THERE and now >= entry.deadline and self._update(entry, now):
                 changed.append(entry.name)
-            gone = entry.first_seen if entry.since == _NEVER else entry.since
+            gone = entry.first_seen if entry.since == NEVER else entry.since
             if entry.effective not in THERE and now >= max(max(gone, entry.last_heard) + _FORGET_AFTER, entry.kept_until):
                 del self.boards[entry.name]
                 changed.append(entry.name)
@@ -345,7 +281,7 @@ class Catalogue:
         entry.listed = True
         entry.effective, entry.judged_reason = item["state"], item["reason"] if item.get("reason") in [*WORDS] else ""
         age = item.get("state_age", -1)
-        entry.since = now - age if isinstance(age, (int, float)) and 0 <= age <= 1e9 else _NEVER
+        entry.since = now - age if isinstance(age, (int, float)) and 0 <= age <= 1e9 else NEVER
         document = _description.read(item.get("description"), name) or _description.read(
             {"board": name, "session": "-", "seq": 0, "services": services, "labels": item.get("labels", {})}, name)
         if document is not None:

@@ -11,8 +11,9 @@ from concurrent.futures import Future
 from typing import Any, Callable, NamedTuple, Union
 
 from . import _envelope, errors
-from ._catalogue import THERE, Catalogue
+from ._catalogue import Catalogue
 from ._clock import Clocks
+from ._entry import THERE
 from ._topics import Topics
 
 ANSWER_GRACE = 0.5     # how long an answer may take behind the deadline that the agent was told

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Iterator, Mapping
 
 from . import _model, _wait, errors
 from ._bank import Bank
-from ._catalogue import THERE, Entry
 from ._description import STATES
+from ._entry import THERE, Entry
 from ._topics import valid_name
 from .pin import Pin
 from .service import Service, class_of
