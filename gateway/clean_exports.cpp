@@ -39,9 +39,10 @@ class Cleaner {
         port.ready = [this] { return subscribed_at_.has_value(); };
         port.boards = [] { return std::vector<std::string>(); };
         port.board = [](const std::string&) { return std::nullopt; };
-        port.values = [](const auto&, const auto&, const auto&) {};
+        port.value = [](const auto&, const auto&) { return std::nullopt; };
+        port.refused = [](std::uint64_t) {};
         port.want = [](const std::string&, const std::string&, double) { return nullptr; };
-        port.command = [](const std::string&, const exports::Request&, const auto&) {};
+        port.command = [](const std::string&, const property::Request&, const auto&) {};
         port.log = [](const std::string&) {};
         port.wall_ms = [] { return std::int64_t{0}; };  // nothing is said that has a date
         return port;

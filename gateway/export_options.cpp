@@ -39,10 +39,28 @@ void add_export(const ExportOptions& raw, bool enabled, std::shared_ptr<const ex
     });
 }
 
+/// Where others find the page, as far as the options tell; empty: nowhere, or behind a proxy.
+std::string page_of(const ProgramOptions& options) {
+    if (!options.gateway.page || !options.gateway.base_path.empty()) return {};
+    const auto& host = options.gateway.gate.hosts.front();
+    for (const auto& address : options.addresses) {
+        const auto colon = address.rfind(':');
+        if (address.starts_with("unix:") || colon == std::string::npos) continue;
+        const auto at = address.substr(0, colon), port = address.substr(colon);
+        const bool own = at.starts_with("127.") || at == "localhost" || at == "[::1]";
+        const bool any = at.empty() || at == "0.0.0.0" || at == "[::]";
+        if (own || port == ":0" || (any && host == "localhost")) continue;
+        return (options.http_cert.empty() ? "http://" : "https://") + (host == "localhost" ? at : host) +
+               port + "/";
+    }
+    return {};
+}
+
 Expected<void> home_assistant_of(ExportOptions& raw, bool enabled, ProgramOptions& options) {
     auto& home = raw.home;
     home.root = options.gateway.topic_root;
     home.version = ASIP_VERSION;
+    home.page = page_of(options);
     if (!raw.home_assistant.empty()) home.prefix = raw.home_assistant;
     if (!bus::Topics::valid_root(home.prefix))
         return fail("--home-assistant: \"" + text::printable(home.prefix) + "\" is no beginning of a topic");

@@ -109,6 +109,9 @@ class Gateway {
     /// What clients call their sessions -> a level of a topic. Kept since each command needs one; bounded in
     /// number by the one place that adds to it.
     std::unordered_map<std::string, std::string>& session_names() { return session_names_; }
+    /// Values that boards reported and that their properties cannot have; exports left them out.
+    void count_refused_values(std::uint64_t values) { refused_values_ += values; }
+    std::uint64_t refused_values() const { return refused_values_; }
     const metrics::CommandTimes& command_durations() const { return durations_; }
     const model::ModelSet& models() const { return models_; }
     api::BoardTexts& board_texts() { return board_texts_; }
@@ -168,6 +171,7 @@ class Gateway {
     bus::Requester requester_;
     std::list<Question> questions_;
     std::list<std::unique_ptr<Wait>> waits_;
+    std::uint64_t refused_values_ = 0;
     bool wait_ready_ = false;  // some of them is
     std::string openapi_;
 };

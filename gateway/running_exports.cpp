@@ -13,24 +13,29 @@ using bus::TopicKind;
 
 Exports::Exports(boost::asio::io_context& io, const exports::MakeExport& make, mqtt::Options mqtt,
                  Gateway& gateway)
-    : gateway_(gateway), connection_(io, std::move(mqtt)), export_(make(system_random(), port())) {}
+    : gateway_(gateway), connection_(io, std::move(mqtt)), export_(make(system_random(), port())) {
+    told_ = gateway.mirror().standing().listen([this](const std::string& board,
+                                                      const Standing::Change& change) {
+        // An empty list of ids is all of them.
+        if (change.anew || !change.ids.empty())
+            export_->known(board, change.anew ? std::vector<std::string>() : change.ids, gateway_.now().time);
+    });
+}
 
 exports::Export::Port Exports::port() {
     auto port = connection_.port([this]() -> exports::Export& { return *export_; });
     port.ready = [this] { return gateway_.mirror().ready(); };
     port.boards = [this] { return gateway_.mirror().board_names(); };
     port.board = [this](const std::string& name) { return board(name); };
-    port.values = [this](const std::string& board, const std::string& service,
-                         const std::function<void(std::string_view, bool)>& each) {
-        const auto* values = gateway_.mirror().values().find(board, service);
-        if (values == nullptr) return;
-        for (const auto& channel : values->channels)
-            if (!channel.error && channel.cut == 0) each(channel.json(), channel.set);
+    port.value = [this](const std::string& board, const exports::Property& property) {
+        auto shown = gateway_.mirror().shown(board, property, gateway_.now());
+        return shown ? std::optional(std::move(shown->value)) : std::nullopt;
     };
+    port.refused = [this](std::uint64_t values) { gateway_.count_refused_values(values); };
     port.want = [this](const std::string& board, const std::string& service, double hz) {
         return gateway_.demander().want(board, service, hz);
     };
-    port.command = [this](const std::string& board, const exports::Request& request,
+    port.command = [this](const std::string& board, const property::Request& request,
                           std::function<void(std::string)> done) {
         command(board, request, std::move(done));
     };
@@ -43,19 +48,13 @@ exports::Export::Port Exports::port() {
 }
 
 std::optional<exports::Export::Present> Exports::board(const std::string& name) {
-    bus::Query query;
-    query.board = name;
-    query.full = true;
-    const auto found = gateway_.mirror().find(query, gateway_.now());
-    if (!found || found->boards.empty()) return std::nullopt;
-    const auto& item = found->boards[0];
-    auto board = gateway_.things().find(item);
-    if (!board) return std::nullopt;
-    return exports::Export::Present{exports::is_there(item.state), std::move(board), item.state,
-                                    item.session};
+    auto found = gateway_.things().find(gateway_.mirror(), name, gateway_.now());
+    if (!found) return std::nullopt;
+    return exports::Export::Present{exports::is_there(found->state), std::move(found->board), found->state,
+                                    std::move(found->session)};
 }
 
-void Exports::command(const std::string& board, const exports::Request& request,
+void Exports::command(const std::string& board, const property::Request& request,
                       std::function<void(std::string)> done) {
     const std::string by(export_->by());
     if (!gateway_.command_rates().take(by, gateway_.now().time))
@@ -93,9 +92,8 @@ void Exports::changes() {
 }
 
 void Exports::message_of_service(const bus::TopicRef& topic, const mqtt::Message& message) {
-    const bool set = topic.kind == TopicKind::kServiceSet;
-    if (set || topic.kind == TopicKind::kServiceOut)
-        export_->value(topic.board, topic.service, message.payload, set, gateway_.now().time);
+    if (topic.kind == TopicKind::kServiceOut)
+        export_->value(topic.board, topic.service, message.payload, gateway_.now().time);
 }
 
 void Exports::message(const mqtt::Message& message) {

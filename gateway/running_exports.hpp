@@ -64,14 +64,15 @@ class Exports {
 
   private:
     exports::Export::Port port();
-    void command(const std::string& board, const exports::Request& request,
+    void command(const std::string& board, const property::Request& request,
                  std::function<void(std::string)> done);
     std::optional<exports::Export::Present> board(const std::string& name);
 
     Gateway& gateway_;
     ExportConnection connection_;
     std::unique_ptr<exports::Export> export_;
-    std::uint64_t seen_ = 0;  // of the gateway's changes
+    std::shared_ptr<void> told_;  // how boards stand
+    std::uint64_t seen_ = 0;      // of the gateway's changes
 };
 
 /// `asip-gateway clean`: removes from the broker all that these exports left there. The exit status; what

@@ -143,18 +143,15 @@ void use(Call& call, const Widget& widget) {
         body && body->is_object() && body->size() == 1 ? body->find("value") : json::const_iterator();
     if (!body || !body->is_object() || body->size() != 1 || value == body->end())
         return send_problem(call, 400, "the body must be {\"value\":1}");
-    if (const auto fits = widget.may_send(*value); !fits) return send_problem(call, 400, fits.error());
-    const auto board = call.gateway.mirror().known(widget.board, call.now());
-    if (!board)
+    const auto found = call.gateway.things().find(call.gateway.mirror(), widget.board, call.now());
+    if (!found)
         return call.reply.send(problem(503,
                                        "board " + widget.board + " is not known; it may have been forgotten",
                                        {{"reason", "board-not-there"}}));
-    const auto service = std::find_if(board->services.begin(), board->services.end(),
-                                      [&](const auto& each) { return each.name == widget.service; });
-    if (service == board->services.end())
-        return send_problem(call, 404,
-                            "board " + widget.board + " has no service " + widget.service + " now");
-    send_command(call, *board, *service, widget.command, widget.arguments(*value));
+    for (const auto& each : found->board->properties)
+        if (each.id == widget.property)
+            return set_property(call, *found, each, widget.value_for(each, *value));
+    send_problem(call, 404, "board " + widget.board + " has no property " + widget.property + " now");
 }
 
 }  // namespace

@@ -109,6 +109,15 @@ void limit_to(const Rights& rights, bus::BoardItem& board) {
     board.description = description.is_object() ? model::dump_json(description) : std::string();
 }
 
+std::shared_ptr<const exports::ExportedBoard> seen(const Rights& rights,
+                                                   std::shared_ptr<const exports::ExportedBoard> board) {
+    if (rights.services.empty() || !board) return board;
+    auto limited = std::make_shared<exports::ExportedBoard>(*board);
+    std::erase_if(limited->properties,
+                  [&](const auto& each) { return !rights.sees_service(board->board, each.service); });
+    return limited;
+}
+
 void limit_to(const Rights& rights, bus::Answer& answer) {
     for (auto& board : answer.boards)
         limit_to(rights, board);

@@ -5,6 +5,7 @@
 #include "asip/bus/registry/answer.hpp"
 #include "asip/bus/request/demander.hpp"
 #include "gateway/auth/rights.hpp"
+#include "gateway/export/exported_board.hpp"
 #include "gateway/mirror/mirror.hpp"
 #include "gateway/stream/feed.hpp"
 
@@ -18,6 +19,9 @@ ChangeFeed::Allowed boards_of(const Rights& rights);
 /// Takes out of a board that is seen what is not: services, their names, and pins where the service of pins
 /// is hidden; also of its description.
 void limit_to(const Rights& rights, bus::BoardItem& board);
+/// A board with the properties that are seen. `board` may be null.
+std::shared_ptr<const exports::ExportedBoard> seen(const Rights& rights,
+                                                   std::shared_ptr<const exports::ExportedBoard> board);
 /// The same for each board of a page of the catalogue.
 void limit_to(const Rights& rights, bus::Answer& answer);
 /// Whether an item of a history is seen.

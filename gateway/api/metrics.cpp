@@ -12,6 +12,22 @@ namespace {
 
 constexpr std::size_t kMaxPatterns = 20;
 
+/// Of the properties of a service that are numbers, or true or false.
+void add_values(Call& call, const std::string& board, const std::string& service,
+                std::vector<metrics::ValueSample>& values) {
+    auto& mirror = call.gateway.mirror();
+    const auto found = call.gateway.things().find(mirror, board, call.now());
+    if (!found) return;
+    for (const auto& each : found->board->properties) {
+        if (each.service != service || each.kind == property::Kind::kButton) continue;
+        const auto shown = mirror.shown(board, each, call.now());
+        if (!shown || !(shown->value.is_number() || shown->value.is_boolean())) continue;
+        values.push_back({board, each.id,
+                          shown->value.is_boolean() ? (shown->value.get<bool>() ? 1.0 : 0.0)
+                                                    : shown->value.get<double>()});
+    }
+}
+
 /// The last values of the services that a pattern BOARD/SERVICE means, as far as they are seen and there is
 /// room.
 Expected<void> add_pattern(Call& call, std::string_view pattern, metrics::Snapshot& snapshot) {
@@ -31,12 +47,7 @@ Expected<void> add_pattern(Call& call, std::string_view pattern, metrics::Snapsh
         if (!page) return fail("values: " + page.error());
         for (const auto& item : page->services) {
             if (!snapshot.part.takes(item.board) || !rights.sees_service(item.board, item.name)) continue;
-            const auto* service = mirror.values().find(item.board, item.name);
-            if (service == nullptr) continue;
-            for (const auto& channel : service->channels) {
-                if (channel.error || channel.set || channel.cut > 0) continue;
-                metrics::add_values(snapshot.values, item.board, item.name, channel.event, channel.json());
-            }
+            add_values(call, item.board, item.name, snapshot.values);
             if (snapshot.values.size() <= metrics::kMaxValues) continue;
             snapshot.values.resize(metrics::kMaxValues);
             snapshot.values_left_out = true;
@@ -87,6 +98,8 @@ void get_metrics(Call& call) {
     snapshot.durations = gateway.command_durations();
     snapshot.broker_connected = mirror.connected();
     snapshot.streams = gateway.streams().size();
+    snapshot.values_refused = gateway.refused_values();
+    snapshot.documents = mirror.standing().counters();
     snapshot.values_received = mirror.values().received();
     snapshot.values_skipped = mirror.values().left_out();
     snapshot.values_bytes = mirror.values().bytes();

@@ -6,11 +6,11 @@ namespace asip::gateway::api {
 
 /// A dashboard with one widget of each kind.
 inline constexpr std::string_view kDashboardExample = R"json({"title": "Greenhouse", "widgets": [
-  {"kind": "value", "title": "Distance", "board": "desk", "service": "distance", "event": "distance", "key": "0", "unit": "cm"},
-  {"kind": "plot", "board": "desk", "service": "distance", "event": "distance", "key": "0", "unit": "cm", "size": "wide"},
-  {"kind": "switch", "title": "Lamp", "board": "lamp", "service": "io", "command": "write", "args": {"pin": 13}, "argument": "level", "on": 1, "off": 0},
-  {"kind": "slider", "title": "Vent", "board": "desk", "service": "servo", "command": "write", "args": {"servo": 0}, "argument": "angle", "min": 0, "max": 180, "step": 1, "unit": "degrees"},
-  {"kind": "lamp", "title": "Button", "board": "desk", "service": "io", "event": "digital", "key": "2"},
+  {"kind": "value", "title": "Distance", "board": "desk", "property": "distance/0"},
+  {"kind": "plot", "board": "desk", "property": "distance/0", "size": "wide"},
+  {"kind": "switch", "title": "Lamp", "board": "lamp", "property": "io/13"},
+  {"kind": "slider", "title": "Vent", "board": "desk", "property": "servo/0/angle"},
+  {"kind": "lamp", "title": "Button", "board": "desk", "property": "io/2"},
   {"kind": "stop", "title": "Stop"}]})json";
 
 /// The part of the OpenAPI document that the routes refer to.
@@ -67,20 +67,32 @@ inline constexpr std::string_view kComponents = R"json({
     "model": {"description": "The model; the reference to it where it is not known here"}}},
   "Value": {"type": "object", "required": ["board", "service", "place", "events"], "properties": {
     "board": {"type": "string"}, "service": {"type": "string"}, "place": {"type": "string"},
-    "set": {"type": "object", "description": "What was set, by command and element; missing: nothing that is known"},
     "events": {"type": "object", "additionalProperties": {"type": "object", "required": ["value", "at", "age"],
       "properties": {"value": {}, "at": {"type": "string"}, "age": {"type": "number"}}}}}},
   "Values": {"type": "object", "required": ["items", "complete", "place"], "properties": {
     "complete": {"type": "boolean", "description": "Nothing behind `since` is missing"},
     "place": {"type": "string"},
     "items": {"type": "array", "items": {"type": "object", "required": ["place", "at"],
-      "properties": {"place": {"type": "string"}, "at": {"type": "string"}, "value": {}, "error": {}, "set": {}}}}}},
+      "properties": {"place": {"type": "string"}, "at": {"type": "string"}, "value": {}, "error": {}}}}}},
+  "PropertyList": {"type": "object", "required": ["version", "board", "session", "properties"], "properties": {
+    "version": {"type": "integer"}, "board": {"type": "string"}, "session": {"type": "string"}, "seq": {"type": "integer"},
+    "properties": {"type": "array", "items": {"type": "object", "required": ["id", "name", "service", "kind", "type", "access"],
+      "properties": {"id": {"type": "string"}, "name": {"type": "string"}, "service": {"type": "string"},
+        "kind": {"type": "string", "enum": ["sensor", "binary", "switch", "number", "light", "button", "text", "select"]},
+        "type": {"type": "string"}, "access": {"type": "string", "enum": ["read", "write", "both"]}, "unit": {"type": "string"}}}}}},
+  "PropertyValues": {"type": "object", "required": ["board", "session", "values", "present"], "properties": {
+    "board": {"type": "string"}, "session": {"type": "string"},
+    "present": {"type": "boolean", "description": "The board is there; otherwise these are its last values"},
+    "values": {"type": "object", "additionalProperties": {"type": "object", "required": ["age"], "properties": {
+      "value": {}, "age": {"type": "number"}, "how": {"type": "string", "enum": ["reported", "answered", "set"]},
+      "unknown": {"type": "string", "enum": ["never", "restart", "doubt"], "description": "Why there is no value"}}}}}},
   "Arguments": {"description": "An array of arguments, an object by their names, or nothing"},
   "RawLines": {"type": "object", "required": ["lines"], "additionalProperties": false, "properties": {
     "lines": {"type": "array", "minItems": 1, "maxItems": 64, "items": {"type": "string", "maxLength": 62}}}},
   "LabelChange": {"type": "object", "minProperties": 1, "additionalProperties": false,
     "description": "What is to be set; null removes, what is not named stays", "properties": {
     "labels": {"type": "object", "maxProperties": 32, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}},
+    "meanings": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["object", "null"]}, "description": "What properties are, by id: class, inverted, debounce, unit, line, icon, hidden"},
     "names": {"type": "object", "additionalProperties": false, "properties": {
       "services": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}},
       "pins": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}}}}}},
@@ -107,19 +119,12 @@ inline constexpr std::string_view kComponents = R"json({
   "Properties": {"type": "object"},
   "PropertyValue": {"description": "A number, a text, true or false; of a light an object: on, brightness, color"},
   "EventStream": {"type": "string"},
-  "Scalar": {"type": ["number", "string", "boolean"]},
   "Widget": {"type": "object", "required": ["kind"], "additionalProperties": false, "properties": {
     "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,16}$", "description": "Given by the gateway where it is missing"},
     "kind": {"type": "string", "enum": ["value", "plot", "switch", "slider", "lamp", "stop"]},
     "title": {"type": "string", "maxLength": 100}, "size": {"type": "string", "enum": ["small", "wide", "large"]},
-    "board": {"type": "string", "description": "Of all but stop, with service"}, "service": {"type": "string"},
-    "event": {"type": "string", "description": "Value, plot and lamp: the member of what the service reports"},
-    "key": {"type": "string", "description": "Within the event: `0`, `0.pulse`, or nothing"}, "unit": {"type": "string", "maxLength": 64},
-    "command": {"type": "string", "description": "Switch and slider: what is sent; lamp without event: what was set by it"},
-    "args": {"type": "object", "maxProperties": 8, "additionalProperties": {"$ref": "#/components/schemas/Scalar"}, "description": "Arguments that stay, by name"},
-    "argument": {"type": "string", "description": "The argument that the widget sets"},
-    "on": {"$ref": "#/components/schemas/Scalar"}, "off": {"$ref": "#/components/schemas/Scalar"},
-    "min": {"type": "number"}, "max": {"type": "number"}, "step": {"type": "number", "minimum": 0}}},
+    "board": {"type": "string", "description": "Of all but stop, with property"},
+    "property": {"type": "string", "description": "Its id in the list of the board, such as `servo/0/angle`"}}},
   "Dashboard": {"type": "object", "required": ["widgets"], "additionalProperties": false, "properties": {
     "title": {"type": "string", "maxLength": 100},
     "widgets": {"type": "array", "maxItems": 48, "items": {"$ref": "#/components/schemas/Widget"}},
@@ -128,7 +133,7 @@ inline constexpr std::string_view kComponents = R"json({
   "Dashboards": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"type": "object",
     "required": ["name", "title", "widgets"], "properties": {"name": {"type": "string"}, "title": {"type": "string"},
       "widgets": {"type": "integer"}, "by": {"type": "string"}, "changed": {"type": "string"}}}}}},
-  "WidgetValue": {"type": "object", "description": "Of a stop: an empty object", "properties": {"value": {"$ref": "#/components/schemas/Scalar"}}},
+  "WidgetValue": {"type": "object", "description": "Of a stop: an empty object", "properties": {"value": {"$ref": "#/components/schemas/PropertyValue"}}},
   "LinkRequest": {"type": "object", "additionalProperties": false, "properties": {
     "name": {"type": "string"}, "until": {"type": "string", "description": "How long it is valid: 12h, 30d; missing: until it is ended"},
     "control": {"type": "boolean", "description": "Its switches, sliders and stops may be used"}}},

@@ -52,6 +52,7 @@ const Parameter kHold{"hold_ms", R"({"type":"integer","minimum":50,"maximum":600
 const Parameter kOnce{"once", kTruth, "Do not keep the board stopped: later commands are executed again",
                       "false"};
 const Parameter kWhy{"why", kText, "Told to those whose commands are refused", ""};
+const Parameter kIds{"ids", kText, "Only these properties, with commas between their ids", ""};
 const Parameter kLastEventId{"last_event_id", kText, "As the header Last-Event-ID", ""};
 
 std::vector<Answer> command_answers() {
@@ -65,11 +66,19 @@ std::vector<Answer> command_answers() {
             fault(504, "No proof in time: it may or may not have been executed")};
 }
 
-std::vector<Answer> widget_answers() {
+/// Of a property that is written, or an action.
+std::vector<Answer> setting_answers() {
     auto answers = command_answers();
-    answers[0] = {200, "Executed; of a stop, the answer of each board", "Anything"};
-    answers.insert(answers.begin() + 1,
-                   {207, "Of a stop: some boards did not confirm it in time", "Stopped"});
+    answers[0] = {204, "The board executed it", ""};
+    std::erase_if(answers, [](const Answer& each) { return each.status == 404; });
+    answers.push_back(fault(404, "No such thing, or it has no such property or action"));
+    return answers;
+}
+
+std::vector<Answer> widget_answers() {
+    auto answers = setting_answers();
+    answers.push_back({200, "Of a stop: the answer of each board", "Stopped"});
+    answers.push_back({207, "Of a stop: some boards did not confirm it in time", "Stopped"});
     return answers;
 }
 
@@ -81,15 +90,6 @@ std::vector<Answer> label_answers() {
             fault(429, "Too many commands of one client"),
             fault(503, "The board's agent or the broker is not there"),
             fault(504, "No answer in time")};
-}
-
-/// Of a property that is written, or an action.
-std::vector<Answer> setting_answers() {
-    auto answers = command_answers();
-    answers[0] = {204, "The board executed it", ""};
-    std::erase_if(answers, [](const Answer& each) { return each.status == 404; });
-    answers.push_back(fault(404, "No such thing, or it has no such property or action"));
-    return answers;
 }
 
 std::vector<Answer> load_answers() {
@@ -120,6 +120,9 @@ std::vector<Route> make_routes() {
         {"GET", "/api/boards", "listBoards", "Boards that match, page by page", Need::kRead, query_parameters(true), "", {{200, "One page", "Page"}, kUnchanged}, get_boards},
         {"GET", "/api/boards/{board}", "getBoard", "One board with its description", Need::kRead, {}, "", {{200, "The board", "Board"}, kUnchanged, kNotFound}, get_board},
         {"DELETE", "/api/boards/{board}", "forgetBoard", "Forget a board that is lost or offline", Need::kForget, {}, "", {{200, "Forgotten", "Forgotten"}, kNotFound, fault(409, "The board lives"), kNotReady, kTooMany}, delete_board},
+        {"GET", "/api/boards/{board}/properties", "getProperties", "What can be read and set on a board", Need::kRead, {kIds}, "", {{200, "The list", "PropertyList"}, kNotFound}, get_board_properties},
+        {"GET", "/api/boards/{board}/values", "getBoardValues", "How its properties stand", Need::kRead, {kIds}, "", {{200, "By id", "PropertyValues"}, kNotFound}, get_board_values},
+        {"GET", "/api/boards/{board}/values/stream", "streamBoardValues", "How its properties stand, then each change, as Server-Sent Events", Need::kRead, {{"max_hz", R"({"type":"number","minimum":0,"maximum":1000})", "The newest values of a service at most so often; 0: each", "20"}}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady, kTooMany}, get_board_values_stream},
         {"GET", "/api/boards/{board}/history", "getBoardHistory", "What a registry keeps of its changes", Need::kRead, history_parameters(), "", {{200, "One page, the newest first", "Page"}, kNotFound, kNotReady, kTooMany}, get_board_history},
         {"GET", "/api/history", "getHistory", "Changes of all boards that a registry keeps", Need::kRead, history_parameters(), "", {{200, "One page, the newest first", "Page"}, kNotFound, kNotReady, kTooMany}, get_history},
         {"GET", "/api/services", "listServices", "Services that match, page by page", Need::kRead, query_parameters(false), "", {{200, "One page", "Page"}, kUnchanged}, get_services},

@@ -55,6 +55,9 @@ void get_boards(Call& call);
 void get_board(Call& call);
 void delete_board(Call& call);
 void get_board_history(Call& call);
+void get_board_properties(Call& call);
+void get_board_values(Call& call);
+void get_board_values_stream(Call& call);
 void get_history(Call& call);
 void get_services(Call& call);
 void get_service(Call& call);
@@ -126,6 +129,9 @@ Expected<nlohmann::json> body_of(const http::Request& request);
 /// Sends a command and answers the call with what becomes of it; `arguments` as its body would have them.
 void send_command(Call& call, const bus::BoardItem& board, const bus::ServiceItem& service,
                   const std::string& command, nlohmann::json arguments);
+/// Sets a property and answers the call when the board did, with what became of it otherwise.
+void set_property(Call& call, const Things::Found& board, const property::Property& property,
+                  const nlohmann::json& value);
 /// Stops these boards and answers when all have answered.
 void stop_boards(Call& call, const std::vector<std::string>& boards);
 

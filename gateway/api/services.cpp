@@ -21,10 +21,7 @@ json value_item(const Values& values, const ServiceValues& service, const Point&
     const auto& channel = service.channels[point.channel];
     json item{{"place", Place{values.epoch(), point.number}.text()},
               {"at", text::iso_time(point.seen.wall)},
-              {channel.error ? "error"
-               : channel.set ? "set"
-                             : "value",
-               json::parse(point.json, nullptr, false)}};
+              {channel.error ? "error" : "value", json::parse(point.json, nullptr, false)}};
     if (point.cut > 0) item["cut"] = point.cut;
     return item;
 }
@@ -35,15 +32,10 @@ void send_value(const http::Reply& reply, Gateway& gateway, const std::string& b
     const auto& values = gateway.mirror().values();
     const auto* found = values.find(board, service);
     json events = json::object();
-    json set;
     for (std::size_t i = 0; found != nullptr && i < found->channels.size(); ++i) {
         const auto& channel = found->channels[i];
         const auto key = channel.error ? "error" : channel.event.empty() ? "value" : channel.event;
         json value = json::parse(channel.json(), nullptr, false);
-        if (channel.set) {
-            set = std::move(value);
-            continue;
-        }
         if (!channel.event.empty() && channel.cut == 0) value = json(value.front());
         const std::chrono::duration<double> age = now.time - channel.seen.time;
         events[key] = {{"value", std::move(value)},
@@ -52,12 +44,10 @@ void send_value(const http::Reply& reply, Gateway& gateway, const std::string& b
         if (channel.cut > 0) events[key]["cut"] = channel.cut;
     }
     const std::uint64_t last = found == nullptr ? 0 : found->last;
-    json answer{{"board", board},
-                {"service", service},
-                {"place", Place{values.epoch(), last}.text()},
-                {"events", std::move(events)}};
-    if (!set.is_null()) answer["set"] = std::move(set);
-    reply.send(json_response(answer));
+    reply.send(json_response({{"board", board},
+                              {"service", service},
+                              {"place", Place{values.epoch(), last}.text()},
+                              {"events", std::move(events)}}));
 }
 
 Expected<std::optional<Place>> place_parameter(const Call& call, std::string_view name) {

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "asip/model/json.hpp"
+#include "asip/text/printable.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/api/streams.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 constexpr std::size_t kBytesOfStream = 32 * 1024;  // with what is being sent
 constexpr double kMinHz = 0.01;
-constexpr double kMaxHz = 1000;
 
 using nlohmann::json;
 
@@ -89,7 +89,8 @@ Expected<std::unique_ptr<Feed>> value_feed(const Reader& reader, const std::stri
     const auto slash = target.find('/');
     if (slash == std::string::npos || target.find('/', slash + 1) != std::string::npos)
         return fail(
-            "subscribe: must be \"BOARD/SERVICE\", patterns allowed, \"$catalogue\" or \"$dashboard\"");
+            "subscribe: must be \"BOARD/SERVICE\", patterns allowed, \"BOARD/$values\", \"$catalogue\" or "
+            "\"$dashboard\"");
     ValueFeed::Options options;
     options.board = target.substr(0, slash);
     options.service = target.substr(slash + 1);
@@ -109,6 +110,27 @@ Expected<std::unique_ptr<Feed>> value_feed(const Reader& reader, const std::stri
     return std::make_unique<ValueFeed>(reader.gateway.mirror().values(), std::move(options));
 }
 
+PropertyFeed::Options feed_options(const Reader& reader, const std::string& board, const std::string& service,
+                                   double max_hz) {
+    auto& gateway = reader.gateway;
+    PropertyFeed::Options options;
+    options.board = board;
+    options.find = [&gateway, rights = reader.rights, board](const Instant& now) -> PropertyFeed::Seen {
+        auto found = gateway.things().find(gateway.mirror(), board, now);
+        if (!found) return {};
+        return {std::move(found->session), seen(rights, std::move(found->board))};
+    };
+    options.values.board = board;
+    options.values.service = service;
+    options.values.max_hz = max_hz;
+    options.values.allowed = allowed_services(reader.rights);
+    options.values.demand = demand_within(reader.rights, gateway.demander(), board, service,
+                                          max_hz > 0 ? max_hz : bus::kUsualHz, options.values.demands);
+    options.values.part = reader.part();
+    options.part = reader.part();
+    return options;
+}
+
 Expected<std::unique_ptr<Feed>> dashboard_feed(const Reader& reader, const json& request, double max_hz) {
     const auto name = request.find("name");
     if (name == request.end() || !name->is_string()) return fail("name: which dashboard");
@@ -121,9 +143,22 @@ Expected<std::unique_ptr<Feed>> dashboard_feed(const Reader& reader, const json&
         return fail("this link shows the dashboard " + own + " and nothing else");
     // How often boards report is not for a link to say, beyond what a dashboard needs.
     if (max_hz > 0) options.max_hz = own.empty() ? max_hz : std::min(max_hz, options.max_hz);
-    options.demand = [&demander = reader.gateway.demander(), hz = options.max_hz](
-                         const std::string& board, const std::string& service) -> std::shared_ptr<void> {
-        return demander.want(board, service, hz);
+    options.properties = [reader, hz = options.max_hz](const std::string& board,
+                                                       const std::set<std::string>& ids) {
+        auto feed = feed_options(reader, board, {}, hz);
+        feed.ids = ids;
+        std::set<std::string, std::less<>> services;
+        for (const auto& id : ids)
+            services.insert(id.substr(0, id.find('/')));
+        auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
+        for (const auto& service : services)
+            wants->push_back(reader.gateway.demander().want(board, service, hz));
+        feed.values.demands = wants->size();
+        feed.values.demand = std::move(wants);
+        feed.values.allowed = [services](std::string_view, std::string_view service) {
+            return services.contains(service);
+        };
+        return feed;
     };
     options.part = [reader] { return reader.part(); };
     return std::make_unique<DashboardFeed>(reader.gateway.dashboards(), reader.gateway.mirror(),
@@ -149,6 +184,13 @@ Expected<std::unique_ptr<Feed>> feed_for(const Reader& reader, const json& reque
         return fail("this link shows the dashboard " + own + " and nothing else");
     auto after = resume_of(request);
     if (!after) return Unexpected<std::string>(after.error());
+    if (const auto& text = target.get_ref<const std::string&>(); text.ends_with("/$values")) {
+        const auto board = text.substr(0, text.find('/'));
+        if (!reader.rights.sees_board(board))
+            return fail("there is no board \"" + text::printable(board) + "\"");
+        return std::make_unique<PropertyFeed>(reader.gateway.mirror(),
+                                              feed_options(reader, board, "*", *max_hz));
+    }
     if (target == "$catalogue") {
         const auto board = request.find("board");
         const bool named = board != request.end() && board->is_string();
@@ -164,6 +206,11 @@ Reader reader_of(const Call& call) {
 }
 
 }  // namespace
+
+PropertyFeed::Options feed_options(const Call& call, const std::string& board, const std::string& service,
+                                   double max_hz) {
+    return feed_options(reader_of(call), board, service, max_hz);
+}
 
 // A new EventSource forgets its own last id: then the parameter has it.
 Expected<std::optional<Place>> resume_place(const Call& call) {

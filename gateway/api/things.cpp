@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/registry/board_match.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
@@ -15,28 +16,40 @@
 
 namespace asip::gateway::api {
 
-using exports::Entity;
-using exports::EntityKind;
 using exports::ExportedBoard;
+using exports::Kind;
+using exports::Property;
 using exports::WebOfThings;
 using nlohmann::json;
 
-std::shared_ptr<const ExportedBoard> Things::find(const bus::BoardItem& item) {
+std::optional<Things::Found> Things::find(Mirror& mirror, const std::string& name, const Instant& now) {
+    bus::Query query;
+    query.board = name;
+    query.full = true;
+    const auto answer = mirror.find(query, now);
+    if (!answer || answer->boards.empty()) return std::nullopt;
+    const auto& item = answer->boards[0];
+    Found found{item.state, item.session, nullptr};
+    auto list = mirror.standing().list(name, item.session);
     const auto hash = std::hash<std::string>()(item.description);
-    if (const auto known = boards_.find(item.board); known != boards_.end() && known->second.hash == hash &&
-                                                     known->second.bytes == item.description.size())
-        if (auto board = known->second.board.lock()) return board;
-    auto made = exports::exported_board(item, models_);
-    if (!made) return nullptr;
-    auto board = std::make_shared<const ExportedBoard>(std::move(*made));
+    if (const auto known = boards_.find(name); known != boards_.end() && known->second.hash == hash &&
+                                               known->second.bytes == item.description.size() &&
+                                               known->second.list == list)
+        found.board = known->second.board.lock();
+    if (found.board) return found;
+    auto made = exports::exported_board(item, list.get(), [this](const model::ServiceInfo& service) {
+        return bus::model_of(service, models_);
+    });
+    if (!made) return std::nullopt;
+    found.board = std::make_shared<const ExportedBoard>(std::move(*made));
     if (boards_.size() >= tidy_at_) {
         std::erase_if(boards_, [](const auto& each) { return each.second.board.expired(); });
         tidy_at_ = 2 * std::max(kMaxBoards, boards_.size());
     }
-    boards_[item.board] = {hash, item.description.size(), board};
-    last_.push_back(board);
+    boards_[name] = {hash, item.description.size(), std::move(list), found.board};
+    last_.push_back(found.board);
     if (last_.size() > kMaxBoards) last_.pop_front();
-    return board;
+    return found;
 }
 
 bool Things::want(bus::Demander& demander, const std::string& board, const std::string& service, Time now) {
@@ -52,8 +65,8 @@ bool Things::want(bus::Demander& demander, const std::string& board, const std::
 
 namespace {
 
-constexpr double kHz = 5;  // values of a property that is observed
-constexpr Duration kFresh = std::chrono::seconds(1);
+constexpr double kHz = 5;     // values of a property that is observed
+constexpr double kFresh = 1;  // seconds
 constexpr Duration kWait = std::chrono::seconds(1);
 constexpr std::int64_t kUsualPage = 100;
 constexpr std::int64_t kMaxPage = 250;
@@ -90,19 +103,7 @@ WebOfThings::Forms forms_of(const Call& call) {
     return forms;
 }
 
-/// As its asker sees it.
-std::shared_ptr<const ExportedBoard> seen(const Rights& rights, std::shared_ptr<const ExportedBoard> board) {
-    if (rights.services.empty()) return board;
-    auto limited = std::make_shared<ExportedBoard>(*board);
-    std::erase_if(limited->entities,
-                  [&](const Entity& each) { return !rights.sees_service(board->board, each.service()); });
-    return limited;
-}
-
-struct Thing {
-    std::string state;
-    std::shared_ptr<const ExportedBoard> board;
-};
+using Thing = Things::Found;
 
 /// The thing that the path names, or a 404 that names the nearest.
 std::optional<Thing> thing_of(const Call& call) {
@@ -110,15 +111,11 @@ std::optional<Thing> thing_of(const Call& call) {
     auto& things = call.gateway.things();
     auto& mirror = call.gateway.mirror();
     const auto name = things.dialect().board_of(call.path.find("id")->second);
-    if (call.sees(name) && mirror.knows(name)) {
-        bus::Query query;
-        query.board = name;
-        query.full = true;
-        const auto found = mirror.find(query, call.now());
-        if (found && !found->boards.empty())
-            if (auto board = things.find(found->boards[0]))
-                return Thing{found->boards[0].state, seen(call.principal.rights, std::move(board))};
-    }
+    if (call.sees(name) && mirror.knows(name))
+        if (auto found = things.find(mirror, name, call.now())) {
+            found->board = seen(call.principal.rights, std::move(found->board));
+            return found;
+        }
     auto names = mirror.board_names();
     std::erase_if(names, [&](const std::string& each) { return !call.sees(each); });
     send_problem(call, 404,
@@ -126,14 +123,14 @@ std::optional<Thing> thing_of(const Call& call) {
     return std::nullopt;
 }
 
-/// The entity that the path names, or a 404 that names the nearest. `button`: an action.
-const Entity* entity_of(const Call& call, const Thing& thing, bool button) {
+/// The property that the path names, or a 404 that names the nearest. `button`: an action.
+const Property* entity_of(const Call& call, const Thing& thing, bool button) {
     const auto& name = call.path.find(button ? "action" : "property")->second;
     std::vector<std::string> names;
-    for (const auto& each : thing.board->entities) {
-        if ((each.kind == EntityKind::kButton) != button) continue;
-        if (each.id == name) return &each;
-        names.push_back(each.id);
+    for (const auto& each : thing.board->properties) {
+        if ((each.kind == Kind::kButton) != button) continue;
+        names.push_back(property::plain_id(each.id));
+        if (names.back() == name) return &each;
     }
     send_problem(call, 404,
                  "thing " + thing.board->board + " has no " + (button ? "action" : "property") + " \"" +
@@ -141,39 +138,23 @@ const Entity* entity_of(const Call& call, const Thing& thing, bool button) {
     return nullptr;
 }
 
-struct LastValue {
-    std::optional<json> value;
-    std::optional<Time> seen;  ///< of the service
-};
-
-LastValue last_value(Gateway& gateway, const std::string& board, const Entity& entity) {
-    LastValue last;
-    const auto* values = gateway.mirror().values().find(board, entity.service());
-    if (values == nullptr) return last;
-    for (const auto& channel : values->channels) {
-        if (channel.error || channel.cut > 0 || entity.read.has_value() == channel.set) continue;
-        const auto published = model::parse_json(channel.json());
-        if (!published) continue;
-        auto value = channel.set ? value_set(entity, *published) : value_in(entity, *published);
-        if (!value || value->is_null()) continue;
-        last = {std::move(value), channel.seen.time};
-    }
-    return last;
+property::ShownValue last_value(Gateway& gateway, const std::string& board, const Property& property) {
+    return gateway.mirror().shown(board, property, gateway.now()).value_or(property::ShownValue());
 }
 
-void send_value(const http::Reply& reply, Gateway& gateway, const std::string& board, const Entity& entity) {
-    const auto last = last_value(gateway, board, entity);
-    if (last.value) return reply.send(json_response(*last.value));
-    reply.send(problem(404, entity.name + " of " + board + " has no value yet" +
-                                (entity.read ? "" : ": nothing was set since the board started")));
+void send_value(const http::Reply& reply, Gateway& gateway, const std::string& board,
+                const Property& property) {
+    const auto last = last_value(gateway, board, property);
+    if (!last.value.is_null()) return reply.send(json_response(last.value));
+    reply.send(problem(404, property.name + " of " + board + " has no value yet" +
+                                (property.read ? "" : ": nothing was set since the board started")));
 }
 
 std::unique_ptr<ValueFeed> values_of(const Call& call, const std::string& board, const std::string& service,
-                                     std::optional<Place> after) {
+                                     Place after) {
     ValueFeed::Options options;
     options.board = board;
     options.service = service;
-    options.max_hz = kHz;
     options.after = std::move(after);
     options.demand = call.gateway.demander().want(board, service, kHz);
     options.part = call.part();
@@ -181,33 +162,33 @@ std::unique_ptr<ValueFeed> values_of(const Call& call, const std::string& board,
 }
 
 /// Of a board that reports on demand the value may be old: then the next one is waited for.
-void read_value(Call& call, const Thing& thing, const Entity& entity) {
+void read_value(Call& call, const Thing& thing, const Property& property) {
     auto& gateway = call.gateway;
     const auto& board = thing.board->board;
     const auto now = call.now().time;
-    if (!entity.read || !exports::is_there(thing.state) || !gateway.mirror().ready())
-        return send_value(call.reply, gateway, board, entity);
-    const bool first = gateway.things().want(gateway.demander(), board, entity.service(), now);
-    const auto last = last_value(gateway, board, entity);
-    const bool fresh = last.seen && now - *last.seen < kFresh;
-    if ((last.value && (fresh || !first)) || !gateway.streams().has_room(call.client()))
-        return send_value(call.reply, gateway, board, entity);
+    if (!property.read || !exports::is_there(thing.state) || !gateway.mirror().ready())
+        return send_value(call.reply, gateway, board, property);
+    const bool first = gateway.things().want(gateway.demander(), board, property.service, now);
+    const auto last = last_value(gateway, board, property);
+    const bool fresh = last.age < kFresh;
+    if ((!last.value.is_null() && (fresh || !first)) || !gateway.streams().has_room(call.client()))
+        return send_value(call.reply, gateway, board, property);
     const auto& values = gateway.mirror().values();
-    const auto* found = values.find(board, entity.service());
+    const auto* found = values.find(board, property.service);
     auto feed =
-        values_of(call, board, entity.service(), Place{values.epoch(), found == nullptr ? 0 : found->last});
-    if (!feed->fault().empty()) return send_value(call.reply, gateway, board, entity);
+        values_of(call, board, property.service, Place{values.epoch(), found == nullptr ? 0 : found->last});
+    if (!feed->fault().empty()) return send_value(call.reply, gateway, board, property);
     gateway.wait_for_value(std::move(feed), kWait, call.reply, call.principal, call.client(),
-                           [&gateway, reply = call.reply, board, entity](bool revoked) {
+                           [&gateway, reply = call.reply, board, property](bool revoked) {
                                if (revoked)
                                    return reply.send(problem(401, "the right to read this was taken back"));
-                               send_value(reply, gateway, board, entity);
+                               send_value(reply, gateway, board, property);
                            });
 }
 
 /// Commands that set one thing, one after the other.
 struct Setting : std::enable_shared_from_this<Setting> {
-    Setting(Gateway& of, Commands::Start first, std::vector<exports::Request> all, http::Reply to)
+    Setting(Gateway& of, Commands::Start first, std::vector<property::Request> all, http::Reply to)
         : gateway(of), start(std::move(first)), requests(std::move(all)), reply(std::move(to)) {}
 
     void next() {
@@ -233,17 +214,19 @@ struct Setting : std::enable_shared_from_this<Setting> {
 
     Gateway& gateway;
     Commands::Start start;  // `target`: the board
-    std::vector<exports::Request> requests;
+    std::vector<property::Request> requests;
     http::Reply reply;
     std::size_t at = 0;
 };
 
-void set(Call& call, const Thing& thing, const Entity& entity, const json& value) {
+}  // namespace
+
+void set_property(Call& call, const Things::Found& thing, const Property& property, const json& value) {
     if (!bus_is_there(call)) return;
-    auto requests = requests_for(entity, value);
+    auto requests = requests_for(property, value);
     if (requests.empty())
         return send_problem(call, 400,
-                            entity.name + " cannot be set to " + text::printable(model::dump_json(value)));
+                            property.name + " cannot be set to " + text::printable(model::dump_json(value)));
     if (!exports::is_there(thing.state)) {
         return call.reply.send(problem(503, "board " + thing.board->board + " is " + thing.state,
                                        {{"reason", "board-not-there"}}));
@@ -253,8 +236,6 @@ void set(Call& call, const Thing& thing, const Entity& entity, const json& value
     start->target = thing.board->board;
     std::make_shared<Setting>(call.gateway, std::move(*start), std::move(requests), call.reply)->next();
 }
-
-}  // namespace
 
 void get_things(Call& call) {
     if (!enabled(call)) return;
@@ -270,16 +251,12 @@ void get_things(Call& call) {
     std::sort(names.begin(), names.end());
     const auto forms = forms_of(call);
     auto list = json::array();
-    bus::Query query;
-    query.full = true;
     auto at = static_cast<std::size_t>(std::min<std::int64_t>(*offset, std::ssize(names)));
     const auto end = std::min(names.size(), at + static_cast<std::size_t>(page));
     for (; at < end; ++at) {
-        query.board = names[at];
-        const auto found = mirror.find(query, call.now());
-        if (!found || found->boards.empty()) continue;
-        if (auto board = things.find(found->boards[0]))
-            list.push_back(things.dialect().thing(*seen(call.principal.rights, std::move(board)), forms));
+        if (auto found = things.find(mirror, names[at], call.now()))
+            list.push_back(
+                things.dialect().thing(*seen(call.principal.rights, std::move(found->board)), forms));
     }
     auto response = typed(list, "application/ld+json");
     if (end < names.size())
@@ -305,13 +282,13 @@ void get_properties(Call& call) {
     const auto thing = thing_of(call);
     if (!thing) return;
     json values{{std::string(WebOfThings::kBoardState), thing->state}};
-    for (const auto& entity : thing->board->entities) {
-        if (entity.kind == EntityKind::kButton) continue;
-        if (entity.read && exports::is_there(thing->state))
-            call.gateway.things().want(call.gateway.demander(), thing->board->board, entity.service(),
+    for (const auto& property : thing->board->properties) {
+        if (property.kind == Kind::kButton) continue;
+        if (property.read && exports::is_there(thing->state))
+            call.gateway.things().want(call.gateway.demander(), thing->board->board, property.service,
                                        call.now().time);
-        if (auto last = last_value(call.gateway, thing->board->board, entity); last.value)
-            values[entity.id] = std::move(*last.value);
+        if (auto last = last_value(call.gateway, thing->board->board, property); !last.value.is_null())
+            values[property::plain_id(property.id)] = std::move(last.value);
     }
     send_json(call, values);
 }
@@ -320,35 +297,35 @@ void get_property(Call& call) {
     const auto thing = thing_of(call);
     if (!thing) return;
     const auto& name = call.path.find("property")->second;
-    if (name == WebOfThings::kBoardState && thing->board->entity(name) == nullptr)
+    if (name == WebOfThings::kBoardState && thing->board->property(name) == nullptr)
         return send_json(call, thing->state);
-    if (const auto* entity = entity_of(call, *thing, false)) read_value(call, *thing, *entity);
+    if (const auto* property = entity_of(call, *thing, false)) read_value(call, *thing, *property);
 }
 
 void put_property(Call& call) {
     const auto thing = thing_of(call);
-    const auto* entity = thing ? entity_of(call, *thing, false) : nullptr;
-    if (entity == nullptr) return;
+    const auto* property = thing ? entity_of(call, *thing, false) : nullptr;
+    if (property == nullptr) return;
     const auto value = body_of(call.request);
     if (!value) return send_problem(call, 400, value.error());
-    set(call, *thing, *entity, *value);
+    set_property(call, *thing, *property, *value);
 }
 
 void post_action(Call& call) {
     const auto thing = thing_of(call);
     if (!thing) return;
-    if (const auto* entity = entity_of(call, *thing, true)) set(call, *thing, *entity, nullptr);
+    if (const auto* property = entity_of(call, *thing, true)) set_property(call, *thing, *property, nullptr);
 }
 
 void get_property_stream(Call& call) {
     const auto thing = thing_of(call);
-    const auto* entity = thing ? entity_of(call, *thing, false) : nullptr;
-    if (entity == nullptr || !bus_is_there(call) || !has_room(call)) return;
-    auto after = resume_place(call);
-    if (!after) return send_problem(call, 400, after.error());
-    auto feed = values_of(call, thing->board->board, entity->service(), std::move(*after));
+    const auto* property = thing ? entity_of(call, *thing, false) : nullptr;
+    if (property == nullptr || !bus_is_there(call) || !has_room(call)) return;
+    auto options = feed_options(call, thing->board->board, property->service, kHz);
+    options.ids = {property->id};
+    auto feed = std::make_unique<PropertyFeed>(call.gateway.mirror(), std::move(options));
     if (!feed->fault().empty()) return send_problem(call, 429, std::string(feed->fault()));
-    start_sse(call, property_feed(std::move(feed), *entity));
+    start_sse(call, property_values(std::move(feed), property->id));
 }
 
 void get_thing_events(Call& call) {

@@ -9,7 +9,7 @@
 #include "asip/bus/request/demander.hpp"
 #include "gateway/export/exported_board.hpp"
 #include "gateway/export/web_of_things.hpp"
-#include "gateway/instant.hpp"
+#include "gateway/mirror/mirror.hpp"
 
 namespace asip::gateway::api {
 
@@ -35,9 +35,14 @@ class Things {
 
     const ThingsOptions& options() const { return options_; }
     const exports::WebOfThings& dialect() const { return dialect_; }
-    /// Making one costs more than all else of a request: it is made again when the description changed, and
-    /// shared. Null: the board has no description.
-    std::shared_ptr<const exports::ExportedBoard> find(const bus::BoardItem& item);
+    struct Found {
+        std::string state;    ///< of the catalogue
+        std::string session;  ///< of its description
+        std::shared_ptr<const exports::ExportedBoard> board;
+    };
+    /// Making a board costs more than all else of a request: it is made again when its description or its
+    /// list changed, and shared. Nothing: it is not known, or has no description.
+    std::optional<Found> find(Mirror& mirror, const std::string& name, const Instant& now);
     /// Demands a service's values for a while, of boards that report on demand. False: they were demanded
     /// already.
     bool want(bus::Demander& demander, const std::string& board, const std::string& service, Time now);
@@ -46,6 +51,7 @@ class Things {
     struct Known {
         std::size_t hash = 0;  // of the description
         std::size_t bytes = 0;
+        Standing::List list;
         std::weak_ptr<const exports::ExportedBoard> board;
     };
     struct Wanted {

@@ -32,28 +32,25 @@ class Translated : public Feed {
     std::unique_ptr<Feed> feed_;
 };
 
-class PropertyFeed final : public Translated {
+class PropertyValues final : public Translated {
   public:
-    PropertyFeed(std::unique_ptr<Feed> feed, exports::Entity entity)
-        : Translated(std::move(feed)), entity_(std::move(entity)) {}
+    PropertyValues(std::unique_ptr<Feed> feed, std::string id)
+        : Translated(std::move(feed)), id_(std::move(id)) {}
 
   private:
     bool translate(StreamEvent& event) override {
-        const bool set = event.kind == "set";
-        if ((!set && event.kind != "value") || entity_.read.has_value() == set) return false;
-        const auto data = model::parse_json(event.data);
-        if (!data || !data->contains("value") || data->contains("cut")) return false;
-        const auto value = set ? value_set(entity_, (*data)["value"]) : value_in(entity_, (*data)["value"]);
-        if (!value || value->is_null()) return false;
-        auto text = model::dump_json(*value);
+        if (event.kind != "values") return false;
+        const auto document = model::parse_json(event.data);
+        const auto pointer = json::json_pointer("/values") / id_ / "value";
+        if (!document || !document->contains(pointer) || (*document)[pointer].is_null()) return false;
+        auto text = model::dump_json((*document)[pointer]);
         if (text == sent_) return false;
         sent_ = text;
-        event = {"message", std::move(event.place), std::move(text)};
+        event = {"message", {}, std::move(text)};
         return true;
     }
 
-    exports::Entity entity_;
-    std::string sent_;
+    std::string id_, sent_;
 };
 
 class ThingsFeed final : public Translated {
@@ -63,10 +60,11 @@ class ThingsFeed final : public Translated {
 
   private:
     bool translate(StreamEvent& event) override {
-        const std::string_view kind = event.kind == "added"         ? "thing_created"
-                                      : event.kind == "description" ? "thing_updated"
-                                      : event.kind == "forgotten"   ? "thing_deleted"
-                                                                    : "";
+        const std::string_view kind = event.kind == "added" ? "thing_created"
+                                      : event.kind == "description" || event.kind == "properties"
+                                          ? "thing_updated"
+                                      : event.kind == "forgotten" ? "thing_deleted"
+                                                                  : "";
         if (kind.empty() || (!only_.empty() && only_ != kind)) return false;
         const auto data = json::parse(event.data, nullptr, false);
         const auto board = data.is_object() ? data.find("board") : data.end();
@@ -82,8 +80,8 @@ class ThingsFeed final : public Translated {
 
 }  // namespace
 
-std::unique_ptr<Feed> property_feed(std::unique_ptr<Feed> values, exports::Entity entity) {
-    return std::make_unique<PropertyFeed>(std::move(values), std::move(entity));
+std::unique_ptr<Feed> property_values(std::unique_ptr<Feed> values, std::string id) {
+    return std::make_unique<PropertyValues>(std::move(values), std::move(id));
 }
 
 std::unique_ptr<Feed> things_feed(std::unique_ptr<Feed> changes, exports::WebOfThings dialect,

@@ -9,8 +9,8 @@
 
 namespace asip::gateway::api {
 
-/// Of a feed of a service's values those of one entity, each a message; the same value is sent once.
-std::unique_ptr<Feed> property_feed(std::unique_ptr<Feed> values, exports::Entity entity);
+/// Of a PropertyFeed the values of one property, each a message; the same value is sent once.
+std::unique_ptr<Feed> property_values(std::unique_ptr<Feed> values, std::string id);
 
 /// Of a feed of the catalogue's changes those of things: `thing_created`, `thing_updated`, `thing_deleted`.
 /// `only`: one of these; empty: all.

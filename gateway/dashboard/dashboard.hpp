@@ -8,39 +8,28 @@
 #include <vector>
 
 #include "asip/expected.hpp"
+#include "asip/property/property.hpp"
 #include "gateway/auth/rights.hpp"
 
 namespace asip::gateway {
 
-/// One thing that a dashboard shows. Which members count is `kind`'s to say.
+/// One thing that a dashboard shows. What its property is, the list of its board says.
 struct Widget {
     enum class Kind { kValue, kPlot, kSwitch, kSlider, kLamp, kStop };
 
     std::string id;  ///< unique in its dashboard
     Kind kind = Kind::kValue;
-    std::string title;  ///< empty: what it is made of
-    std::string size;   ///< "small", "wide" or "large"; empty: "small"
-    std::string board, service;
-    std::string event, key;  ///< what it reads of reports: `key` is "", "0" or "0.pulse" within the event
-    std::string unit;
-    std::string command;                             ///< what it sends, or reads of what was set
-    nlohmann::json args = nlohmann::json::object();  ///< its fixed arguments, by name
-    std::string argument;                            ///< the one that varies; empty: the only one
-    nlohmann::json on = 1, off = 0;                  ///< of a switch and a lamp
-    double min = 0, max = 1, step = 0;               ///< of a slider; step 0: any
+    std::string title;            ///< empty: the name of the property
+    std::string size;             ///< "small", "wide" or "large"; empty: "small"
+    std::string board, property;  ///< of a stop empty; `property`: its id
 
     /// It sends commands.
     bool sends() const { return kind == Kind::kSwitch || kind == Kind::kSlider; }
-    /// It reads reports; otherwise what was set.
-    bool reads_event() const { return !event.empty(); }
-    /// Whether it may send `value`; a sentence why not.
-    Expected<void> may_send(const nlohmann::json& value) const;
-    /// The arguments of its command with this value.
-    nlohmann::json arguments(const nlohmann::json& value) const;
-    /// What it shows of a report, an object by event; nothing: the report says nothing of it.
-    std::optional<nlohmann::json> read_report(const nlohmann::json& value) const;
-    /// What it shows of what was set in its service; null: not known.
-    nlohmann::json read_set(const nlohmann::json& set) const;
+    /// That has the property.
+    std::string_view service() const { return std::string_view(property).substr(0, property.find('/')); }
+    /// What a switch or a slider asks for, as a value of the property; of a light it is whether it is on, or
+    /// its brightness.
+    nlohmann::json value_for(const property::Property& of, const nlohmann::json& value) const;
 };
 
 /// A link that shows a dashboard to its holder. Of its token only the hash is kept.

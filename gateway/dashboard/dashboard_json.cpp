@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -21,12 +20,9 @@ using nlohmann::json;
 
 constexpr std::array<std::string_view, 6> kKinds{"value", "plot", "switch", "slider", "lamp", "stop"};
 constexpr std::array<std::string_view, 3> kSizes{"small", "wide", "large"};
-constexpr std::array<std::string_view, 17> kMembers{"id",    "kind", "title", "size",    "board", "service",
-                                                    "event", "key",  "unit",  "command", "args",  "argument",
-                                                    "on",    "off",  "min",   "max",     "step"};
+constexpr std::array<std::string_view, 6> kMembers{"id", "kind", "title", "size", "board", "property"};
 constexpr std::size_t kMaxTitle = 100;
-constexpr std::size_t kMaxWord = 64;
-constexpr std::size_t kMaxArgs = 8;
+constexpr std::size_t kMaxWord = 256;
 constexpr std::size_t kMaxId = 16;
 
 std::string list_of(const auto& words) {
@@ -34,11 +30,6 @@ std::string list_of(const auto& words) {
     for (const auto word : words)
         text.append(text.empty() ? "" : ", ").append(word);
     return text;
-}
-
-bool is_scalar(const json& value) {
-    return value.is_boolean() || value.is_number() ||
-           (value.is_string() && value.get_ref<const std::string&>().size() <= kMaxWord);
 }
 
 /// Reads the members of one widget; the first fault stays.
@@ -78,33 +69,6 @@ class Reader {
                   text::did_you_mean(text, choices));
         return text;
     }
-    double number(const char* name, double fallback) {
-        const auto found = object_.find(name);
-        if (found == object_.end()) return fallback;
-        if (!found->is_number() || !std::isfinite(found->get<double>())) {
-            fault(std::string(name) + " must be a number");
-            return fallback;
-        }
-        return found->get<double>();
-    }
-    void scalar(const char* name, json& value) {
-        const auto found = object_.find(name);
-        if (found == object_.end()) return;
-        if (!is_scalar(*found))
-            return fault(std::string(name) +
-                         " must be a number, a text of at most 64 bytes or a truth value");
-        value = *found;
-    }
-    json arguments() {
-        const auto found = object_.find("args");
-        if (found == object_.end()) return json::object();
-        const bool fits = found->is_object() && found->size() <= kMaxArgs &&
-                          std::all_of(found->begin(), found->end(), is_scalar);
-        if (fits) return *found;
-        fault(
-            "args must be an object of at most 8 numbers, texts of at most 64 bytes or truth values by name");
-        return json::object();
-    }
     void no_others() {
         for (const auto& [name, value] : object_.items())
             if (std::find(kMembers.begin(), kMembers.end(), name) == kMembers.end())
@@ -124,34 +88,6 @@ bool valid_id(std::string_view id) {
     });
 }
 
-void read_sent(Reader& reader, Widget& widget) {
-    widget.command = reader.needed("command");
-    widget.args = reader.arguments();
-    widget.argument = reader.needed("argument");
-    if (widget.args.contains(widget.argument))
-        reader.fault("argument: " + widget.argument + " is among the fixed args, too");
-}
-
-void read_slider(Reader& reader, Widget& widget) {
-    widget.min = reader.number("min", 0);
-    widget.max = reader.number("max", 100);
-    widget.step = reader.number("step", 0);
-    if (!(widget.min < widget.max)) reader.fault("min must be below max");
-    if (widget.step < 0) reader.fault("step must not be negative");
-}
-
-// What a lamp shows is a report, or what was set.
-void read_source(Reader& reader, Widget& widget) {
-    widget.event = reader.word("event");
-    widget.key = reader.word("key");
-    if (!widget.event.empty()) return;
-    if (widget.kind != Widget::Kind::kLamp) return reader.fault("event is missing");
-    widget.command = reader.word("command");
-    if (widget.command.empty()) return reader.fault("event is missing, or command for what was set");
-    widget.args = reader.arguments();
-    widget.argument = reader.word("argument");
-}
-
 Expected<Widget> read_widget(const json& object, const std::string& place) {
     if (!object.is_object()) return fail(place + ": must be an object");
     Reader reader(object, place);
@@ -167,15 +103,11 @@ Expected<Widget> read_widget(const json& object, const std::string& place) {
     widget.size = reader.choice("size", kSizes);
     if (widget.kind != Widget::Kind::kStop) {
         widget.board = reader.name_of("board");
-        widget.service = reader.name_of("service");
-        widget.unit = reader.word("unit");
-        reader.scalar("on", widget.on);
-        reader.scalar("off", widget.off);
-        widget.sends() ? read_sent(reader, widget) : read_source(reader, widget);
+        widget.property = reader.needed("property");
+        if (!widget.property.empty() && !model::valid_name(widget.service()))
+            reader.fault("property: \"" + text::printable(widget.property) +
+                         "\" is no id, such as servo/0/angle");
     }
-    if (widget.kind == Widget::Kind::kSlider) read_slider(reader, widget);
-    if (widget.kind == Widget::Kind::kSwitch && widget.on == widget.off)
-        reader.fault("on and off must differ");
     if (!reader.fault().empty()) return fail(reader.fault());
     return widget;
 }
@@ -188,22 +120,7 @@ json widget_json(const Widget& widget) {
     add("title", widget.title);
     add("size", widget.size);
     add("board", widget.board);
-    add("service", widget.service);
-    add("event", widget.event);
-    add("key", widget.key);
-    add("unit", widget.unit);
-    add("command", widget.command);
-    add("argument", widget.argument);
-    if (!widget.args.empty()) object["args"] = widget.args;
-    if (widget.kind == Widget::Kind::kSwitch || widget.kind == Widget::Kind::kLamp) {
-        object["on"] = widget.on;
-        object["off"] = widget.off;
-    }
-    if (widget.kind == Widget::Kind::kSlider) {
-        object["min"] = widget.min;
-        object["max"] = widget.max;
-        if (widget.step > 0) object["step"] = widget.step;
-    }
+    add("property", widget.property);
     return object;
 }
 

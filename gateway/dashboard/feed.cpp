@@ -2,6 +2,8 @@
 #include "gateway/dashboard/feed.hpp"
 
 #include "asip/model/json.hpp"
+#include "asip/property/documents.hpp"
+#include "asip/property/value.hpp"
 #include "asip/text/wall_time.hpp"
 
 namespace asip::gateway {
@@ -13,8 +15,9 @@ std::size_t bytes_of(const StreamEvent& event) {
     return sizeof event + event.data.size();
 }
 
-bool in(const Widget& widget, std::string_view board, std::string_view service) {
-    return widget.board == board && widget.service == service;
+json json_of(const property::Property& property) {
+    const property::PropertyList list{{}, {property}};
+    return json::parse(property::to_text(list))["properties"][0];
 }
 
 }  // namespace
@@ -62,38 +65,45 @@ void DashboardFeed::begin(const Instant& now) {
     put("dashboard", {{"dashboard", std::move(document)}, {"etag", etag_}});
     changes_ = ~std::uint64_t{0};
     show_boards(now);
-    for (const auto& widget : dashboard_.widgets)
-        if (widget.kind == Widget::Kind::kPlot) add_past(widget);
-    add_sources();
+    add_sources(now);
 }
 
-void DashboardFeed::add_sources() {
-    for (const auto& widget : dashboard_.widgets) {
-        if (widget.board.empty()) continue;
-        const auto known = [&](const Source& each) { return in(widget, each.board, each.service); };
-        if (std::any_of(sources_.begin(), sources_.end(), known)) continue;
-        ValueFeed::Options options;
-        options.board = widget.board;
-        options.service = widget.service;
-        options.max_hz = options_.max_hz;
-        options.demand = options_.demand(widget.board, widget.service);
-        options.part = options_.part();
-        auto feed = std::make_unique<ValueFeed>(mirror_.values(), std::move(options));
+void DashboardFeed::add_sources(const Instant& now) {
+    for (const auto& board : dashboard_.boards()) {
+        std::set<std::string> ids;
+        for (const auto& widget : dashboard_.widgets)
+            if (widget.board == board) ids.insert(widget.property);
+        auto options = options_.properties(board, ids);
+        auto find = options.find;
+        auto feed = std::make_unique<PropertyFeed>(mirror_, std::move(options));
         feed->wake = [this] { wake(); };
         if (!feed->fault().empty()) fault_ = feed->fault();
-        sources_.push_back({widget.board, widget.service, std::move(feed)});
+        sources_.push_back({board, std::move(find), std::move(feed)});
+        show_properties(sources_.back(), now);
     }
 }
 
-void DashboardFeed::add_past(const Widget& widget) {
-    const auto* service = mirror_.values().find(widget.board, widget.service);
-    if (service == nullptr) return;
+void DashboardFeed::show_properties(const Source& source, const Instant& now) {
+    const auto seen = source.find(now);
+    for (const auto& widget : dashboard_.widgets) {
+        if (widget.board != source.board || !seen.board) continue;
+        const auto& all = seen.board->properties;
+        const auto found = std::find_if(all.begin(), all.end(),
+                                        [&](const auto& each) { return each.id == widget.property; });
+        put("property", {{"id", widget.id}, {"property", found == all.end() ? json() : json_of(*found)}});
+        if (widget.kind == Widget::Kind::kPlot && found != all.end()) add_past(widget, *found);
+    }
+}
+
+void DashboardFeed::add_past(const Widget& widget, const property::Property& property) {
+    const auto* service =
+        property.read ? mirror_.values().find(widget.board, property.read->service) : nullptr;
+    if (service == nullptr || property.read->sum) return;
     json points = json::array();
     for (auto i = service->points.size(); i > 0 && points.size() < kMaxPast; --i) {
         const auto& point = service->points[i - 1];
-        const auto& channel = service->channels[point.channel];
-        if (channel.error || channel.set || point.cut > 0) continue;
-        const auto value = widget.read_report(json::parse(point.json, nullptr, false));
+        if (service->channels[point.channel].error || point.cut > 0) continue;
+        const auto value = property::value_in(property, json::parse(point.json, nullptr, false));
         if (value && value->is_number()) points.push_back({text::iso_time(point.seen.wall), *value});
     }
     if (!points.empty()) put("past", {{"id", widget.id}, {"points", std::move(points)}});
@@ -127,21 +137,19 @@ void DashboardFeed::put(std::string_view kind, const json& data) {
     out_.push_back(std::move(event));
 }
 
-void DashboardFeed::read(Source& source, const StreamEvent& event) {
+void DashboardFeed::read(Source& source, const StreamEvent& event, const Instant& now) {
     if (event.kind == "snapshot-end") source.ended = true;
-    if (event.kind != "value" && event.kind != "set") return;
+    if (event.kind == "properties") show_properties(source, now);
+    if (event.kind != "values") return;
     const auto data = json::parse(event.data, nullptr, false);
-    if (!data.is_object() || data.contains("cut")) return;
-    const auto value = data.find("value");
-    if (value == data.end()) return;
-    const bool set = event.kind == "set";
     for (const auto& widget : dashboard_.widgets) {
-        if (!in(widget, source.board, source.service) || widget.reads_event() == set) continue;
-        const auto shown = set ? std::optional(widget.read_set(*value)) : widget.read_report(*value);
-        if (!shown) continue;
-        json told{{"id", widget.id}, {"value", *shown}, {"at", data.value("at", "")}};
-        if (const auto age = data.find("age"); age != data.end()) told["age"] = *age;
-        put("widget", told);
+        if (widget.board != source.board) continue;
+        const auto stands = data["values"].find(widget.property);
+        if (stands == data["values"].end()) continue;
+        const std::chrono::duration<double> age(stands->value("age", 0.0));
+        const auto at = now.wall - std::chrono::duration_cast<text::WallTime::duration>(age);
+        put("widget",
+            {{"id", widget.id}, {"value", stands->value("value", json())}, {"at", text::iso_time(at)}});
     }
 }
 
@@ -152,7 +160,7 @@ bool DashboardFeed::next(StreamEvent& event, const Instant& now) {
     for (auto& source : sources_) {
         StreamEvent inner;
         while (out_.empty() && source.feed->next(inner, now))
-            read(source, inner);
+            read(source, inner, now);
         all_ended = all_ended && source.ended;
         if (!source.feed->fault().empty()) fault_ = source.feed->fault();
     }

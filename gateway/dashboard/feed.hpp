@@ -4,19 +4,20 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "gateway/dashboard/dashboards.hpp"
 #include "gateway/mirror/mirror.hpp"
-#include "gateway/stream/value_feed.hpp"
+#include "gateway/mirror/property_feed.hpp"
 
 namespace asip::gateway {
 
 /// One dashboard, live: the document (`dashboard`), the state of each of its boards (`board`), and of each
-/// widget what it shows (`widget`; of a plot first `past`), then `snapshot-end` and the changes. Nothing else
-/// of the boards is in it. A dashboard that changes begins anew; one that is removed, or that its reader may
-/// not see any more, is `gone`. Pure.
+/// widget what its property is (`property`) and how it stands (`widget`; of a plot first `past`), then
+/// `snapshot-end` and the changes. Nothing else of the boards is in it. A dashboard that changes begins anew;
+/// one that is removed, or that its reader may not see any more, is `gone`. Pure.
 class DashboardFeed final : public Feed {
   public:
     static constexpr std::size_t kBytes = 4 * 1024;
@@ -26,8 +27,9 @@ class DashboardFeed final : public Feed {
         std::string name;
         Rights rights;
         double max_hz = 10;
-        /// Makes a board report while the returned value lives.
-        std::function<std::shared_ptr<void>(const std::string& board, const std::string& service)> demand;
+        /// Of these properties of a board, by id.
+        std::function<PropertyFeed::Options(const std::string& board, const std::set<std::string>& ids)>
+            properties;
         std::function<Budget::Part()> part;  ///< of the reader
     };
 
@@ -40,16 +42,18 @@ class DashboardFeed final : public Feed {
 
   private:
     struct Source {
-        std::string board, service;
-        std::unique_ptr<ValueFeed> feed;
+        std::string board;
+        std::function<PropertyFeed::Seen(const Instant& now)> find;
+        std::unique_ptr<PropertyFeed> feed;
         bool ended = false;  // its snapshot
     };
     void begin(const Instant& now);
     void end();
-    void add_sources();
-    void add_past(const Widget& widget);
+    void add_sources(const Instant& now);
+    void show_properties(const Source& source, const Instant& now);
+    void add_past(const Widget& widget, const property::Property& property);
     void show_boards(const Instant& now);
-    void read(Source& source, const StreamEvent& event);
+    void read(Source& source, const StreamEvent& event, const Instant& now);
     void put(std::string_view kind, const nlohmann::json& data);
 
     const Dashboards& dashboards_;

@@ -82,14 +82,14 @@ class Dialect {
     /// as ours; then its state is first. Empty: a document is cleared first.
     virtual std::string_view last_cleared() const { return {}; }
 
-    // --- its entities
+    // --- its properties
 
-    virtual std::string state(std::string_view board, const Entity& entity) const = 0;
+    virtual std::string state(std::string_view board, const Property& property) const = 0;
     /// Null: the value is not known. Empty: the topic is cleared.
-    virtual std::string state_text(const Entity& entity, const nlohmann::json& value) const = 0;
+    virtual std::string state_text(const Property& property, const nlohmann::json& value) const = 0;
     virtual int state_qos() const { return 0; }
     /// Where it stands what the value is to become; empty: nowhere.
-    virtual std::string target(std::string_view /*board*/, const Entity& /*entity*/) const { return {}; }
+    virtual std::string target(std::string_view /*board*/, const Property& /*property*/) const { return {}; }
     /// Where the last command that failed is said, in words.
     virtual std::string error(std::string_view board) const = 0;
     virtual std::string error_text(const std::string& sentence) const = 0;
@@ -101,13 +101,13 @@ class Dialect {
     /// Devices of others are among these topics.
     virtual bool has_neighbours() const { return false; }
     struct Command {
-        std::string board;   ///< as id_of() calls it
-        std::string entity;  ///< its id
+        std::string board;     ///< as id_of() calls it
+        std::string property;  ///< its id
     };
     /// Of a command's topic; nothing: it is none.
     virtual std::optional<Command> command_of(std::string_view topic) const = 0;
-    /// What a command asks for, as a value of the entity. Fails with a sentence.
-    virtual Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const = 0;
+    /// What a command asks for, as a value of the property. Fails with a sentence.
+    virtual Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const = 0;
 
   protected:
     static std::vector<std::string> below(const std::string& begin, const Retained& found);

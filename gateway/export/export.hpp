@@ -41,10 +41,10 @@ class Export {
         std::function<bool()> ready;  ///< the catalogue holds all that is on the bus
         std::function<std::vector<std::string>()> boards;
         std::function<std::optional<Present>(const std::string& board)> board;
-        /// Calls back with each last value of a service: JSON text, and whether it is what was set.
-        std::function<void(const std::string& board, const std::string& service,
-                           const std::function<void(std::string_view json, bool set)>&)>
-            values;
+        /// Null: it is not known. Nothing: nobody says.
+        std::function<std::optional<nlohmann::json>(const std::string& board, const Property&)> value;
+        /// So many values were none that their properties can have.
+        std::function<void(std::uint64_t)> refused;
         std::function<bus::Demander::Want(const std::string& board, const std::string& service, double hz)>
             want;
         /// Executes a command; `done` is called once, with a sentence where it failed.
@@ -74,8 +74,10 @@ class Export {
     virtual void message(const mqtt::Message& message, Time now) = 0;
     /// A board came, changed, or was forgotten.
     virtual void changed(const std::string& board, Time now) = 0;
-    virtual void value(std::string_view board, std::string_view service, std::string_view json, bool set,
-                       Time now) = 0;
+    /// A service reported something.
+    virtual void value(std::string_view board, std::string_view service, std::string_view json, Time now) = 0;
+    /// The board's agent said how these properties stand, by id; none: all of them.
+    virtual void known(const std::string& board, const std::vector<std::string>& ids, Time now) = 0;
 
     // Over the export's own:
     /// It is there, with the will that will() said before; will() says the one of the next connection now.

@@ -3,9 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/registry/board_match.hpp"
 #include "asip/model/json.hpp"
-#include "gateway/export/entities.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -17,7 +15,8 @@ std::string label_of(const model::Description& description, const char* key) {
 
 }  // namespace
 
-std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const model::ModelSet& models) {
+std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const std::vector<Property>* list,
+                                            const property::FindModel& find_model) {
     if (item.description.empty()) return std::nullopt;
     const auto description = model::parse_description(item.description);
     if (!description) return std::nullopt;
@@ -27,25 +26,24 @@ std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const mo
     board.room = label_of(*description, "room");
     board.chip = description->firmware.chip;
     board.sketch = description->firmware.sketch;
-    board.entities = entities_of(
-        *description, [&](const model::ServiceInfo& service) { return bus::model_of(service, models); });
+    board.properties = list != nullptr ? *list : property::properties_of(*description, find_model);
     return board;
 }
 
-std::vector<std::pair<std::size_t, std::optional<nlohmann::json>>> shown_values(
-    const ExportedBoard& board, const std::vector<std::size_t>& entities, std::string_view text, bool set) {
-    std::vector<std::pair<std::size_t, std::optional<nlohmann::json>>> result;
-    nlohmann::json published;
-    if (!text.empty()) {
-        auto parsed = model::parse_json(text);
-        if (!parsed) return result;
-        published = std::move(*parsed);
-    }
-    for (const auto index : entities) {
-        const auto& entity = board.entities[index];
-        if (entity.read.has_value() == set) continue;
-        auto value = set ? value_set(entity, published) : value_in(entity, published);
-        if (value || set) result.emplace_back(index, std::move(value));
+std::vector<Shown> reported_values(const ExportedBoard& board, const std::vector<std::size_t>& properties,
+                                   std::string_view text, std::uint64_t& refused) {
+    std::vector<Shown> result;
+    const auto published = model::parse_json(text);
+    if (!published) return result;
+    for (const auto index : properties) {
+        const auto& property = board.properties[index];
+        if (!is_reported(property)) continue;
+        const auto* raw = property::raw_in(*property.read, *published);
+        if (raw == nullptr) continue;
+        if (auto value = property::value_of(property, *raw))
+            result.push_back({index, std::move(*value)});
+        else
+            ++refused;
     }
     return result;
 }

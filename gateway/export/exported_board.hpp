@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstddef>
-#include <nlohmann/json_fwd.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,10 +10,17 @@
 #include <vector>
 
 #include "asip/bus/registry/items.hpp"
-#include "asip/model/model_set.hpp"
-#include "gateway/export/entity.hpp"
+#include "asip/property/list.hpp"
+#include "asip/property/value.hpp"
 
 namespace asip::gateway::exports {
+
+using property::json_number;
+using property::kFullBrightness;
+using property::Kind;
+using property::kMaxColor;
+using property::Property;
+using property::Request;
 
 /// A board as dialects see it.
 struct ExportedBoard {
@@ -21,23 +29,44 @@ struct ExportedBoard {
     std::string chip;   ///< may be empty, as all below
     std::string sketch;
     std::string room;
-    std::vector<Entity> entities;
+    std::vector<Property> properties;
     friend bool operator==(const ExportedBoard&, const ExportedBoard&) = default;
 
-    /// Null: it has none of this id.
-    const Entity* entity(std::string_view id) const {
-        for (const auto& each : entities)
-            if (each.id == id) return &each;
+    /// By property::plain_id(). Null: it has none.
+    const Property* property(std::string_view id) const {
+        for (const auto& each : properties)
+            if (property::plain_id(each.id) == id) return &each;
         return nullptr;
     }
 };
 
-/// Of a board as the catalogue has it, with its whole description. Nothing: it has none.
-std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const model::ModelSet& models);
-/// What the message `text` of a service says of those of the board's entities (their numbers) that belong to
-/// the service: reports, or with `set` what was set. Without a value: what was set is not known any more.
-std::vector<std::pair<std::size_t, std::optional<nlohmann::json>>> shown_values(
-    const ExportedBoard& board, const std::vector<std::size_t>& entities, std::string_view text, bool set);
+/// Of a board as the catalogue has it, with its whole description. Nothing: it has none. `list`: its
+/// properties, as its agent says; null: they are made here.
+std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const std::vector<Property>* list,
+                                            const property::FindModel& find_model);
+
+/// What is shown of one property; a null value: it is not known.
+struct Shown {
+    std::size_t property = 0;  ///< its number
+    nlohmann::json value;
+};
+/// What the report `text` of a service says of those of the board's properties (their numbers) that are read
+/// there. `refused` counts values that they cannot have.
+std::vector<Shown> reported_values(const ExportedBoard& board, const std::vector<std::size_t>& properties,
+                                   std::string_view text, std::uint64_t& refused);
+/// Whether a report of a service is all that it takes: what is counted together, or set, is known by the
+/// board's agent alone.
+inline bool is_reported(const Property& property) {
+    return property.read && !property.read->sum;
+}
+/// No ids are all of them.
+inline bool is_one_of(const Property& property, const std::vector<std::string>& ids) {
+    return ids.empty() || std::find(ids.begin(), ids.end(), property.id) != ids.end();
+}
+/// A light that is only on or off has none.
+inline bool has_brightness(const Property& light) {
+    return light.write && light.choices.empty();
+}
 /// Whether a board in this state of the catalogue takes commands.
 bool is_there(std::string_view state);
 

@@ -111,11 +111,28 @@ void Exporter::changed(const std::string& board, Time now) {
     pump(now);
 }
 
-void Exporter::value(std::string_view board, std::string_view service, std::string_view json, bool set,
-                     Time now) {
+void Exporter::value(std::string_view board, std::string_view service, std::string_view text, Time now) {
     if (phase_ != Phase::kActive) return;
     const auto found = records_.find(std::string(board));
-    if (found != records_.end()) values_of(found->second, service, json, set, now);
+    if (found == records_.end()) return;
+    auto& record = found->second;
+    const auto properties = record.by_service.find(service);
+    if (properties == record.by_service.end()) return;
+    std::uint64_t refused = 0;
+    for (const auto& each : reported_values(*record.board, properties->second, text, refused))
+        offer(record, each.property,
+              dialect().state_text(record.board->properties[each.property], each.value), now);
+    if (refused > 0) port_.refused(refused);
+}
+
+void Exporter::known(const std::string& board, const std::vector<std::string>& ids, Time now) {
+    if (phase_ != Phase::kActive) return;
+    const auto found = records_.find(board);
+    if (found == records_.end()) return;
+    const auto& properties = found->second.board->properties;
+    for (std::size_t i = 0; i < properties.size(); ++i)
+        if (properties[i].kind != Kind::kButton && is_one_of(properties[i], ids))
+            show(found->second, i, port_.value(board, properties[i]), now);
 }
 
 // --- over the export's own connection
@@ -189,14 +206,14 @@ void Exporter::take_retained(Record& record, Present present, const Dialect::Ret
         record.states[i].adopt(on_bus(state_topic(record, i)));
         const bool older = !same && !(text.empty() && record.states[i].sent().empty());
         if (older)
-            text = i < record.board->entities.size()
-                       ? dialect().state_text(record.board->entities[i], nullptr)
+            text = i < record.board->properties.size()
+                       ? dialect().state_text(record.board->properties[i], nullptr)
                        : std::string();
         // Behind the document.
         if (older || !text.empty()) record.states[i].offer(std::move(text), now, between_, false);
         if (record.states[i].waits()) pending_.emplace(name, i);
-        if (i >= record.board->entities.size()) continue;
-        const auto target = dialect().target(name, record.board->entities[i]);
+        if (i >= record.board->properties.size()) continue;
+        const auto target = dialect().target(name, record.board->properties[i]);
         if (auto each = found.find(target); each != found.end()) record.targets[target] = each->second;
     }
 }

@@ -33,7 +33,7 @@ class Exporter final : public Export {
         std::shared_ptr<const Dialect> dialect;
         std::string gateway;    ///< unique for each process
         std::string host;       ///< name of this machine
-        double per_second = 5;  ///< states of one entity
+        double per_second = 5;  ///< states of one property
         /// False: nothing is exported; what a gateway of this machine exported before is cleared.
         bool enabled = true;
         /// Clear whichever machine it was (asip-gateway clean).
@@ -53,8 +53,8 @@ class Exporter final : public Export {
     void disconnected() override { turn_.disconnected(); }
     void message(const mqtt::Message& message, Time now) override;
     void changed(const std::string& board, Time now) override;
-    void value(std::string_view board, std::string_view service, std::string_view json, bool set,
-               Time now) override;
+    void value(std::string_view board, std::string_view service, std::string_view json, Time now) override;
+    void known(const std::string& board, const std::vector<std::string>& ids, Time now) override;
 
     // Over the export's own:
     void sent(Time now) override;
@@ -81,7 +81,7 @@ class Exporter final : public Export {
         std::optional<Time> document_at;
         bool document_due = true;
         bool values_due = false;         // what is known was not looked at since the broker was read
-        std::vector<PacedValue> states;  // of each entity, then of an error that is retained
+        std::vector<PacedValue> states;  // of each property, then of an error that is retained
         std::map<std::string, std::string> targets;  // topic -> payload
         std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
         std::vector<bus::Demander::Want> wants;
@@ -108,10 +108,10 @@ class Exporter final : public Export {
     void remove(const std::string& name);
     void publish_document(Record& record, Time now);
     void publish_state(Record& record, std::size_t index);
-    void publish_target(Record& record, const Entity& entity, const std::string& payload);
+    void publish_target(Record& record, const Property& property, const std::string& payload);
     void offer(Record& record, std::size_t index, std::string text, Time now);
     void all_values(Record& record, Time now);
-    void values_of(Record& record, std::string_view service, std::string_view json, bool set, Time now);
+    void show(Record& record, std::size_t index, const std::optional<nlohmann::json>& value, Time now);
     Record* record_of(const std::string& id);
     void command(const Dialect::Command& command, const std::string& payload);
     void failed(const std::string& board, const std::string& sentence);
@@ -121,7 +121,7 @@ class Exporter final : public Export {
     std::string state_topic(const Record& record, std::size_t index) const;
 
     Options options_;
-    Duration between_;  // states of one entity
+    Duration between_;  // states of one property
     Port port_;
     Turn turn_;
     Phase phase_ = Phase::kIdle;

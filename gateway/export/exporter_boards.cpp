@@ -69,8 +69,8 @@ void Exporter::update(const std::string& name, Time now) {
 
 std::string Exporter::state_topic(const Record& record, std::size_t index) const {
     const auto& board = *record.board;
-    return index < board.entities.size() ? dialect().state(board.board, board.entities[index])
-                                         : dialect().error(board.board);
+    return index < board.properties.size() ? dialect().state(board.board, board.properties[index])
+                                           : dialect().error(board.board);
 }
 
 void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) {
@@ -81,7 +81,7 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
     record.board = std::move(board);
     record.document_due = true;
     record.states.clear();
-    record.states.resize(record.board->entities.size() + error_slots());
+    record.states.resize(record.board->properties.size() + error_slots());
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         const auto topic = state_topic(record, i);
         std::erase(clear_, topic);  // it is wanted again
@@ -89,8 +89,8 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
             record.states[i] = std::move(kept->second);
             old.erase(kept);
         }
-        if (i >= record.board->entities.size()) continue;
-        const auto target = dialect().target(record.board->board, record.board->entities[i]);
+        if (i >= record.board->properties.size()) continue;
+        const auto target = dialect().target(record.board->board, record.board->properties[i]);
         std::erase(clear_, target);
         if (auto kept = targets.extract(target)) record.targets.insert(std::move(kept));
     }
@@ -105,11 +105,11 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
 void Exporter::watch(Record& record) {
     const auto& board = *record.board;
     record.by_service.clear();
-    for (std::size_t i = 0; i < board.entities.size(); ++i)
-        if (const auto& entity = board.entities[i]; entity.kind != EntityKind::kButton)
-            record.by_service[entity.service()].push_back(i);
+    for (std::size_t i = 0; i < board.properties.size(); ++i)
+        if (const auto& property = board.properties[i]; property.read)
+            record.by_service[property.service].push_back(i);
     std::vector<bus::Demander::Want> wants;
-    for (const auto& [service, entities] : record.by_service)
+    for (const auto& [service, properties] : record.by_service)
         wants.push_back(port_.want(board.board, service, options_.per_second));
     record.wants = std::move(wants);
 }
@@ -158,13 +158,14 @@ void Exporter::remove(const std::string& name) {
 
 void Exporter::publish_state(Record& record, std::size_t index) {
     const auto& text = record.states[index].sent();
-    if (index < record.board->entities.size()) publish_target(record, record.board->entities[index], text);
+    if (index < record.board->properties.size())
+        publish_target(record, record.board->properties[index], text);
     retain(state_topic(record, index), text, dialect().state_qos());
 }
 
 /// Ahead of the value itself.
-void Exporter::publish_target(Record& record, const Entity& entity, const std::string& payload) {
-    auto topic = dialect().target(record.board->board, entity);
+void Exporter::publish_target(Record& record, const Property& property, const std::string& payload) {
+    auto topic = dialect().target(record.board->board, property);
     if (topic.empty() || (payload.empty() && !record.targets.contains(topic))) return;
     auto& target = record.targets[topic];
     if (target == payload) return;
@@ -182,20 +183,20 @@ void Exporter::offer(Record& record, std::size_t index, std::string text, Time n
 }
 
 void Exporter::all_values(Record& record, Time now) {
-    for (const auto& [service, entities] : record.by_service)
-        port_.values(record.board->board, service,
-                     [&](std::string_view text, bool set) { values_of(record, service, text, set, now); });
+    const auto& board = *record.board;
+    for (std::size_t i = 0; i < board.properties.size(); ++i)
+        if (const auto& property = board.properties[i]; property.kind != Kind::kButton) {
+            auto value = port_.value(board.board, property);
+            // What the board reported before this gateway began is on the broker.
+            if (value || !is_reported(property)) show(record, i, value, now);
+        }
 }
 
-void Exporter::values_of(Record& record, std::string_view service, std::string_view text, bool set,
-                         Time now) {
-    const auto found = record.by_service.find(service);
-    if (found == record.by_service.end()) return;
-    for (const auto& [index, value] : shown_values(*record.board, found->second, text, set))
-        // What is not known any more is said where something else was said before.
-        if (value || !record.states[index].sent().empty())
-            offer(record, index, dialect().state_text(record.board->entities[index], value.value_or(nullptr)),
-                  now);
+/// What is not known any more is said where something else was said before.
+void Exporter::show(Record& record, std::size_t index, const std::optional<json>& value, Time now) {
+    const auto& property = record.board->properties[index];
+    if ((value && !value->is_null()) || !record.states[index].sent().empty())
+        offer(record, index, dialect().state_text(property, value.value_or(nullptr)), now);
 }
 
 // --- commands
@@ -210,20 +211,20 @@ Exporter::Record* Exporter::record_of(const std::string& id) {
 
 void Exporter::command(const Dialect::Command& which, const std::string& payload) {
     auto* record = record_of(which.board);
-    const auto* entity = record == nullptr ? nullptr : record->board->entity(which.entity);
+    const auto* property = record == nullptr ? nullptr : record->board->property(which.property);
     if (record == nullptr && dialect().has_neighbours()) return;
-    if (entity == nullptr) {
+    if (property == nullptr) {
         port_.log(std::string(dialect().title()) + " sets " +
-                  text::printable(which.board + "/" + which.entity, kShownBytes) + ", which is not there");
+                  text::printable(which.board + "/" + which.property, kShownBytes) + ", which is not there");
         return;
     }
     const auto board = record->board->board;
-    const auto value = dialect().value_of(*entity, payload);
+    const auto value = dialect().value_of(*property, payload);
     if (!value) return failed(board, value.error());
-    if (!record->there) return failed(board, entity->name + ": the board is not there");
-    if (entity->kind != EntityKind::kButton) publish_target(*record, *entity, payload);
-    for (const auto& request : requests_for(*entity, *value))
-        port_.command(board, request, [this, board, name = entity->name](const std::string& fault) {
+    if (!record->there) return failed(board, property->name + ": the board is not there");
+    if (property->kind != Kind::kButton) publish_target(*record, *property, payload);
+    for (const auto& request : requests_for(*property, *value))
+        port_.command(board, request, [this, board, name = property->name](const std::string& fault) {
             if (!fault.empty()) failed(board, name + ": " + fault);
         });
 }
@@ -234,7 +235,7 @@ void Exporter::failed(const std::string& board, const std::string& sentence) {
     if (phase_ != Phase::kActive || found == records_.end() || dialect().read_only()) return;
     auto text = dialect().error_text(sentence);
     if (dialect().error_is_retained())
-        return offer(found->second, found->second.board->entities.size(), std::move(text), now_);
+        return offer(found->second, found->second.board->properties.size(), std::move(text), now_);
     mqtt::Message message;
     message.topic = dialect().error(board);
     message.payload = std::move(text);

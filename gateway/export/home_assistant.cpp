@@ -30,27 +30,27 @@ std::optional<double> number_from(std::string_view text) {
     return value;
 }
 
-std::string color_mode(const Entity& light) {
+std::string color_mode(const Property& light) {
     if (light.color) return "rgb";
-    return light.write ? "brightness" : "onoff";
+    return has_brightness(light) ? "brightness" : "onoff";
 }
 
-json light_state(const Entity& entity, const json& value) {
+json light_state(const Property& property, const json& value) {
     json state{{"state", value.value("on", false) ? "ON" : "OFF"}};
     if (!value.value("on", false)) return state;
-    state["color_mode"] = color_mode(entity);
-    if (value.contains("brightness")) state["brightness"] = value["brightness"];
+    state["color_mode"] = color_mode(property);
+    if (has_brightness(property) && value.contains("brightness")) state["brightness"] = value["brightness"];
     if (value.contains("color")) {
         const auto color = value["color"].get<std::uint32_t>();
         state["color"] = {{"r", color >> 16 & 0xff}, {"g", color >> 8 & 0xff}, {"b", color & 0xff}};
-    } else if (entity.color) {
+    } else if (property.color) {
         state["color"] = {{"r", 255}, {"g", 255}, {"b", 255}};
     }
     return state;
 }
 
-Unexpected<std::string> not_taken(const Entity& entity, std::string_view payload) {
-    return fail(entity.name + " cannot be set to " + text::printable(payload, kShownBytes));
+Unexpected<std::string> not_taken(const Property& property, std::string_view payload) {
+    return fail(property.name + " cannot be set to " + text::printable(payload, kShownBytes));
 }
 
 /// 0 to 255.
@@ -62,45 +62,51 @@ std::optional<int> channel(const json& color, const char* name) {
     return static_cast<int>(value);
 }
 
-Expected<json> light_value(const Entity& entity, std::string_view payload) {
+Expected<json> light_value(const Property& property, std::string_view payload) {
     const auto parsed =
         model::parse_json(payload, {.max_bytes = kMaxCommandBytes, .max_depth = kMaxCommandDepth});
-    if (!parsed || !parsed->is_object()) return not_taken(entity, payload);
+    if (!parsed || !parsed->is_object()) return not_taken(property, payload);
     const auto state = parsed->find("state");
-    if (state == parsed->end() || (*state != "ON" && *state != "OFF")) return not_taken(entity, payload);
+    if (state == parsed->end() || (*state != "ON" && *state != "OFF")) return not_taken(property, payload);
     json value{{"on", *state == "ON"}};
     if (const auto brightness = parsed->find("brightness"); brightness != parsed->end())
         value["brightness"] = *brightness;
     if (const auto color = parsed->find("color"); color != parsed->end()) {
         const auto r = channel(*color, "r"), g = channel(*color, "g"), b = channel(*color, "b");
-        if (!r || !g || !b) return not_taken(entity, payload);
+        if (!r || !g || !b) return not_taken(property, payload);
         value["color"] = *r << 16 | *g << 8 | *b;
     }
     return value;
 }
 
-void describe_unit(ObjectText& component, const Entity& entity) {
-    const auto shown = device_class_of(entity.quantity, entity.unit);
-    if (!shown.unit.empty()) component.add("unit_of_meas", shown.unit);
-    if (!shown.device_class.empty()) component.add("dev_cla", shown.device_class);
+/// Home Assistant puts the name of the device in front.
+void add_name(ObjectText& component, const ExportedBoard& board, const Property& property) {
+    const auto& device = board.name.empty() ? board.board : board.name;
+    if (property.name == device)
+        component.add_json("name", "null");
+    else if (property.name.starts_with(device + " "))
+        component.add("name", property.name.substr(device.size() + 1));
+    else
+        component.add("name", property.name);
 }
 
-void describe_sensor(ObjectText& component, const Entity& entity) {
-    if (!entity.options.empty()) {
-        component.add("dev_cla", "enum").add_words("ops", std::views::keys(entity.options));
+void describe_sensor(ObjectText& component, const Property& property) {
+    if (!property.choices.empty()) {
+        component.add("dev_cla", "enum").add_words("ops", std::views::keys(property.choices));
         return;
     }
-    describe_unit(component, entity);
-    if (entity.max_length > 0 || entity.quantity == "energy") return;
-    const bool angle = entity.quantity == "angle" && entity.unit == "degrees";
-    component.add("stat_cla", angle ? "measurement_angle" : "measurement");
+    describe_unit(component, property);
+    const auto what = quantity_of(property);
+    // The mean of 359 and 1 degrees is not 180: a class for angles is younger than the oldest version.
+    if (property.max_length == 0 && what != "angle")
+        component.add("stat_cla", what == "energy" ? "total_increasing" : "measurement");
 }
 
-void describe_number(ObjectText& component, const Entity& entity) {
-    describe_unit(component, entity);
-    const double min = entity.min.value_or(-kLargest - 1);
-    const double max = entity.max.value_or(kLargest);
-    const double step = std::max(entity.step.value_or(entity.whole ? 1 : kUsualStep), kSmallestStep);
+void describe_number(ObjectText& component, const Property& property) {
+    describe_unit(component, property);
+    const double min = property.min.value_or(-kLargest - 1);
+    const double max = property.max.value_or(kLargest);
+    const double step = std::max(property.step.value_or(property.whole ? 1 : kUsualStep), kSmallestStep);
     component.add_number("min", min)
         .add_number("max", max > min ? max : min + 1)  // some versions refuse a range of one value
         .add_number("step", step);
@@ -142,60 +148,63 @@ std::vector<std::string> HomeAssistant::ours(const Retained& found, const std::s
     return result;
 }
 
-bool HomeAssistant::shown(const Entity& entity) const {
-    return !options_.read_only || entity.kind != EntityKind::kButton;
+bool HomeAssistant::shown(const Property& property) const {
+    return !options_.read_only || property.kind != Kind::kButton;
 }
 
-std::string HomeAssistant::platform(const Entity& entity) const {
-    switch (entity.kind) {
-        case EntityKind::kSensor:
+std::string HomeAssistant::platform(const Property& property) const {
+    switch (property.kind) {
+        case Kind::kSensor:
             return "sensor";
-        case EntityKind::kBinarySensor:
+        case Kind::kBinarySensor:
             return "binary_sensor";
-        case EntityKind::kSwitch:
+        case Kind::kSwitch:
             return options_.read_only ? "binary_sensor" : "switch";
-        case EntityKind::kLight:
+        case Kind::kLight:
             return options_.read_only ? "binary_sensor" : "light";
-        case EntityKind::kNumber:
+        case Kind::kNumber:
             return options_.read_only ? "sensor" : "number";
-        case EntityKind::kText:
+        case Kind::kText:
             return options_.read_only ? "sensor" : "text";
-        case EntityKind::kSelect:
+        case Kind::kSelect:
             return options_.read_only ? "sensor" : "select";
-        case EntityKind::kButton:
+        case Kind::kButton:
             return "button";
     }
     return "sensor";
 }
 
 void HomeAssistant::describe_component(ObjectText& component, const ExportedBoard& board,
-                                       const std::string& device, const Entity& entity) const {
-    const auto kind = platform(entity);
-    component.add("p", kind).add("uniq_id", device + "_" + entity.id).add("name", entity.name);
+                                       const std::string& device, const Property& property) const {
+    const auto kind = platform(property);
+    const auto plain = property::plain_id(property.id);
+    component.add("p", kind).add("uniq_id", device + "_" + plain);
+    add_name(component, board, property);
     if (options_.entity_ids) {
-        auto id = board.board + "_" + entity.id;
+        auto id = board.board + "_" + plain;
         for (char& c : id)
             c = std::isalnum(static_cast<unsigned char>(c)) != 0
                     ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
                     : '_';
         component.add("def_ent_id", kind + "." + id);
     }
-    if (!entity.default_on) component.add_bool("en", false);
-    const auto topic = state(board.board, entity.id);
-    if (entity.kind != EntityKind::kButton) component.add("stat_t", topic);
-    if (entity.settable() && !options_.read_only) component.add("cmd_t", topic + "/set");
+    if (property.hidden()) component.add_bool("en", false);
+    describe_class(component, kind, property.meaning);
+    const auto topic = state(board.board, plain);
+    if (property.kind != Kind::kButton) component.add("stat_t", topic);
+    if (property.settable() && !options_.read_only) component.add("cmd_t", topic + "/set");
     if (kind == "sensor") {
-        describe_sensor(component, entity);
+        describe_sensor(component, property);
     } else if (kind == "number") {
-        describe_number(component, entity);
+        describe_number(component, property);
     } else if (kind == "text") {
-        component.add_number("max", static_cast<double>(std::min(entity.max_length, kMaxStateBytes)))
+        component.add_number("max", static_cast<double>(std::min(property.max_length, kMaxStateBytes)))
             .add("pattern", "^[ -~]*$");
     } else if (kind == "select") {
-        component.add_words("ops", std::views::keys(entity.options));
+        component.add_words("ops", std::views::keys(property.choices));
     } else if (kind == "light") {
-        component.add("schema", "json").add_json("sup_clrm", "[\"" + color_mode(entity) + "\"]");
-        if (entity.write) component.add_bool("brightness", true);
+        component.add("schema", "json").add_json("sup_clrm", "[\"" + color_mode(property) + "\"]");
+        if (has_brightness(property)) component.add_bool("brightness", true);
     }
 }
 
@@ -209,6 +218,7 @@ void HomeAssistant::describe_device(ObjectText& document, const ExportedBoard& b
         if (!board.chip.empty()) device.add("mdl", board.chip);
         if (!board.sketch.empty()) device.add("sw", board.sketch);
         if (!board.room.empty()) device.add("sa", board.room);
+        if (!options_.page.empty()) device.add("cu", options_.page + "#/board/" + board.board);
     }
     {
         auto origin = document.object("o");
@@ -226,9 +236,9 @@ void HomeAssistant::describe_device(ObjectText& document, const ExportedBoard& b
 HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) const {
     Components result;
     bool settable = false;
-    for (const auto& entity : board.entities) {
-        if (shown(entity)) result[entity.id] = platform(entity);
-        settable = settable || entity.settable();
+    for (const auto& property : board.properties) {
+        if (shown(property)) result[property::plain_id(property.id)] = platform(property);
+        settable = settable || property.settable();
     }
     if (settable && !options_.read_only) result[std::string(kLastError)] = "sensor";
     return result;
@@ -236,20 +246,21 @@ HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) 
 
 std::string HomeAssistant::document(const ExportedBoard& board, const Components& removed) const {
     const auto device = device_id(board.board);
-    auto text = room_for(board.entities.size());
+    auto text = room_for(board.properties.size());
     {
         ObjectText document(text);
         describe_device(document, board, device);
         auto all = document.object("cmps");
         bool settable = false;
-        for (const auto& entity : board.entities) {
-            settable = settable || entity.settable();
-            if (!shown(entity) || removed.contains(entity.id)) continue;
-            auto component = all.object(entity.id);
-            describe_component(component, board, device, entity);
+        for (const auto& property : board.properties) {
+            settable = settable || property.settable();
+            const auto id = property::plain_id(property.id);
+            if (!shown(property) || removed.contains(id)) continue;
+            auto component = all.object(id);
+            describe_component(component, board, device, property);
         }
         const std::string error(kLastError);
-        if (settable && !options_.read_only && !removed.contains(error) && board.entity(error) == nullptr)
+        if (settable && !options_.read_only && !removed.contains(error) && board.property(error) == nullptr)
             all.object(error)
                 .add("p", "sensor")
                 .add("uniq_id", device + "_" + error)
@@ -294,15 +305,15 @@ Dialect::Document HomeAssistant::next_document(const ExportedBoard& board, const
     return {std::move(removing), false};
 }
 
-std::string HomeAssistant::state_text(const Entity& entity, const json& value) const {
-    const bool light = entity.kind == EntityKind::kLight && !options_.read_only;
+std::string HomeAssistant::state_text(const Property& property, const json& value) const {
+    const bool light = property.kind == Kind::kLight && !options_.read_only;
     if (value.is_null()) {
         if (light) return R"({"state":null})";
-        return entity.kind == EntityKind::kText ? "" : "None";
+        return property.kind == Kind::kText ? "" : "None";
     }
-    if (entity.kind == EntityKind::kLight) {
+    if (property.kind == Kind::kLight) {
         if (options_.read_only) return value.value("on", false) ? "ON" : "OFF";
-        return model::dump_json(light_state(entity, value));
+        return model::dump_json(light_state(property, value));
     }
     if (value.is_boolean()) return value.get<bool>() ? "ON" : "OFF";
     if (!value.is_string()) return model::dump_json(value);
@@ -322,37 +333,37 @@ std::optional<Dialect::Command> HomeAssistant::command_of(std::string_view topic
     return command_below(base() + "/", topic);
 }
 
-Expected<json> HomeAssistant::value_of(const Entity& entity, std::string_view payload) const {
+Expected<json> HomeAssistant::value_of(const Property& property, std::string_view payload) const {
     if (options_.read_only) return fail("this export is read-only");
     json value;
-    switch (entity.kind) {
-        case EntityKind::kLight: {
-            auto light = light_value(entity, payload);
+    switch (property.kind) {
+        case Kind::kLight: {
+            auto light = light_value(property, payload);
             if (!light) return light;
             value = std::move(*light);
             break;
         }
-        case EntityKind::kSwitch:
-            if (payload != "ON" && payload != "OFF") return not_taken(entity, payload);
+        case Kind::kSwitch:
+            if (payload != "ON" && payload != "OFF") return not_taken(property, payload);
             value = payload == "ON";
             break;
-        case EntityKind::kNumber: {
+        case Kind::kNumber: {
             const auto wanted = number_from(payload);
-            if (!wanted) return not_taken(entity, payload);
+            if (!wanted) return not_taken(property, payload);
             value = *wanted;
             break;
         }
-        case EntityKind::kText:
-        case EntityKind::kSelect:
+        case Kind::kText:
+        case Kind::kSelect:
             value = std::string(payload);
             break;
-        case EntityKind::kButton:
-            if (payload != "PRESS") return not_taken(entity, payload);
+        case Kind::kButton:
+            if (payload != "PRESS") return not_taken(property, payload);
             break;
         default:
-            return fail(entity.name + " cannot be set");
+            return fail(property.name + " cannot be set");
     }
-    if (requests_for(entity, value).empty()) return not_taken(entity, payload);
+    if (requests_for(property, value).empty()) return not_taken(property, payload);
     return value;
 }
 

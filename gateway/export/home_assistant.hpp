@@ -13,7 +13,7 @@ namespace asip::gateway::exports {
 class ObjectText;
 
 /// Boards in the dialect of Home Assistant: one discovery document for each board, a state topic for each of
-/// its entities. Pure: what is published is decided here, when is not.
+/// its properties. Pure: what is published is decided here, when is not.
 ///
 ///     PREFIX/device/ID/config             the document, retained
 ///     ROOT/export/ha/$state               online: the gateway exports; its will says offline
@@ -27,8 +27,9 @@ class HomeAssistant final : public Dialect {
         std::string root = "asip";
         std::string prefix = "homeassistant";
         std::string version;      ///< of the gateway
+        std::string page;         ///< its address, "http://10.0.0.2:8080/"; empty: it is not known
         bool read_only = false;   ///< nothing can be set
-        bool entity_ids = false;  ///< propose the ids of entities: sensor.uno1_distance_0
+        bool entity_ids = false;  ///< propose the ids of properties: sensor.uno1_distance_0
     };
     static constexpr std::size_t kMaxStateBytes = 255;  ///< Home Assistant takes no longer state
     static constexpr std::string_view kLastError = "last-error";
@@ -57,17 +58,17 @@ class HomeAssistant final : public Dialect {
     }
     std::string document_topic(std::string_view board) const override;
     Document next_document(const ExportedBoard& board, const std::string& on_bus) const override;
-    std::string state(std::string_view board, const Entity& entity) const override {
-        return state(board, entity.id);
+    std::string state(std::string_view board, const Property& property) const override {
+        return state(board, property::plain_id(property.id));
     }
-    std::string state(std::string_view board, std::string_view entity) const {
-        return base() + "/" + std::string(board) + "/" + std::string(entity);
+    std::string state(std::string_view board, std::string_view property) const {
+        return base() + "/" + std::string(board) + "/" + std::string(property);
     }
     std::string error(std::string_view board) const override { return state(board, kLastError); }
     std::string error_text(const std::string& sentence) const override { return cut(sentence); }
     std::string commands() const override { return base() + "/+/+/set"; }
 
-    /// Which entities are in a document: component -> platform.
+    /// Which properties are in a document: component -> platform.
     using Components = std::map<std::string, std::string>;
     /// Those of `removed` are named by their platform alone.
     std::string document(const ExportedBoard& board, const Components& removed = {}) const;
@@ -81,20 +82,20 @@ class HomeAssistant final : public Dialect {
 
     /// The beginning of a text that is longer than a state may be.
     static std::string cut(std::string text);
-    /// The value of an entity for its state topic; null: it is not known. Empty: the topic is cleared.
-    std::string state_text(const Entity& entity, const nlohmann::json& value) const override;
+    /// The value of an property for its state topic; null: it is not known. Empty: the topic is cleared.
+    std::string state_text(const Property& property, const nlohmann::json& value) const override;
 
     /// Of a command's topic; nothing: it is none.
     std::optional<Command> command_of(std::string_view topic) const override;
-    /// What Home Assistant asks for, as a value of the entity. Fails with a sentence.
-    Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const override;
+    /// What Home Assistant asks for, as a value of the property. Fails with a sentence.
+    Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const override;
 
   private:
     void describe_device(ObjectText& document, const ExportedBoard& board, const std::string& id) const;
     void describe_component(ObjectText& component, const ExportedBoard& board, const std::string& device,
-                            const Entity& entity) const;
-    std::string platform(const Entity& entity) const;
-    bool shown(const Entity& entity) const;
+                            const Property& property) const;
+    std::string platform(const Property& property) const;
+    bool shown(const Property& property) const;
     std::string device_id(std::string_view board) const;
 
     Options options_;
@@ -105,5 +106,11 @@ struct DeviceClass {
     std::string unit, device_class;
 };
 DeviceClass device_class_of(std::string_view quantity, std::string_view unit);
+
+/// What the number measures: by its meaning, else by its model.
+std::string_view quantity_of(const Property& property);
+/// What people said that a pin is, where its platform has a word for it.
+void describe_class(ObjectText& component, std::string_view platform, const model::Meaning& meaning);
+void describe_unit(ObjectText& component, const Property& property);
 
 }  // namespace asip::gateway::exports

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -10,7 +11,6 @@
 
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
-#include "gateway/export/entities.hpp"
 #include "gateway/export/home_assistant.hpp"
 #include "gateway/export/object_text.hpp"
 
@@ -31,6 +31,21 @@ bool is_id(std::string_view text) {
     return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
     });
+}
+
+/// "Left Arm #2" -> "left-arm-2"; "x" where nothing is left.
+std::string slug_of(std::string_view text) {
+    std::string slug;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x80 && std::isalnum(byte) != 0)
+            slug += static_cast<char>(std::tolower(byte));
+        else if (!slug.empty() && slug.back() != '-')
+            slug += '-';
+    }
+    while (!slug.empty() && slug.back() == '-')
+        slug.pop_back();
+    return slug.empty() ? "x" : slug;
 }
 
 /// Two names that differ in what an id may not hold must not become one.
@@ -81,29 +96,35 @@ std::string number_text(double value) {
 }
 
 /// "0:180:5"; empty: no bounds.
-std::string format_of_number(const Entity& entity) {
-    if (!entity.min && !entity.max) return {};
-    auto text =
-        (entity.min ? number_text(*entity.min) : "") + ":" + (entity.max ? number_text(*entity.max) : "");
-    if (entity.step && *entity.step > 0) text += ":" + number_text(*entity.step);
+std::string format_of_number(const Property& property) {
+    if (!property.min && !property.max) return {};
+    auto text = (property.min ? number_text(*property.min) : "") + ":" +
+                (property.max ? number_text(*property.max) : "");
+    if (property.step && *property.step > 0) text += ":" + number_text(*property.step);
     return text;
 }
 
 /// "a,b"; empty: they cannot be told apart so.
-std::string format_of_words(const Entity& entity) {
+std::string format_of_words(const Property& property) {
     std::string text;
-    for (const auto& [word, value] : entity.options) {
+    for (const auto& [word, value] : property.choices) {
         if (word.empty() || word.find(',') != std::string::npos) return {};
         text += (text.empty() ? "" : ",") + word;
     }
     return text;
 }
 
+/// A light that is only on or off.
+bool is_plain(const Property& light) {
+    return !light.color && !has_brightness(light);
+}
+
 // A light has one value in this dialect: its colour, as bright as it is, or its brightness. Black is off.
-std::string light_text(const Entity& entity, const json& value) {
+std::string light_text(const Property& property, const json& value) {
     const bool on = value.value("on", false);
     const double brightness = on ? value.value("brightness", kFullBrightness) : 0;
-    if (!entity.color) return number_text(brightness);
+    if (is_plain(property)) return on ? "true" : "false";
+    if (!property.color) return number_text(brightness);
     const auto color = value.value("color", static_cast<std::uint32_t>(kMaxColor));
     std::string text = "rgb";
     for (int shift = 16; shift >= 0; shift -= 8) {
@@ -138,8 +159,12 @@ std::optional<std::array<double, kChannels>> color_from(std::string_view text) {
     return parts;
 }
 
-std::optional<json> light_from(const Entity& entity, std::string_view payload) {
-    if (!entity.color) {
+std::optional<json> light_from(const Property& property, std::string_view payload) {
+    if (is_plain(property)) {
+        if (payload != "true" && payload != "false") return std::nullopt;
+        return json{{"on", payload == "true"}};
+    }
+    if (!property.color) {
         const auto level = homie_number(payload);
         if (!level || *level < 0 || *level > kFullBrightness) return std::nullopt;
         return *level > 0 ? json{{"on", true}, {"brightness", json_number(std::round(*level))}}
@@ -152,55 +177,55 @@ std::optional<json> light_from(const Entity& entity, std::string_view payload) {
     json value{{"on", true}};
     std::uint32_t color = 0;
     for (const double part : *parts) {
-        const double full = entity.write ? std::round(part * kFullBrightness / brightest) : part;
+        const double full = property.write ? std::round(part * kFullBrightness / brightest) : part;
         color = color << 8 | static_cast<std::uint32_t>(full);
     }
     value["color"] = color;
-    if (entity.write) value["brightness"] = json_number(brightest);
+    if (property.write) value["brightness"] = json_number(brightest);
     return value;
 }
 
-void describe_value(ObjectText& property, const Entity& entity) {
+void describe_value(ObjectText& described, const Property& property) {
     std::string type, format;
-    switch (entity.kind) {
-        case EntityKind::kBinarySensor:
-        case EntityKind::kSwitch:
+    switch (property.kind) {
+        case Kind::kBinarySensor:
+        case Kind::kSwitch:
             type = "boolean";
             break;
-        case EntityKind::kButton:
+        case Kind::kButton:
             type = "enum";
             format = "press";
-            property.add_bool("retained", false);
+            described.add_bool("retained", false);
             break;
-        case EntityKind::kText:
+        case Kind::kText:
             type = "string";
             break;
-        case EntityKind::kSelect:
-            format = format_of_words(entity);
+        case Kind::kSelect:
+            format = format_of_words(property);
             type = format.empty() ? "string" : "enum";
             break;
-        case EntityKind::kLight:
-            type = entity.color ? "color" : "integer";
-            format = entity.color ? "rgb" : "0:" + number_text(kFullBrightness);
+        case Kind::kLight:
+            type = property.color ? "color" : is_plain(property) ? "boolean" : "integer";
+            if (type != "boolean") format = property.color ? "rgb" : "0:" + number_text(kFullBrightness);
             break;
-        case EntityKind::kSensor:
-            format = format_of_words(entity);
-            if (entity.max_length > 0 || (!entity.options.empty() && format.empty()))
+        case Kind::kSensor:
+            format = format_of_words(property);
+            if (property.max_length > 0 || (!property.choices.empty() && format.empty()))
                 type = "string";
             else if (!format.empty())
                 type = "enum";
             break;
-        case EntityKind::kNumber:
+        case Kind::kNumber:
             break;
     }
     if (type.empty()) {
-        type = entity.whole ? "integer" : "float";
-        format = format_of_number(entity);
-        if (const auto unit = device_class_of(entity.quantity, entity.unit).unit; !unit.empty())
-            property.add("unit", unit);
+        type = property.whole ? "integer" : "float";
+        format = format_of_number(property);
+        if (const auto unit = device_class_of(property.quantity, property.unit).unit; !unit.empty())
+            described.add("unit", unit);
     }
-    property.add("datatype", type);
-    if (!format.empty()) property.add("format", format);
+    described.add("datatype", type);
+    if (!format.empty()) described.add("format", format);
 }
 
 }  // namespace
@@ -256,11 +281,11 @@ std::string Homie::gateway_document(const std::vector<std::string>& boards, cons
 }
 
 std::string Homie::document(const ExportedBoard& board, std::int64_t version) const {
-    std::map<std::string, std::vector<const Entity*>> nodes;
-    for (const auto& entity : board.entities)
-        if (entity.kind != EntityKind::kButton || !options_.read_only)
-            nodes[slug_of(entity.service())].push_back(&entity);
-    auto text = room_for(board.entities.size());
+    std::map<std::string, std::vector<const Property*>> nodes;
+    for (const auto& property : board.properties)
+        if (property.kind != Kind::kButton || !options_.read_only)
+            nodes[property::plain_id(property.service)].push_back(&property);
+    auto text = room_for(board.properties.size());
     {
         ObjectText object(text);
         object.add("homie", kVersion)
@@ -269,14 +294,14 @@ std::string Homie::document(const ExportedBoard& board, std::int64_t version) co
             .add("type", "asip-board")
             .add("root", gateway_id());
         auto all = object.object("nodes");
-        for (const auto& [id, entities] : nodes) {
+        for (const auto& [id, properties] : nodes) {
             auto node = all.object(id);
-            node.add("name", entities[0]->service());
-            auto properties = node.object("properties");
-            for (const auto* entity : entities) {
-                auto property = properties.object(entity->id);
-                property.add("name", entity->name).add_bool("settable", settable(*entity));
-                describe_value(property, *entity);
+            node.add("name", properties[0]->service);
+            auto all_described = node.object("properties");
+            for (const auto* property : properties) {
+                auto described = all_described.object(property::plain_id(property->id));
+                described.add("name", property->name).add_bool("settable", settable(*property));
+                describe_value(described, *property);
             }
         }
     }
@@ -292,18 +317,18 @@ std::string Homie::state_of_board(bool there, std::string_view state) const {
     return there ? "ready" : "disconnected";
 }
 
-std::string Homie::state(std::string_view board, const Entity& entity) const {
-    return topic(id_of(board), slug_of(entity.service()) + "/" + entity.id);
+std::string Homie::state(std::string_view board, const Property& property) const {
+    return topic(id_of(board), property::plain_id(property.service) + "/" + property::plain_id(property.id));
 }
 
-std::string Homie::target(std::string_view board, const Entity& entity) const {
-    if (!settable(entity) || entity.kind == EntityKind::kButton) return {};
-    return state(board, entity) + "/$target";
+std::string Homie::target(std::string_view board, const Property& property) const {
+    if (!settable(property) || property.kind == Kind::kButton) return {};
+    return state(board, property) + "/$target";
 }
 
-std::string Homie::state_text(const Entity& entity, const json& value) const {
+std::string Homie::state_text(const Property& property, const json& value) const {
     if (value.is_null()) return {};
-    if (entity.kind == EntityKind::kLight) return light_text(entity, value);
+    if (property.kind == Kind::kLight) return light_text(property, value);
     if (!value.is_string()) return model::dump_json(value);
     const auto& text = value.get_ref<const std::string&>();
     return text.empty() ? kEmptyText : text;
@@ -320,30 +345,30 @@ std::optional<Dialect::Command> Homie::command_of(std::string_view topic) const 
     return command;
 }
 
-Expected<json> Homie::value_of(const Entity& entity, std::string_view payload) const {
+Expected<json> Homie::value_of(const Property& property, std::string_view payload) const {
     if (options_.read_only) return fail("this export is read-only");
-    if (!entity.settable()) return fail(entity.name + " cannot be set");
+    if (!property.settable()) return fail(property.name + " cannot be set");
     std::optional<json> value;
     if (payload.size() <= kMaxCommandBytes) {
-        switch (entity.kind) {
-            case EntityKind::kLight:
-                value = light_from(entity, payload);
+        switch (property.kind) {
+            case Kind::kLight:
+                value = light_from(property, payload);
                 break;
-            case EntityKind::kSwitch:
+            case Kind::kSwitch:
                 if (payload == "true" || payload == "false") value = payload == "true";
                 break;
-            case EntityKind::kNumber:
+            case Kind::kNumber:
                 if (const auto wanted = homie_number(payload)) value = json_number(*wanted);
                 break;
-            case EntityKind::kButton:
+            case Kind::kButton:
                 if (payload == "press") value = json();
                 break;
             default:
                 value = payload == kEmptyText ? std::string() : std::string(payload);
         }
     }
-    if (!value || requests_for(entity, *value).empty())
-        return fail(entity.name + " cannot be set to " + text::printable(payload, kShownBytes));
+    if (!value || requests_for(property, *value).empty())
+        return fail(property.name + " cannot be set to " + text::printable(payload, kShownBytes));
     return *value;
 }
 

@@ -9,7 +9,7 @@
 namespace asip::gateway::exports {
 
 /// Boards as devices of the Homie convention, version 5. The gateway is the root device, each board its
-/// child, each service a node, each entity a property. Pure.
+/// child, each service a node, each property a property. Pure.
 ///
 ///     DOMAIN/5/GATEWAY/$state, $description     the gateway; its will says `lost`
 ///     DOMAIN/5/BOARD/$state, $description       a board
@@ -54,17 +54,17 @@ class Homie final : public Dialect {
     }
     Document next_document(const ExportedBoard& board, const std::string& on_bus) const override;
     std::string_view last_cleared() const override { return "/$description"; }
-    std::string state(std::string_view board, const Entity& entity) const override;
-    std::string state_text(const Entity& entity, const nlohmann::json& value) const override;
+    std::string state(std::string_view board, const Property& property) const override;
+    std::string state_text(const Property& property, const nlohmann::json& value) const override;
     int state_qos() const override { return 1; }
-    std::string target(std::string_view board, const Entity& entity) const override;
+    std::string target(std::string_view board, const Property& property) const override;
     std::string error(std::string_view board) const override { return topic(id_of(board), "$log/error"); }
     std::string error_text(const std::string& sentence) const override { return sentence; }
     bool error_is_retained() const override { return false; }
     std::string commands() const override { return options_.domain + "/5/+/+/+/set"; }
     bool has_neighbours() const override { return true; }
     std::optional<Command> command_of(std::string_view topic) const override;
-    Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const override;
+    Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const override;
 
   private:
     static constexpr std::string_view kDescription = "$description";
@@ -74,7 +74,7 @@ class Homie final : public Dialect {
         return options_.domain + "/5/" + id + "/" + std::string(rest);
     }
     std::string document(const ExportedBoard& board, std::int64_t version) const;
-    bool settable(const Entity& entity) const { return entity.settable() && !options_.read_only; }
+    bool settable(const Property& property) const { return property.settable() && !options_.read_only; }
 
     Options options_;
 };

@@ -12,11 +12,11 @@
 
 namespace asip::gateway::exports {
 
-/// A text for a document of so many entities, which seldom has to grow.
-inline std::string room_for(std::size_t entities) {
+/// A text for a document of so many properties, which seldom has to grow.
+inline std::string room_for(std::size_t properties) {
     constexpr std::size_t kUsualBytes = 512, kUsualBytesOfEntity = 256;
     std::string text;
-    text.reserve(kUsualBytes + entities * kUsualBytesOfEntity);
+    text.reserve(kUsualBytes + properties * kUsualBytesOfEntity);
     return text;
 }
 

@@ -16,7 +16,6 @@ namespace {
 using nlohmann::json;
 using sparkplug::DataType;
 using sparkplug::Metric;
-using sparkplug::Property;
 using sparkplug::Value;
 
 constexpr std::size_t kMaxIdBytes = 100;
@@ -43,18 +42,18 @@ std::optional<std::uint32_t> color_from_hex(std::string_view text) {
     return color;
 }
 
-DataType type_of(const Entity& entity) {
-    switch (entity.kind) {
-        case EntityKind::kBinarySensor:
-        case EntityKind::kSwitch:
-        case EntityKind::kButton:
+DataType data_type_of(const Property& property) {
+    switch (property.kind) {
+        case Kind::kBinarySensor:
+        case Kind::kSwitch:
+        case Kind::kButton:
             return DataType::kBoolean;
-        case EntityKind::kText:
-        case EntityKind::kSelect:
+        case Kind::kText:
+        case Kind::kSelect:
             return DataType::kString;
         default:
-            if (entity.max_length > 0 || !entity.options.empty()) return DataType::kString;
-            return entity.whole ? DataType::kInt64 : DataType::kDouble;
+            if (property.max_length > 0 || !property.choices.empty()) return DataType::kString;
+            return property.whole ? DataType::kInt64 : DataType::kDouble;
     }
 }
 
@@ -114,16 +113,16 @@ bool add_to_light(json& light, const Sparkplug::Wanted& wanted) {
     return false;
 }
 
-std::optional<json> plain_value(const Entity& entity, const Value& wanted) {
-    switch (entity.kind) {
-        case EntityKind::kSwitch:
-        case EntityKind::kButton: {
+std::optional<json> plain_value(const Property& property, const Value& wanted) {
+    switch (property.kind) {
+        case Kind::kSwitch:
+        case Kind::kButton: {
             const auto* yes = std::get_if<bool>(&wanted);
-            if (yes == nullptr || (entity.kind == EntityKind::kButton && !*yes)) return std::nullopt;
-            return entity.kind == EntityKind::kButton ? json() : json(*yes);
+            if (yes == nullptr || (property.kind == Kind::kButton && !*yes)) return std::nullopt;
+            return property.kind == Kind::kButton ? json() : json(*yes);
         }
-        case EntityKind::kText:
-        case EntityKind::kSelect: {
+        case Kind::kText:
+        case Kind::kSelect: {
             const auto* text = std::get_if<std::string>(&wanted);
             return text == nullptr ? std::nullopt : std::optional<json>(*text);
         }
@@ -171,16 +170,17 @@ std::optional<std::string> Sparkplug::board_of(std::string_view topic) const {
     return std::string(topic);
 }
 
-std::vector<Sparkplug::Slot> Sparkplug::slots(const Entity& entity) {
-    if (entity.kind != EntityKind::kLight) return {{entity.id, Part::kWhole, type_of(entity)}};
-    std::vector<Slot> result{{entity.id + "/on", Part::kOn, DataType::kBoolean}};
-    if (entity.write) result.push_back({entity.id + "/brightness", Part::kBrightness, DataType::kInt64});
-    if (entity.color) result.push_back({entity.id + "/color", Part::kColor, DataType::kString});
+std::vector<Sparkplug::Slot> Sparkplug::slots(const Property& property) {
+    if (property.kind != Kind::kLight) return {{property.id, Part::kWhole, data_type_of(property)}};
+    std::vector<Slot> result{{property.id + "/on", Part::kOn, DataType::kBoolean}};
+    if (has_brightness(property))
+        result.push_back({property.id + "/brightness", Part::kBrightness, DataType::kInt64});
+    if (property.color) result.push_back({property.id + "/color", Part::kColor, DataType::kString});
     return result;
 }
 
-Value Sparkplug::value(const Entity& entity, const Slot& slot, const json& value) {
-    if (entity.kind == EntityKind::kButton) return false;  // as that of Node Control/Rebirth
+Value Sparkplug::value(const Property& property, const Slot& slot, const json& value) {
+    if (property.kind == Kind::kButton) return false;  // as that of Node Control/Rebirth
     if (slot.part != Part::kWhole) return part_of_light(slot.part, value);
     switch (slot.type) {
         case DataType::kBoolean:
@@ -199,23 +199,23 @@ Value Sparkplug::value(const Entity& entity, const Slot& slot, const json& value
     }
 }
 
-std::vector<Property> Sparkplug::properties(const Entity& entity, const Slot& slot) const {
-    std::vector<Property> result{{"name", entity.name}};
+std::vector<sparkplug::Property> Sparkplug::properties(const Property& property, const Slot& slot) const {
+    std::vector<sparkplug::Property> result{{"name", property.name}};
     const bool number = slot.type == DataType::kInt64 || slot.type == DataType::kDouble;
     if (slot.part == Part::kBrightness) {
         result.push_back({"engLow", 0.0});
         result.push_back({"engHigh", kFullBrightness});
     } else if (number) {
-        if (!entity.unit.empty()) result.push_back({"engUnit", entity.unit});
-        if (entity.min) result.push_back({"engLow", *entity.min});
-        if (entity.max) result.push_back({"engHigh", *entity.max});
-    } else if (slot.type == DataType::kString && !entity.options.empty()) {
+        if (!property.unit.empty()) result.push_back({"engUnit", property.unit});
+        if (property.min) result.push_back({"engLow", *property.min});
+        if (property.max) result.push_back({"engHigh", *property.max});
+    } else if (slot.type == DataType::kString && !property.choices.empty()) {
         std::string words;
-        for (const auto& [word, each] : entity.options)
+        for (const auto& [word, each] : property.choices)
             words += (words.empty() ? "" : ",") + word;
         result.push_back({"options", std::move(words)});
     }
-    result.push_back({"readOnly", !entity.settable() || options_.read_only});
+    result.push_back({"readOnly", !property.settable() || options_.read_only});
     return result;
 }
 
@@ -229,12 +229,12 @@ std::optional<Sparkplug::HostState> Sparkplug::host_state_from(std::string_view 
     return HostState{online->get<bool>(), time->get<double>()};
 }
 
-Expected<json> Sparkplug::value_of(const Entity& entity, const std::vector<Wanted>& wanted,
+Expected<json> Sparkplug::value_of(const Property& property, const std::vector<Wanted>& wanted,
                                    const json& known) const {
     if (options_.read_only) return fail("this export is read-only");
-    if (!entity.settable()) return fail(entity.name + " cannot be set");
+    if (!property.settable()) return fail(property.name + " cannot be set");
     std::optional<json> value;
-    if (entity.kind == EntityKind::kLight) {
+    if (property.kind == Kind::kLight) {
         json light = json::object();
         bool good = !wanted.empty();
         for (const auto& each : wanted)
@@ -245,10 +245,10 @@ Expected<json> Sparkplug::value_of(const Entity& entity, const std::vector<Wante
             light["brightness"] = known["brightness"];
         if (good && light.contains("on")) value = std::move(light);
     } else if (!wanted.empty()) {
-        value = plain_value(entity, wanted.back().value);
+        value = plain_value(property, wanted.back().value);
     }
-    if (!value || requests_for(entity, *value).empty())
-        return fail(entity.name + " cannot be set to " +
+    if (!value || requests_for(property, *value).empty())
+        return fail(property.name + " cannot be set to " +
                     (wanted.empty() ? std::string("nothing") : wanted_text(wanted.back().value)));
     return *value;
 }

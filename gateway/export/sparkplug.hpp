@@ -12,7 +12,7 @@
 
 namespace asip::gateway::exports {
 
-/// Boards as devices of Sparkplug B 3.0. The gateway is the edge node, each board a device, each entity a
+/// Boards as devices of Sparkplug B 3.0. The gateway is the edge node, each board a device, each property a
 /// metric; a light is up to three. Pure: what is said is decided here, when and with which number is not.
 ///
 ///     spBv1.0/GROUP/NBIRTH/EDGE, NDEATH/EDGE         the gateway; its will is NDEATH
@@ -48,7 +48,7 @@ class Sparkplug {
     /// Of a DCMD; nothing: the topic is none.
     std::optional<std::string> board_of(std::string_view topic) const;
 
-    /// Which part of an entity's value a metric is.
+    /// Which part of an property's value a metric is.
     enum class Part { kWhole, kOn, kBrightness, kColor };
     struct Slot {
         std::string name;
@@ -56,11 +56,11 @@ class Sparkplug {
         sparkplug::DataType type = sparkplug::DataType::kString;
         friend bool operator==(const Slot&, const Slot&) = default;
     };
-    static std::vector<Slot> slots(const Entity& entity);
-    /// Of the entity's value, which is null where it is not known. Any JSON may be given.
-    static sparkplug::Value value(const Entity& entity, const Slot& slot, const nlohmann::json& value);
+    static std::vector<Slot> slots(const Property& property);
+    /// Of the property's value, which is null where it is not known. Any JSON may be given.
+    static sparkplug::Value value(const Property& property, const Slot& slot, const nlohmann::json& value);
     /// What a birth says of a metric beside its value.
-    std::vector<sparkplug::Property> properties(const Entity& entity, const Slot& slot) const;
+    std::vector<sparkplug::Property> properties(const Property& property, const Slot& slot) const;
 
     /// Whether a host is online, with its time; nothing: the text does not say.
     struct HostState {
@@ -73,9 +73,9 @@ class Sparkplug {
         Part part;
         sparkplug::Value value;
     };
-    /// What a command asks for, as a value of the entity. `known`: its value now, or null. Fails with a
+    /// What a command asks for, as a value of the property. `known`: its value now, or null. Fails with a
     /// sentence.
-    Expected<nlohmann::json> value_of(const Entity& entity, const std::vector<Wanted>& wanted,
+    Expected<nlohmann::json> value_of(const Property& property, const std::vector<Wanted>& wanted,
                                       const nlohmann::json& known) const;
 
     // Metrics of the node.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Boards, their values and commands for them; when there is a session of the node: sparkplug_node.cpp.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -68,36 +69,34 @@ void SparkplugNode::update(const std::string& name, Time now) {
 void SparkplugNode::take(Record& record, std::shared_ptr<const ExportedBoard> board) {
     std::map<std::string, State> old;
     for (std::size_t i = 0; i < record.states.size(); ++i)
-        old[record.board->entities[i].id] = std::move(record.states[i]);
+        old[record.board->properties[i].id] = std::move(record.states[i]);
     record.board = std::move(board);
     record.states.clear();
-    record.states.resize(record.board->entities.size());
+    record.states.resize(record.board->properties.size());
     record.slots.clear();
     record.by_service.clear();
     for (std::size_t i = 0; i < record.states.size(); ++i) {
-        const auto& entity = record.board->entities[i];
-        if (auto kept = old.find(entity.id); kept != old.end()) record.states[i] = std::move(kept->second);
-        if (entity.kind != EntityKind::kButton)
-            record.by_service[entity.service()].push_back(i);
-        else if (options_.dialect.read_only)
-            continue;
-        for (auto& slot : Sparkplug::slots(entity))
+        const auto& property = record.board->properties[i];
+        if (auto kept = old.find(property.id); kept != old.end()) record.states[i] = std::move(kept->second);
+        if (property.read) record.by_service[property.service].push_back(i);
+        if (property.kind == Kind::kButton && options_.dialect.read_only) continue;
+        for (auto& slot : Sparkplug::slots(property))
             record.slots.push_back({std::move(slot), i, 0});
     }
     std::vector<bus::Demander::Want> wants;
-    for (const auto& [service, entities] : record.by_service)
+    for (const auto& [service, properties] : record.by_service)
         wants.push_back(port_.want(record.board->board, service, options_.per_second));
     record.wants = std::move(wants);
 }
 
 sparkplug::Metric SparkplugNode::metric(const Record& record, const Slot& slot, std::uint64_t time_ms) const {
-    const auto& state = record.states[slot.entity];
+    const auto& state = record.states[slot.property];
     sparkplug::Metric result;
     result.alias = slot.alias;
     result.timestamp = time_ms;
     result.type = slot.metric.type;
-    result.value =
-        Sparkplug::value(record.board->entities[slot.entity], slot.metric, value_from(state.value.sent()));
+    result.value = Sparkplug::value(record.board->properties[slot.property], slot.metric,
+                                    value_from(state.value.sent()));
     if (!state.fault.empty()) {
         result.properties.push_back({kQuality, kBad});
         result.properties.push_back({kError, state.fault});
@@ -119,7 +118,7 @@ void SparkplugNode::birth(Record& record, Time now) {
         slot.alias = next_alias_++;
         auto each = metric(record, slot, time);
         each.name = slot.metric.name;
-        auto properties = dialect_.properties(record.board->entities[slot.entity], slot.metric);
+        auto properties = dialect_.properties(record.board->properties[slot.property], slot.metric);
         each.properties.insert(each.properties.end(), properties.begin(), properties.end());
         payload.metrics.push_back(std::move(each));
     }
@@ -131,20 +130,44 @@ void SparkplugNode::birth(Record& record, Time now) {
 
 void SparkplugNode::death(Record& record) {
     record.states.clear();
-    record.states.resize(record.board->entities.size());
+    record.states.resize(record.board->properties.size());
     if (!std::exchange(record.born, false)) return;
     say(dialect_.topic("DDEATH", record.board->board), {});
 }
 
 // --- values
 
-void SparkplugNode::value(std::string_view board, std::string_view service, std::string_view text, bool set,
-                          Time now) {
-    if (phase_ != Phase::kActive) return;
-    const auto found = records_.find(std::string(board));
-    if (found == records_.end() || !found->second.there) return;
-    auto& record = found->second;
-    const auto changed = take_values(record, service, text, set, now);
+SparkplugNode::Record* SparkplugNode::living(const std::string& board) {
+    const auto found = phase_ == Phase::kActive ? records_.find(board) : records_.end();
+    return found != records_.end() && found->second.there ? &found->second : nullptr;
+}
+
+void SparkplugNode::value(std::string_view board, std::string_view service, std::string_view text, Time now) {
+    auto* record = living(std::string(board));
+    if (record == nullptr) return;
+    const auto properties = record->by_service.find(service);
+    if (properties == record->by_service.end()) return;
+    std::uint64_t refused = 0;
+    std::vector<std::size_t> changed;
+    for (const auto& each : reported_values(*record->board, properties->second, text, refused))
+        if (take_value(*record, each.property, each.value, now)) changed.push_back(each.property);
+    if (refused > 0) port_.refused(refused);
+    show(*record, changed, now);
+}
+
+void SparkplugNode::known(const std::string& board, const std::vector<std::string>& ids, Time now) {
+    auto* record = living(board);
+    if (record == nullptr) return;
+    const auto& properties = record->board->properties;
+    std::vector<std::size_t> changed;
+    for (std::size_t i = 0; i < properties.size(); ++i)
+        if (properties[i].kind != Kind::kButton && is_one_of(properties[i], ids) &&
+            take_value(*record, i, port_.value(board, properties[i]), now))
+            changed.push_back(i);
+    show(*record, changed, now);
+}
+
+void SparkplugNode::show(Record& record, const std::vector<std::size_t>& changed, Time now) {
     std::vector<std::size_t> due;
     for (const auto index : changed) {
         auto& state = record.states[index];
@@ -157,37 +180,32 @@ void SparkplugNode::value(std::string_view board, std::string_view service, std:
 }
 
 /// One message for all of them.
-void SparkplugNode::publish_data(Record& record, const std::vector<std::size_t>& entities) {
+void SparkplugNode::publish_data(Record& record, const std::vector<std::size_t>& properties) {
     const auto time = time_ms();
     sparkplug::Payload payload;
     for (const auto& slot : record.slots)
-        for (const auto index : entities)
-            if (slot.entity == index) payload.metrics.push_back(metric(record, slot, time));
-    for (const auto index : entities)
+        for (const auto index : properties)
+            if (slot.property == index) payload.metrics.push_back(metric(record, slot, time));
+    for (const auto index : properties)
         if (auto& state = record.states[index]; std::exchange(state.fault_due, false)) state.fault_at = now_;
     if (!payload.metrics.empty()) say(dialect_.topic("DDATA", record.board->board), std::move(payload));
 }
 
 void SparkplugNode::all_values(Record& record, Time now) {
-    for (const auto& [service, entities] : record.by_service)
-        port_.values(record.board->board, service,
-                     [&](std::string_view text, bool set) { take_values(record, service, text, set, now); });
+    const auto& board = *record.board;
+    for (std::size_t i = 0; i < board.properties.size(); ++i)
+        if (board.properties[i].kind != Kind::kButton)
+            take_value(record, i, port_.value(board.board, board.properties[i]), now);
 }
 
-/// The entities whose value is another one now; it waits to be said.
-std::vector<std::size_t> SparkplugNode::take_values(Record& record, std::string_view service,
-                                                    std::string_view text, bool set, Time now) {
-    std::vector<std::size_t> result;
-    const auto found = record.by_service.find(service);
-    if (found == record.by_service.end()) return result;
-    for (const auto& [index, value] : shown_values(*record.board, found->second, text, set)) {
-        auto& state = record.states[index];
-        // What is not known any more is said where something else was said before.
-        if (!value && state.value.sent().empty()) continue;
-        state.value.offer(model::dump_json(value.value_or(nullptr)), now, between_, false);
-        result.push_back(index);
-    }
-    return result;
+/// True: it is another one now, and waits to be said. What is not known any more is said where something else
+/// was said before.
+bool SparkplugNode::take_value(Record& record, std::size_t index, const std::optional<json>& value,
+                               Time now) {
+    auto& state = record.states[index].value;
+    if ((!value || value->is_null()) && state.sent().empty()) return false;
+    state.offer(model::dump_json(value.value_or(nullptr)), now, between_, false);
+    return true;
 }
 
 // --- commands
@@ -225,22 +243,22 @@ void SparkplugNode::board_command(const std::string& name, const mqtt::Message& 
                            ", which is not there");
             continue;
         }
-        wanted[slot->entity].push_back({slot->metric.part, each.value});
+        wanted[slot->property].push_back({slot->metric.part, each.value});
     }
-    for (const auto& [entity, values] : wanted)
-        command(name, entity, values);
+    for (const auto& [property, values] : wanted)
+        command(name, property, values);
 }
 
 void SparkplugNode::command(const std::string& name, std::size_t index,
                             const std::vector<Sparkplug::Wanted>& wanted) {
     const auto& record = records_[name];
-    const auto& entity = record.board->entities[index];
-    const auto value = dialect_.value_of(entity, wanted, value_from(record.states[index].value.sent()));
-    if (!value) return answered(name, entity.id, value.error());
-    if (!record.there) return answered(name, entity.id, entity.name + ": the board is not there");
-    for (const auto& request : requests_for(entity, *value))
+    const auto& property = record.board->properties[index];
+    const auto value = dialect_.value_of(property, wanted, value_from(record.states[index].value.sent()));
+    if (!value) return answered(name, property.id, value.error());
+    if (!record.there) return answered(name, property.id, property.name + ": the board is not there");
+    for (const auto& request : requests_for(property, *value))
         port_.command(name, request,
-                      [this, name, id = entity.id, title = entity.name](const std::string& fault) {
+                      [this, name, id = property.id, title = property.name](const std::string& fault) {
                           answered(name, id, fault.empty() ? fault : title + ": " + fault);
                       });
 }
@@ -251,9 +269,9 @@ void SparkplugNode::answered(const std::string& name, const std::string& id, con
     const auto found = records_.find(name);
     if (phase_ != Phase::kActive || found == records_.end()) return;
     auto& record = found->second;
-    const auto* entity = record.board->entity(id);
-    if (entity == nullptr || !record.born) return;
-    const auto index = static_cast<std::size_t>(entity - record.board->entities.data());
+    const auto* property = record.board->property(property::plain_id(id));
+    if (property == nullptr || !record.born) return;
+    const auto index = static_cast<std::size_t>(property - record.board->properties.data());
     auto& state = record.states[index];
     if (state.fault == fault) return;
     state.fault = fault;

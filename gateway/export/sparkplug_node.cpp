@@ -246,8 +246,8 @@ void SparkplugNode::tick(Time now) {
         else
             ++each;
     }
-    for (const auto& [name, entities] : due)
-        publish_data(records_[name], entities);
+    for (const auto& [name, properties] : due)
+        publish_data(records_[name], properties);
     pump(now);
 }
 

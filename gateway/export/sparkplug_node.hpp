@@ -27,7 +27,7 @@ class SparkplugNode final : public Export {
         Sparkplug::Options dialect;
         std::string gateway;    ///< unique for each process
         std::string host;       ///< name of this machine
-        double per_second = 5;  ///< values of one entity
+        double per_second = 5;  ///< values of one property
         /// False: nothing is exported; the lease that a gateway of this machine left is cleared.
         bool enabled = true;
         /// Clear it whichever machine it was (asip-gateway clean).
@@ -50,8 +50,8 @@ class SparkplugNode final : public Export {
     void disconnected() override { turn_.disconnected(); }
     void message(const mqtt::Message& message, Time now) override;
     void changed(const std::string& board, Time now) override;
-    void value(std::string_view board, std::string_view service, std::string_view json, bool set,
-               Time now) override;
+    void value(std::string_view board, std::string_view service, std::string_view json, Time now) override;
+    void known(const std::string& board, const std::vector<std::string>& ids, Time now) override;
     void own_connected() override;
     void own_subscribed(Time now) override;
     void own_disconnected() override;
@@ -75,10 +75,10 @@ class SparkplugNode final : public Export {
     };
     struct Slot {
         Sparkplug::Slot metric;
-        std::size_t entity = 0;
+        std::size_t property = 0;
         std::uint64_t alias = 0;  // since the last birth
     };
-    /// Of an entity.
+    /// Of an property.
     struct State {
         PacedValue value;        // JSON
         std::string fault;       // of the last command; empty: it was executed
@@ -105,17 +105,18 @@ class SparkplugNode final : public Export {
     void node_command(const mqtt::Message& message, Time now);
     void board_command(const std::string& name, const mqtt::Message& message);
     void command(const std::string& name, std::size_t index, const std::vector<Sparkplug::Wanted>& wanted);
-    void answered(const std::string& name, const std::string& entity, const std::string& fault);
+    void answered(const std::string& name, const std::string& property, const std::string& fault);
     std::optional<sparkplug::Payload> read(const mqtt::Message& message);
     void pump(Time now);
     void update(const std::string& name, Time now);
     void take(Record& record, std::shared_ptr<const ExportedBoard> board);
     void birth(Record& record, Time now);
     void death(Record& record);
-    void publish_data(Record& record, const std::vector<std::size_t>& entities);
+    void publish_data(Record& record, const std::vector<std::size_t>& properties);
     void all_values(Record& record, Time now);
-    std::vector<std::size_t> take_values(Record& record, std::string_view service, std::string_view json,
-                                         bool set, Time now);
+    Record* living(const std::string& board);
+    bool take_value(Record& record, std::size_t index, const std::optional<nlohmann::json>& value, Time now);
+    void show(Record& record, const std::vector<std::size_t>& changed, Time now);
     sparkplug::Metric metric(const Record& record, const Slot& slot, std::uint64_t time_ms) const;
     void say(const std::string& topic, sparkplug::Payload payload);
     mqtt::Message death_of(unsigned bd_seq) const;
@@ -125,7 +126,7 @@ class SparkplugNode final : public Export {
 
     Options options_;
     Sparkplug dialect_;
-    Duration between_;  // values of one entity
+    Duration between_;  // values of one property
     Port port_;
     Turn turn_;
     Phase phase_ = Phase::kIdle;

@@ -32,28 +32,29 @@ std::string escaped(std::string_view text) {
     return result;
 }
 
-json words_of(const Entity& entity) {
+json words_of(const Property& property) {
     auto words = json::array();
-    for (const auto& [word, value] : entity.options)
+    for (const auto& [word, value] : property.choices)
         words.push_back(word);
     return words;
 }
 
-json number_schema(const Entity& entity) {
-    json schema{{"type", entity.whole ? "integer" : "number"}};
-    if (!entity.unit.empty()) schema["unit"] = entity.unit;
-    if (entity.min) schema["minimum"] = json_number(*entity.min);
-    if (entity.max) schema["maximum"] = json_number(*entity.max);
-    if (entity.whole && entity.step && *entity.step > 1) schema["multipleOf"] = json_number(*entity.step);
+json number_schema(const Property& property) {
+    json schema{{"type", property.whole ? "integer" : "number"}};
+    if (!property.unit.empty()) schema["unit"] = property.unit;
+    if (property.min) schema["minimum"] = json_number(*property.min);
+    if (property.max) schema["maximum"] = json_number(*property.max);
+    if (property.whole && property.step && *property.step > 1)
+        schema["multipleOf"] = json_number(*property.step);
     return schema;
 }
 
-json light_schema(const Entity& entity) {
+json light_schema(const Property& property) {
     json members{{"on", {{"type", "boolean"}}}};
-    if (entity.write)
+    if (has_brightness(property))
         members["brightness"] = {
             {"type", "integer"}, {"minimum", 0}, {"maximum", json_number(kFullBrightness)}};
-    if (entity.color)
+    if (property.color)
         members["color"] = {{"type", "integer"},
                             {"minimum", 0},
                             {"maximum", json_number(kMaxColor)},
@@ -61,26 +62,26 @@ json light_schema(const Entity& entity) {
     return {{"type", "object"}, {"properties", std::move(members)}, {"required", {"on"}}};
 }
 
-json schema_of(const Entity& entity) {
-    switch (entity.kind) {
-        case EntityKind::kBinarySensor:
-        case EntityKind::kSwitch:
+json schema_of(const Property& property) {
+    switch (property.kind) {
+        case Kind::kBinarySensor:
+        case Kind::kSwitch:
             return {{"type", "boolean"}};
-        case EntityKind::kLight:
-            return light_schema(entity);
-        case EntityKind::kText:
-            return {{"type", "string"}, {"maxLength", entity.max_length}};
-        case EntityKind::kSelect:
-            return {{"type", "string"}, {"enum", words_of(entity)}};
-        case EntityKind::kSensor:
-            if (entity.max_length > 0) return {{"type", "string"}};
-            if (!entity.options.empty()) return {{"type", "string"}, {"enum", words_of(entity)}};
-            return number_schema(entity);
-        case EntityKind::kNumber:
-        case EntityKind::kButton:
+        case Kind::kLight:
+            return light_schema(property);
+        case Kind::kText:
+            return {{"type", "string"}, {"maxLength", property.max_length}};
+        case Kind::kSelect:
+            return {{"type", "string"}, {"enum", words_of(property)}};
+        case Kind::kSensor:
+            if (property.max_length > 0) return {{"type", "string"}};
+            if (!property.choices.empty()) return {{"type", "string"}, {"enum", words_of(property)}};
+            return number_schema(property);
+        case Kind::kNumber:
+        case Kind::kButton:
             break;
     }
-    return number_schema(entity);
+    return number_schema(property);
 }
 
 /// A form of MQTT: topics stand in the address, and in the words of the vocabulary.
@@ -147,24 +148,25 @@ json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
     const auto address = "things/" + board.board;
     auto& properties = thing["properties"] = json::object();
     auto actions = json::object();
-    for (const auto& entity : board.entities) {
-        const auto value_topic = state(board.board, entity);
-        const bool set_by_mqtt = mqtt && entity.settable() && !options_.read_only;
-        json described{{"title", entity.name}};
-        if (entity.kind == EntityKind::kButton) {
-            auto form = http_form(address + "/actions/" + entity.id, "invokeaction");
+    for (const auto& property : board.properties) {
+        const auto id = property::plain_id(property.id);
+        const auto value_topic = state(board.board, property);
+        const bool set_by_mqtt = mqtt && property.settable() && !options_.read_only;
+        json described{{"title", property.name}};
+        if (property.kind == Kind::kButton) {
+            auto form = http_form(address + "/actions/" + id, "invokeaction");
             // Without an input consumers would leave it out.
             form["htv:headers"] = {{{"htv:fieldName", "Content-Type"}, {"htv:fieldValue", kJson}}};
             described["forms"] = json::array();
             if (forms.may_set) described["forms"].push_back(std::move(form));
             if (set_by_mqtt)
                 described["forms"].push_back(mqtt_form(forms, value_topic + "/set", "invokeaction", true));
-            if (!described["forms"].empty()) actions[entity.id] = std::move(described);
+            if (!described["forms"].empty()) actions[id] = std::move(described);
             continue;
         }
-        described.update(schema_of(entity));
-        const auto place = address + "/properties/" + entity.id;
-        const bool set_by_http = forms.may_set && entity.settable();
+        described.update(schema_of(property));
+        const auto place = address + "/properties/" + id;
+        const bool set_by_http = forms.may_set && property.settable();
         described["observable"] = true;
         described["readOnly"] = !set_by_http && !set_by_mqtt;
         auto operations = json::array({"readproperty"});
@@ -179,7 +181,7 @@ json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
         }
         if (set_by_mqtt)
             described["forms"].push_back(mqtt_form(forms, value_topic + "/set", "writeproperty", true));
-        properties[entity.id] = std::move(described);
+        properties[id] = std::move(described);
     }
     json state{
         {"title", "State of the board"},
@@ -255,7 +257,7 @@ std::string WebOfThings::state_of_board(bool there, std::string_view state) cons
         json(state.empty() ? std::string(there ? "online" : "offline") : std::string(state)));
 }
 
-std::string WebOfThings::state_text(const Entity& /*entity*/, const json& value) const {
+std::string WebOfThings::state_text(const Property& /*property*/, const json& value) const {
     return value.is_null() ? std::string() : model::dump_json(value);
 }
 
@@ -267,18 +269,18 @@ std::optional<Dialect::Command> WebOfThings::command_of(std::string_view topic) 
     return command_below(base() + "/", topic);
 }
 
-Expected<json> WebOfThings::value_of(const Entity& entity, std::string_view payload) const {
+Expected<json> WebOfThings::value_of(const Property& property, std::string_view payload) const {
     if (options_.read_only) return fail("this export is read-only");
     json value;
-    const bool button = entity.kind == EntityKind::kButton;
+    const bool button = property.kind == Kind::kButton;
     if (!button) {
         const auto parsed =
             model::parse_json(payload, {.max_bytes = kMaxCommandBytes, .max_depth = kMaxCommandDepth});
         if (parsed) value = *parsed;
     }
-    if (!entity.settable()) return fail(entity.name + " cannot be set");
-    if ((!button && value.is_null()) || requests_for(entity, value).empty())
-        return fail(entity.name + " cannot be set to " + text::printable(payload, kShownBytes));
+    if (!property.settable()) return fail(property.name + " cannot be set");
+    if ((!button && value.is_null()) || requests_for(property, value).empty())
+        return fail(property.name + " cannot be set to " + text::printable(payload, kShownBytes));
     return value;
 }
 

@@ -9,7 +9,7 @@
 namespace asip::gateway::exports {
 
 /// Boards as things of the Web of Things: a Thing Description (TD 1.1) for each. Its values are JSON, as
-/// those of Entity. HTTP serves descriptions and forms; what is published here are the forms of MQTT. Pure.
+/// those of Property. HTTP serves descriptions and forms; what is published here are the forms of MQTT. Pure.
 ///
 ///     ROOT/export/wot/$state                 "online": the gateway exports; its will says "offline"
 ///     ROOT/export/wot/BOARD/$state           "online", "sleeping", "offline", "lost"
@@ -63,16 +63,16 @@ class WebOfThings final : public Dialect {
     Document next_document(const ExportedBoard& /*board*/, const std::string& /*on_bus*/) const override {
         return {};
     }
-    std::string state(std::string_view board, const Entity& entity) const override {
-        return topic(board, entity.id);
+    std::string state(std::string_view board, const Property& property) const override {
+        return topic(board, property::plain_id(property.id));
     }
-    std::string state_text(const Entity& entity, const nlohmann::json& value) const override;
+    std::string state_text(const Property& property, const nlohmann::json& value) const override;
     std::string error(std::string_view board) const override { return topic(board, "$failed"); }
     std::string error_text(const std::string& sentence) const override;
     bool error_is_retained() const override { return false; }
     std::string commands() const override { return base() + "/+/+/set"; }
     std::optional<Command> command_of(std::string_view topic) const override;
-    Expected<nlohmann::json> value_of(const Entity& entity, std::string_view payload) const override;
+    Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const override;
 
   private:
     std::string topic(std::string_view board, std::string_view name) const {

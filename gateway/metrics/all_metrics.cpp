@@ -251,6 +251,12 @@ void add_gateway(Exposition& out, const Snapshot& s) {
     one(out, "asip_gateway_values", Type::kCounter, {}, "Values received", count(s.values_received));
     one(out, "asip_gateway_left_out_values", Type::kCounter, {}, "Values that slow readers did not get",
         count(s.values_skipped));
+    one(out, "asip_gateway_refused_values", Type::kCounter, {},
+        "Reported values that a property cannot have, left out of exports", count(s.values_refused));
+    out.family("asip_gateway_dropped_documents", Type::kCounter, {},
+               "Lists of properties and values that were dropped");
+    out.sample({{"reason", "damaged"}}, count(s.documents.damaged));
+    out.sample({{"reason", "outdated"}}, count(s.documents.outdated));
     one(out, "asip_gateway_kept_values_bytes", Type::kGauge, "bytes", "Recent values in memory",
         count(s.values_bytes));
     one(out, "asip_gateway_last_values_bytes", Type::kGauge, "bytes", "Last value of each event in memory",
@@ -298,44 +304,18 @@ Expected<Part> Part::parse(std::string_view text) {
 
 namespace {
 
-void add_leaves(std::vector<ValueSample>& values, ValueSample& sample, const json& value) {
-    if (value.is_number() || value.is_boolean()) {
-        sample.value = value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>();
-        values.push_back(sample);
-        return;
-    }
-    if (!value.is_structured()) return;
-    const auto above = sample.field.size();
-    for (const auto& [key, below] : value.items()) {  // of a list: the places
-        sample.field += (above == 0 ? "" : ".") + key;
-        add_leaves(values, sample, below);
-        sample.field.resize(above);
-    }
-}
-
 void add_value_family(Exposition& out, const Snapshot& snapshot) {
-    out.family("asip_value", Type::kGauge, {}, "What services reported last");
-    for (const auto& [board, service, event, field, value] : snapshot.values)
-        out.sample({{"board", board}, {"asip_service", service}, {"event", event}, {"field", field}}, value);
+    out.family("asip_value", Type::kGauge, {}, "How properties of boards stand");
+    for (const auto& [board, property, value] : snapshot.values)
+        out.sample({{"board", board}, {"property", property}}, value);
     one(out, "asip_gateway_unshown_values", Type::kGauge, {}, "Whether there are more values than are shown",
         snapshot.values_left_out);
 }
 
 }  // namespace
 
-void add_values(std::vector<ValueSample>& values, const std::string& board, const std::string& service,
-                const std::string& event, const std::string& text) {
-    const auto document = model::parse_json(text);
-    if (!document) return;
-    ValueSample sample{board, service, event, {}, 0};
-    const bool wrapped = document->is_object() && document->size() == 1 && document->contains(event);
-    add_leaves(values, sample, wrapped ? (*document)[event] : *document);
-}
-
 void drop_repeated(std::vector<ValueSample>& values) {
-    const auto place = [](const ValueSample& one) {
-        return std::tie(one.board, one.service, one.event, one.field);
-    };
+    const auto place = [](const ValueSample& one) { return std::tie(one.board, one.property); };
     std::stable_sort(values.begin(), values.end(),
                      [&](const auto& a, const auto& b) { return place(a) < place(b); });
     values.erase(std::unique(values.begin(), values.end(),

@@ -12,6 +12,7 @@
 #include "gateway/http/server.hpp"
 #include "gateway/metrics/command_times.hpp"
 #include "gateway/metrics/prometheus_text.hpp"
+#include "gateway/mirror/standing.hpp"
 
 namespace asip::gateway::metrics {
 
@@ -26,15 +27,11 @@ struct Part {
     static constexpr std::size_t kMaxParts = 100;
 };
 
-/// A number that a service reported last.
+/// How a property of a board stands, as a number.
 struct ValueSample {
-    std::string board, service, event;
-    std::string field;  ///< below the event: "0", "1.count"; empty: it is one number
+    std::string board, property;
     double value = 0;
 };
-/// Adds each number (a truth value is 1 or 0) of a reported value, JSON; none of what is no JSON.
-void add_values(std::vector<ValueSample>& values, const std::string& board, const std::string& service,
-                const std::string& event, const std::string& json);
 /// Of patterns that mean one service twice: each sample must be there once.
 void drop_repeated(std::vector<ValueSample>& values);
 
@@ -49,6 +46,8 @@ struct Snapshot {
     // Of Values: since the start, and what is kept now.
     std::uint64_t values_received = 0;
     std::uint64_t values_skipped = 0;  ///< by slow readers
+    std::uint64_t values_refused = 0;  ///< that their properties cannot have
+    Standing::Counters documents{};    ///< of agents, that count for nothing
     std::size_t values_bytes = 0;
     std::size_t last_values_bytes = 0;
     std::vector<std::pair<std::string, std::size_t>> boards_by_state;

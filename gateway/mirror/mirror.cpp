@@ -4,6 +4,7 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/bus/registry/change_event.hpp"
 #include "asip/model/json.hpp"
+#include "asip/property/value.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -20,8 +21,6 @@ constexpr std::size_t kSnapshotNames = 500;
 constexpr std::size_t kSnapshotBytes = 16 * 1024;
 constexpr std::size_t kMaxKnown = 500;
 constexpr std::size_t kMaxEarly = 2000;
-constexpr std::size_t kMaxSeen = 200'000;
-constexpr std::size_t kMaxSetBytes = 16 * 1024;
 constexpr std::size_t kMaxBoardStatsBytes = 8 * 1024;
 constexpr Duration kStatsTime = std::chrono::seconds(45);  // three of the agents' intervals
 
@@ -69,9 +68,13 @@ Mirror::Mirror(Options options, Random random, Port port)
 }
 
 std::vector<std::pair<std::string, bool>> Mirror::subscriptions() const {
-    return {{topics_.root() + "/servicebus/#", true}, {topics_.service_out("+", "+"), true},
-            {topics_.service_error("+", "+"), false}, {topics_.service_set("+", "+"), true},
-            {topics_.registry_state("+"), true},      {topics_.registry_stats("+"), true}};
+    return {{topics_.root() + "/servicebus/#", true},
+            {topics_.service_out("+", "+"), true},
+            {topics_.service_error("+", "+"), false},
+
+            {topics_.values("+"), true},
+            {topics_.registry_state("+"), true},
+            {topics_.registry_stats("+"), true}};
 }
 
 void Mirror::status(const Instant& now, std::string_view broker) {
@@ -97,8 +100,7 @@ void Mirror::subscribed(const Instant& now) {
 }
 
 void Mirror::disconnected(const Instant& now) {
-    set_seen_.clear();
-    early_set_.clear();
+    standing_.reading();
     if (!subscribed_) return;
     subscribed_ = false;
     mark_.clear();
@@ -126,8 +128,9 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
         case TopicKind::kCommands:
         case TopicKind::kDemand:
             return;
-        case TopicKind::kServiceSet:
-            return set(*topic, message.payload, now);
+        case TopicKind::kProperties:
+        case TopicKind::kValues:
+            return standing_message(*topic, message.payload, now);
         case TopicKind::kServiceError:
         case TopicKind::kServiceOut: {
             announcement(message, *topic, now);
@@ -141,14 +144,55 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
     }
 }
 
-// Of what is retained it may come ahead of its board, and of the answer to the subscriptions.
-void Mirror::set(const bus::TopicRef& topic, const std::string& payload, const Instant& now) {
-    const bool reading = !subscribed_ || !mark_.empty();
-    if (reading && set_seen_.size() < kMaxSeen)
-        set_seen_.emplace(std::string(topic.board), std::string(topic.service));
-    if (catalogue_.knows(topic.board)) return values_.set(topic.board, topic.service, payload, now);
-    if (reading && early_set_.size() < kMaxEarly && payload.size() <= kMaxSetBytes)
-        early_set_[{std::string(topic.board), std::string(topic.service)}] = payload;
+// Of what is retained it may come ahead of its board.
+void Mirror::standing_message(const bus::TopicRef& topic, const std::string& payload, const Instant& now) {
+    const std::string board(topic.board);
+    const auto item = known(board, now);
+    if (!item && ((subscribed_ && mark_.empty()) || standing_.size() >= catalogue_.size() + kMaxEarly))
+        return;
+    const std::string_view session = item ? std::string_view(item->session) : std::string_view();
+    const auto change = topic.kind == TopicKind::kProperties
+                            ? standing_.take_list(board, payload, session)
+                            : standing_.take_values(board, payload, session, now.time);
+    if (change || change.anew) standing_changed(board, change, now);
+}
+
+void Mirror::standing_changed(const std::string& board, const Standing::Change& change, const Instant& now) {
+    if (change.anew) values_.begin_anew(board);
+    standing_.tell(board, change);
+    if (change.list && catalogue_.knows(board))
+        log_.add("properties", board,
+                 model::dump_json({{"at", text::iso_time(now.wall)}, {"board", {{"board", board}}}}));
+}
+
+Standing::List Mirror::list(const std::string& board, const Instant& now) {
+    const auto item = known(board, now);
+    return item ? standing_.list(board, item->session) : nullptr;
+}
+
+std::optional<property::ShownValue> Mirror::shown(const std::string& board,
+                                                  const property::Property& property, const Instant& now) {
+    property::ShownValue shown;
+    const auto* reported = property.read ? values_.find(board, property.read->service) : nullptr;
+    const ChannelValue* newest = nullptr;
+    for (std::size_t i = 0; reported != nullptr && !property.read->sum && i < reported->channels.size();
+         ++i) {
+        const auto& channel = reported->channels[i];
+        if (channel.error || channel.outdated || channel.cut > 0) continue;
+        const auto is_there = [&] { return property.read->pointer.starts_with("/" + channel.event); };
+        if ((!channel.event.empty() && !is_there()) || (newest != nullptr && newest->number > channel.number))
+            continue;
+        const auto published = model::parse_json(channel.json());
+        auto value = published ? property::value_in(property, *published) : std::nullopt;
+        if (!value) continue;
+        newest = &channel;
+        shown.value = std::move(*value);
+        shown.how = property::How::kReported;
+        shown.age = std::chrono::duration<double>(now.time - channel.seen.time).count();
+    }
+    if (newest != nullptr) return shown;
+    const auto item = known(board, now);
+    return item ? standing_.value(board, item->session, property.id, now.time) : std::nullopt;
 }
 
 void Mirror::announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now) {
@@ -190,6 +234,7 @@ void Mirror::change(const Event& event, const Instant& now) {
     nlohmann::json object{{"at", text::iso_time(now.wall)}, {"board", {{"board", event.board}}}};
     if (event.kind == Event::Kind::kForgotten) {
         values_.forget(event.board);
+        standing_.forget(event.board);
     } else if (const auto item = catalogue_.board(event.board, both(now))) {
         object["board"] = bus::to_json(*item);
     }
@@ -202,12 +247,11 @@ void Mirror::complete_now(const Instant& now) {
     mark_.clear();
     complete_ = true;
     catalogue_.settle();
-    for (const auto& [where, payload] : std::exchange(early_set_, {}))
-        if (catalogue_.knows(where.first)) values_.set(where.first, where.second, payload, now);
     // What the broker does not retain any more was cleared while it was not heard.
-    const auto seen = std::exchange(set_seen_, {});
-    for (const auto& where : values_.with_set())
-        if (!seen.contains(where)) values_.set(where.first, where.second, {}, now);
+    Standing::Change gone;
+    gone.list = true;
+    for (const auto& board : standing_.complete([this](const auto& name) { return catalogue_.knows(name); }))
+        standing_changed(board, gone, now);
     values_.expire(now);
 }
 

@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "asip/mqtt/message.hpp"
 #include "asip/random.hpp"
 #include "gateway/instant.hpp"
+#include "gateway/mirror/standing.hpp"
 #include "gateway/stream/change_feed.hpp"
 #include "gateway/stream/change_log.hpp"
 #include "gateway/stream/values.hpp"
@@ -87,6 +87,16 @@ class Mirror {
     std::size_t size() const { return catalogue_.size(); }
     bool knows(std::string_view board) const { return catalogue_.knows(board); }
 
+    /// Properties and values as agents publish them.
+    Standing& standing() { return standing_; }
+    const Standing& standing() const { return standing_; }
+    /// The list that the agent of a board published; null: there is none of its present session.
+    Standing::List list(const std::string& board, const Instant& now);
+    /// How a property of a board stands: what the board reported last by itself, else what its agent says.
+    /// Nothing: nobody says.
+    std::optional<property::ShownValue> shown(const std::string& board, const property::Property& property,
+                                              const Instant& now);
+
     Values& values() { return values_; }
     const Values& values() const { return values_; }
     ChangeLog& log() { return log_; }
@@ -103,7 +113,8 @@ class Mirror {
     const bus::Topics& topics() const { return topics_; }
 
   private:
-    void set(const bus::TopicRef& topic, const std::string& payload, const Instant& now);
+    void standing_message(const bus::TopicRef& topic, const std::string& payload, const Instant& now);
+    void standing_changed(const std::string& board, const Standing::Change& change, const Instant& now);
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now);
     void handle(const std::vector<catalogue::Event>& events, const Instant& now);
     void change(const catalogue::Event& event, const Instant& now);
@@ -117,13 +128,12 @@ class Mirror {
     Port port_;
     ChangeLog log_;
     Values values_;
+    Standing standing_;
     catalogue::Catalogue catalogue_;
     // Boards as they were made for a caller, until they change: that costs more than a command.
     std::map<std::string, std::shared_ptr<const bus::BoardItem>> known_;
     std::map<std::string, RegistryInfo> registries_;
     std::map<std::string, BoardStats> board_stats_;
-    std::map<std::pair<std::string, std::string>, std::string> early_set_;  // board, service
-    std::set<std::pair<std::string, std::string>> set_seen_;                // since the connection began
     std::string mark_;
     Time mark_sent_{};
     bool subscribed_ = false;

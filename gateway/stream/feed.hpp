@@ -10,7 +10,7 @@ namespace asip::gateway {
 
 /// One event of a stream, whatever carries it.
 struct StreamEvent {
-    std::string_view kind;  ///< "value", "error", "set", "board", "state", ..., "snapshot-end", "bookmark",
+    std::string_view kind;  ///< "value", "error", "board", "state", ..., "snapshot-end", "bookmark",
                             ///< "reset"
     std::string place;      ///< from which the stream can be resumed; empty: from the one before
     std::string data;       ///< a JSON object

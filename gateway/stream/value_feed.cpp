@@ -232,9 +232,7 @@ void ValueFeed::newest_of_each(ServiceValues& service, Reading& reading) {
 }
 
 void ValueFeed::put(std::uint64_t number, const ChannelValue& channel, std::string data, bool placed) {
-    StreamEvent event{channel.error ? "error"
-                      : channel.set ? "set"
-                                    : "value",
+    StreamEvent event{channel.error ? "error" : "value",
                       placed ? Place{values_->epoch(), number}.text() : std::string(), std::move(data)};
     if (!part_.add(bytes_of(event))) return too_much();
     out_.push_back(std::move(event));

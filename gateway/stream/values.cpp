@@ -211,34 +211,6 @@ std::size_t Values::room_for(const Board& board, std::size_t bytes) const {
 
 void Values::value(std::string_view board, std::string_view service, std::string_view payload, bool error,
                    const Instant& now) {
-    report(board, service, payload, error ? Kind::kError : Kind::kValue, now);
-}
-
-void Values::set(std::string_view board, std::string_view service, std::string_view payload,
-                 const Instant& now) {
-    const auto* known = this->known(board, service);
-    const ChannelValue* before = nullptr;
-    for (std::size_t i = 0; known != nullptr && i < known->channels.size(); ++i)
-        if (known->channels[i].set) before = &known->channels[i];
-    if (payload.empty() && before == nullptr) return;
-    if (payload.empty()) payload = "null";
-    // Brokers deliver it again on each connection.
-    if (before == nullptr || before->json() != payload) report(board, service, payload, Kind::kSet, now);
-}
-
-std::vector<std::pair<std::string, std::string>> Values::with_set() const {
-    std::vector<std::pair<std::string, std::string>> all;
-    for (const auto& [name, board] : boards_)
-        for (const auto& service : board.services)
-            for (const auto& channel : service->channels)
-                if (channel.set && channel.json() != "null") all.emplace_back(name, service->service);
-    return all;
-}
-
-void Values::report(std::string_view board, std::string_view service, std::string_view payload, Kind kind,
-                    const Instant& now) {
-    const bool error = kind == Kind::kError;
-    const bool set = kind == Kind::kSet;
     ++received_;
     Board* of = nullptr;
     auto* values = make(board, service, of);
@@ -247,22 +219,24 @@ void Values::report(std::string_view board, std::string_view service, std::strin
     auto report = payload.size() > limits_.value ? long_report(payload) : report_of(payload);
     auto& channels = values->channels;
     auto channel = std::find_if(channels.begin(), channels.end(), [&](const ChannelValue& each) {
-        return each.error == error && each.set == set && (error || set || each.event == report.event);
+        return each.error == error && (error || each.event == report.event);
     });
     if (channel == channels.end()) {
         if (channels.size() >= limits_.channels || last_bytes_ >= 2 * limits_.last_bytes) return;
         channel = channels.emplace(channels.end());
         channel->error = error;
-        channel->set = set;
-        if (kind == Kind::kValue) channel->event = report.event;
+        if (!error) channel->event = report.event;
     }
     const auto cut = cut_to(room_for(of_board, std::min(payload.size(), limits_.value)), payload, report);
     const auto index = static_cast<std::uint32_t>(channel - channels.begin());
     Point point{++values->last, now, index, std::move(report.json), cut};
     channel->number = point.number;
     channel->seen = now;
+    // Parts of before are not put together with those of now.
+    const bool outdated = std::exchange(channel->outdated, false);
+    const bool part = !error && report.part && !outdated;
     channel->cut = cut;
-    channel->report(point.json, kind == Kind::kValue && report.part);
+    channel->report(point.json, part);
     bytes_ += heap_bytes(point.json);
     bytes_ -= values->points.block_bytes();
     values->points.push_back(std::move(point));
@@ -319,6 +293,14 @@ void Values::expire(const Instant& now) {
         if (service->dropped_ahead == 0 && now.time - service->points.front().seen.time <= limits_.age) break;
         drop_oldest();
     }
+}
+
+void Values::begin_anew(std::string_view board) {
+    const auto found = boards_.find(board);
+    if (found == boards_.end()) return;
+    for (const auto& service : found->second.services)
+        for (auto& channel : service->channels)
+            channel.outdated = true;
 }
 
 void Values::forget(std::string_view board) {

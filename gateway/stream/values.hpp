@@ -37,7 +37,7 @@ struct Point {
 struct ChannelValue {
     std::string event;  ///< "distance"; empty: what was published is no object with one member
     bool error = false;
-    bool set = false;          ///< what was set in the service
+    bool outdated = false;     ///< the board began anew since, and says how it is
     std::uint64_t number = 0;  ///< of the last point
     Instant seen;
     std::size_t cut = 0;  ///< as Point::cut
@@ -156,12 +156,10 @@ class Values {
     /// Beyond a limit of services or events it is not kept, and nothing else happens.
     void value(std::string_view board, std::string_view service, std::string_view payload, bool error,
                const Instant& now);
-    /// What was set in a service, as its agent says; empty: nothing that is known.
-    void set(std::string_view board, std::string_view service, std::string_view payload, const Instant& now);
-    /// Board and service, of which something is known to be set.
-    std::vector<std::pair<std::string, std::string>> with_set() const;
     /// Of a board all services, with everything that is kept of them.
     void forget(std::string_view board);
+    /// What a board reported before does not count any more for how it stands.
+    void begin_anew(std::string_view board);
     /// Drops points that are older than they may be. Call now and then.
     void expire(const Instant& now);
     /// Null: nothing was heard from it. Valid until its board is forgotten.
@@ -188,9 +186,6 @@ class Values {
             return nullptr;
         }
     };
-    enum class Kind { kValue, kError, kSet };
-    void report(std::string_view board, std::string_view service, std::string_view payload, Kind kind,
-                const Instant& now);
     /// `of`: set to its board.
     ServiceValues* make(std::string_view board, std::string_view service, Board*& of);
     ServiceValues* known(std::string_view board, std::string_view service) const;

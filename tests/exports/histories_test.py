@@ -215,7 +215,7 @@ class ExportHistories(unittest.TestCase):
             fresh = self.shown(bus, history)
             states = {topic: payload for topic, payload in after.items() if topic not in fresh}
             # A board says a value when it changes; what it said before is known to the gateway that heard it, and still right.
-            for topic in [topic for topic in states if topic.rsplit("/", 1)[-1].startswith(("pin-", "distance-"))]:
+            for topic in [topic for topic in states if topic.rsplit("/", 1)[-1].startswith(("io-", "distance-"))]:
                 board = topic.split("/")[2 if topic.startswith("homie") else 3]
                 self.assertIn(board, history.boards, (topic, history.log))
                 del after[topic]

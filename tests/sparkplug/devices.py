@@ -5,8 +5,8 @@ import unittest
 
 from bus import eventually
 
-SERVO = ["desk", "servo-0-angle"]
-DISTANCE = ["desk", "distance-0"]
+SERVO = ["desk", "servo/0/angle"]
+DISTANCE = ["desk", "distance/0"]
 
 
 class HostTest(unittest.TestCase):

@@ -14,9 +14,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr const char* kLab = R"({"title":"Lab","widgets":[
-  {"id":"far","kind":"value","board":"uno1","service":"distance","event":"distance","key":"0"},
-  {"id":"turn","kind":"slider","board":"uno1","service":"servo","command":"write","args":{"servo":0},
-   "argument":"angle","min":0,"max":180},
+  {"id":"far","kind":"value","board":"uno1","property":"distance/0"},
+  {"id":"turn","kind":"slider","board":"uno1","property":"servo/0/angle"},
   {"id":"halt","kind":"stop"}]})";
 
 class Dashboards_ : public ApiTest {
@@ -42,6 +41,11 @@ class Dashboards_ : public ApiTest {
         echo();
         EXPECT_EQ(made->status(), 201) << made->detail();
         return made->body().value("token", "");
+    }
+    /// As the agent of uno1 says them.
+    void values(int seq, const std::string& by_id) {
+        bus("asip/uno1/$values", R"({"version":1,"board":"uno1","session":"s1","seq":)" +
+                                     std::to_string(seq) + R"(,"values":)" + by_id + "}");
     }
     /// The events of a stream that is subscribed to by a link.
     std::vector<json> told(Captured& socket) {
@@ -114,17 +118,17 @@ TEST_F(Dashboards_, WriteUnderWay_AnotherOneWaits) {
     EXPECT_THAT(put("more", kLab)->detail(), HasSubstr("remove one first"));
 }
 
-TEST_F(Dashboards_, WidgetsOfABoard_AreUsedByTheRulesOfItsModel) {
+TEST_F(Dashboards_, WidgetsOfABoard_SetItsProperties) {
     announce();
     put("lab", kLab);
     const auto turn = ask("POST", "/api/dashboards/lab/widgets/turn", R"({"value":90})");
     ASSERT_EQ(published_.size(), 1u);
     EXPECT_EQ(published_[0].topic, "asip/uno1/servo/in");
-    EXPECT_EQ(json::parse(published_[0].payload)["write"], json::parse(R"({"servo":0,"angle":90})"));
+    EXPECT_EQ(json::parse(published_[0].payload)["write"], json::parse("[0,90]"));
     answer(R"({"status":"ok","proof":"fence"})");
-    EXPECT_EQ(turn->status(), 200);
+    EXPECT_EQ(turn->status(), 204);
     EXPECT_THAT(ask("POST", "/api/dashboards/lab/widgets/turn", R"({"value":181})")->detail(),
-                HasSubstr("from 0"));
+                HasSubstr("cannot be set to 181"));
     EXPECT_EQ(ask("POST", "/api/dashboards/lab/widgets/turn", R"({"value":1,"x":1})")->status(), 400);
     EXPECT_EQ(ask("POST", "/api/dashboards/lab/widgets/far", R"({"value":1})")->status(), 400);
     EXPECT_EQ(ask("POST", "/api/dashboards/lab/widgets/none", R"({"value":1})")->status(), 404);
@@ -206,22 +210,26 @@ TEST_F(Dashboards_, StreamOfALink_HasTheValuesOfItsWidgetsAndNothingElse) {
     for (const auto& event : told(*open))
         EXPECT_TRUE(event.contains("error")) << event;
     EXPECT_TRUE(published_.empty());
-    bus("asip/uno1/servo/set", R"({"write":{"0":90,"1":45}})");
+    values(1, R"({"servo/0/angle":{"value":90,"how":"set","age":0},)"
+              R"("servo/1/angle":{"value":45,"how":"set","age":0}})");
     open->channel->received(R"({"subscribe":"$dashboard","name":"lab","ref":5})");
     auto events = told(*open);
-    EXPECT_THAT(kinds(events), ElementsAre("dashboard", "board", "widget", "snapshot-end"));
+    EXPECT_THAT(kinds(events), ElementsAre("dashboard", "board", "property", "property", "widget", "widget", "snapshot-end"));
     EXPECT_FALSE(events[0]["dashboard"].contains("by")) << events[0];
     EXPECT_EQ(events[1]["state"], "online");
-    EXPECT_EQ(events[2]["value"], 90);
+    EXPECT_EQ(events[3]["property"]["max"], 180);
+    EXPECT_EQ(events[4]["value"], nullptr);
+    EXPECT_EQ(events[5]["value"], 90);
     bus("asip/uno1/distance/out", R"({"distance":[42,118]})");
     bus("asip/uno2/distance/out", R"({"distance":[7]})");
     bus("asip/uno1/distance/error", R"({"code":7})");
-    bus("asip/uno1/servo/set", R"({"write":{"1":50}})");
+    values(2, R"({"servo/0/angle":{"unknown":"doubt","age":0},)"
+              R"("servo/1/angle":{"value":50,"how":"set","age":0}})");
     time_ += 1s;
     events = told(*open);
     ASSERT_EQ(events.size(), 2u);
     EXPECT_EQ(events[0]["value"], 42);
-    EXPECT_FALSE(events[0].dump().find("118") != std::string::npos) << events[0];
+    EXPECT_FALSE(json(events).dump().find("118") != std::string::npos) << events[0];
     EXPECT_EQ(events[1]["value"], nullptr) << "servo 0 is not known any more";
     bus("asip/servicebus/uno1/$state", "lost");
     bus("asip/servicebus/uno2/$state", "lost");
@@ -343,7 +351,7 @@ TEST_F(Dashboards_, TokenOfTheFile_EndsWithItsDashboard) {
     EXPECT_EQ(ask("GET", "/api/dashboards/lab", {}, bob)->status(), 200);
     EXPECT_EQ(ask("POST", "/api/dashboards/lab/widgets/halt", "{}", bob)->status(), 403)
         << "it may stop nothing";
-    put("lab", R"({"widgets":[{"kind":"value","board":"mega","service":"a","event":"b"}]})",
+    put("lab", R"({"widgets":[{"kind":"value","board":"mega","property":"a/b"}]})",
         {{"if-match", "*"}});
     EXPECT_EQ(ask("GET", "/api/dashboards/lab", {}, ann)->status(), 404);
     EXPECT_EQ(ask("GET", "/api/dashboards", {}, ann)->body()["items"], json::array());

@@ -67,7 +67,8 @@ TEST_F(ThingsApi, PropertyThatIsRead_IsTheLastValue) {
     EXPECT_EQ(read->body(), 42);
     EXPECT_EQ(get("/things/uno1/properties/board-state")->body(), "online");
     EXPECT_THAT(get(kAngle)->detail(), HasSubstr("has no value yet"));
-    bus("asip/uno1/servo/set", R"({"write":{"0":90}})");
+    bus("asip/uno1/$values", R"({"version":1,"board":"uno1","session":"s1","seq":1,)"
+                             R"("values":{"servo/0/angle":{"value":90,"how":"set","age":0}}})");
     EXPECT_EQ(get(kAngle)->body(), 90);
     EXPECT_EQ(get("/things/uno1/properties")->body(),
               json::parse(R"({"board-state":"online","distance-0":42,"servo-0-angle":90})"));

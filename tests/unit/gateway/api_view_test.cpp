@@ -34,7 +34,7 @@ class ViewTest : public ApiTest {
                    {{"name", "servo"}, {"id", "S"}, {"model", "servo@1"}, {"title", "Servos"}}}}}
                 .dump());
         bus("asip/servicebus/" + board + "/$state", board == "zeta" ? "offline" : "online");
-        bus("asip/" + board + "/distance/out", R"({"distance":[4711]})");
+        bus("asip/" + board + "/distance/out", R"({"distance":[371]})");
     }
     std::shared_ptr<Captured> as(const std::string& token, const std::string& target,
                                  std::vector<std::pair<std::string, std::string>> headers = {}) {
@@ -69,7 +69,7 @@ class ViewTest : public ApiTest {
     }
     static void says_nothing_hidden(const std::string& text, const std::string& of) {
         for (const char* hidden :
-             {"alpha", "hidden", "zeta", "Covert", "covert", "distance", "4711", "Distance"})
+             {"alpha", "hidden", "zeta", "Covert", "covert", "distance", "371", "Distance"})
             EXPECT_THAT(text, Not(HasSubstr(hidden))) << of;
     }
 };
@@ -159,10 +159,7 @@ TEST_F(ViewTest, Metrics_CountWhatIsSeen) {
 
 TEST_F(ViewTest, ValuesInMetrics_AreThoseThatAreSeen) {
     const auto text = std::string(as("team", "/metrics?values=*/*")->response->text());
-    EXPECT_THAT(
-        text,
-        HasSubstr(
-            "asip_value{board=\"mid\",asip_service=\"distance\",event=\"distance\",field=\"0\"} 4711\n"));
+    EXPECT_THAT(text, HasSubstr("asip_value{board=\"mid\",property=\"distance/0\"}"));
     EXPECT_THAT(text, Not(HasSubstr("alpha")));
     EXPECT_THAT(std::string(as("all", "/metrics?values=alpha/*")->response->text()),
                 HasSubstr("asip_value{board=\"alpha\""));

@@ -50,24 +50,13 @@ TEST(Dashboard, Faults_AreNamedWithTheirPlace) {
     EXPECT_THAT(fault_of(with("{}")), HasSubstr("widget 1: kind is missing: value, plot"));
     EXPECT_THAT(fault_of(with(R"({"kind":"lamb"})")), HasSubstr("did you mean \"lamp\"?"));
     EXPECT_THAT(fault_of(with(R"({"kind":"stop","colour":"red"})")), HasSubstr("no member \"colour\""));
-    EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a b","service":"io","event":"x"})")),
+    EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a b","property":"io/2"})")),
                 HasSubstr("board: \"a b\" is not a name"));
-    EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a","service":"io"})")),
-                HasSubstr("event is missing"));
-    EXPECT_THAT(fault_of(with(R"({"kind":"switch","board":"a","service":"io","command":"write"})")),
-                HasSubstr("argument is missing"));
-    EXPECT_THAT(fault_of(with(R"({"kind":"slider","board":"a","service":"s","command":"w","argument":"x",
-                                  "min":5,"max":5})")),
-                HasSubstr("min must be below max"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a"})")), HasSubstr("property is missing"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"lamp","board":"a","property":"/x"})")), HasSubstr("is no id"));
     EXPECT_THAT(fault_of(with(R"({"kind":"stop","id":"a"},{"kind":"stop","id":"a"})")),
                 HasSubstr("two have the id a"));
     EXPECT_THAT(fault_of(R"({"title":7,"widgets":[]})"), HasSubstr("title must be a text"));
-    const std::string words(65, 'x');
-    const std::string switch_of =
-        R"({"kind":"switch","board":"a","service":"s","command":"w","argument":"x",)";
-    EXPECT_THAT(fault_of(with(switch_of + R"("on":")" + words + "\"}")),
-                HasSubstr("on must be a number, a text of"));
-    EXPECT_THAT(fault_of(with(switch_of + R"("args":{"y":")" + words + "\"}}")), HasSubstr("args must be"));
     std::string many;
     for (int i = 0; i < 49; ++i)
         many += std::string(i > 0 ? "," : "") + R"({"kind":"stop"})";
@@ -79,52 +68,15 @@ TEST(Dashboard, Faults_AreNamedWithTheirPlace) {
     EXPECT_TRUE(valid_dashboard_name("lab-1"));
 }
 
-TEST(Dashboard, Widgets_ReadTheirOwnPartOfAReport) {
-    const auto read = [](const char* event, const char* key, const char* report) {
-        const auto made = widget(R"({"kind":"value","board":"a","service":"b","event":")" +
-                                 std::string(event) + R"(","key":")" + key + "\"}");
-        const auto value = made.read_report(json::parse(report));
-        return value ? value->dump() : "nothing";
-    };
-    EXPECT_EQ(read("distance", "1", R"({"distance":[42,118]})"), "118");
-    EXPECT_EQ(read("distance", "7", R"({"distance":[42,118]})"), "nothing");
-    EXPECT_EQ(read("analog", "3", R"({"analog":{"0":1,"3":17}})"), "17");
-    EXPECT_EQ(read("analog", "4", R"({"analog":{"0":1,"3":17}})"), "nothing");
-    EXPECT_EQ(read("encoders", "0.count", R"({"encoders":[{"pulse":3000,"count":11}]})"), "11");
-    EXPECT_EQ(read("heat", "", R"({"heat":21.5})"), "21.5");
-    EXPECT_EQ(read("heat", "", R"({"other":1})"), "nothing");
-    EXPECT_EQ(read("heat", "", "[1]"), "nothing");
-    EXPECT_EQ(read("heat", "99999999999999999999", R"({"heat":[1]})"), "nothing");
-}
-
-TEST(Dashboard, Widgets_ReadTheirOwnPartOfWhatWasSet) {
-    const auto read = [](const char* command, const char* args, const char* argument, const char* set) {
-        const auto made =
-            widget(R"({"kind":"slider","board":"a","service":"b","command":")" + std::string(command) +
-                   R"(","args":)" + args + R"(,"argument":")" + argument + "\"}");
-        return made.read_set(json::parse(set)).dump();
-    };
-    EXPECT_EQ(read("write", R"({"pin":13})", "level", R"({"write":{"12":0,"13":1}})"), "1");
-    EXPECT_EQ(read("write", R"({"pin":14})", "level", R"({"write":{"13":1}})"), "null");
-    EXPECT_EQ(read("drive", "{}", "power1", R"({"drive":{"power0":10,"power1":20}})"), "20");
-    EXPECT_EQ(read("tone", R"({"beeper":0})", "hz", R"({"tone":{"0":{"hz":440,"ms":9}}})"), "440");
-    EXPECT_EQ(read("report", "{}", "period", R"({"report":100})"), "100");
-    EXPECT_EQ(read("report", "{}", "period", "null"), "null");
-}
-
-TEST(Dashboard, Controls_SendWhatTheyMayAndNothingElse) {
-    const auto lamp = widget(
-        R"({"kind":"switch","board":"a","service":"io","command":"write","args":{"pin":13},"argument":"level"})");
-    EXPECT_EQ(lamp.arguments(1).dump(), R"({"level":1,"pin":13})");
-    EXPECT_TRUE(lamp.may_send(0));
-    EXPECT_FALSE(lamp.may_send(2));
-    EXPECT_FALSE(lamp.may_send(json::object()));
-    const auto slider = widget(
-        R"({"kind":"slider","board":"a","service":"s","command":"w","argument":"x","min":-5,"max":5})");
-    EXPECT_TRUE(slider.may_send(-5));
-    EXPECT_FALSE(slider.may_send(5.1));
-    EXPECT_FALSE(slider.may_send("5"));
-    EXPECT_FALSE(slider.may_send(nullptr));
+TEST(Dashboard, OfALight_SwitchAndSliderSetTheirPart) {
+    const auto made = widget(R"({"kind":"switch","board":"a","property":"io/13"})");
+    EXPECT_EQ(made.service(), "io");
+    property::Property lamp;
+    EXPECT_EQ(made.value_for(lamp, true), json(true));
+    lamp.kind = property::Kind::kLight;
+    EXPECT_EQ(made.value_for(lamp, true), (json{{"on", true}}));
+    EXPECT_EQ(made.value_for(lamp, 0), (json{{"on", false}}));
+    EXPECT_EQ(made.value_for(lamp, 128), (json{{"on", true}, {"brightness", 128}}));
 }
 
 /// Its messages go to a broker that keeps them, and sends them to all.

@@ -46,28 +46,6 @@ TEST(MetricsPart, Text_IsNumberAndCount) {
     }
 }
 
-std::vector<std::pair<std::string, double>> fields(const std::string& event, const std::string& json) {
-    std::vector<ValueSample> values;
-    add_values(values, "desk", "service", event, json);
-    std::vector<std::pair<std::string, double>> found;
-    for (const auto& one : values)
-        found.emplace_back(one.field, one.value);
-    return found;
-}
-
-TEST(MetricsValues, EachNumberOfAnEvent_IsASample) {
-    using Fields = std::vector<std::pair<std::string, double>>;
-    EXPECT_EQ(fields("distance", R"({"distance":{"0":42,"1":7.5}})"), (Fields{{"0", 42}, {"1", 7.5}}));
-    EXPECT_EQ(
-        fields("pressure",
-               R"({"pressure":{"hpa":1013,"parts":[{"ok":true},{"ok":false}],"name":"x","none":null}})"),
-        (Fields{{"hpa", 1013}, {"parts.0.ok", 1}, {"parts.1.ok", 0}}));
-    EXPECT_EQ(fields("level", R"({"level":3})"), (Fields{{"", 3}}));
-    EXPECT_EQ(fields("", R"({"a":1,"b":2})"), (Fields{{"a", 1}, {"b", 2}}));
-    EXPECT_EQ(fields("text", R"({"text":"hello"})"), Fields{});
-    EXPECT_EQ(fields("", "no json"), Fields{});
-}
-
 class MetricsApiTest : public ApiTest {
   protected:
     MetricsApiTest() : ApiTest(Role::kAdmin) {
@@ -78,7 +56,11 @@ class MetricsApiTest : public ApiTest {
                                {"seq", 1},
                                {"lease", 60},
                                {"services",
-                                {{{"name", "distance"}, {"id", "D"}, {"model", "distance@1"}, {"title", "D"}},
+                                {{{"name", "distance"},
+                                  {"id", "D"},
+                                  {"model", "distance@1"},
+                                  {"title", "D"},
+                                  {"count", 2}},
                                  {{"name", "servo"}, {"id", "S"}, {"model", "servo@1"}, {"title", "S"}}}}}
                     .dump());
             bus("asip/servicebus/" + board + "/$state", "online");
@@ -127,15 +109,9 @@ TEST_F(MetricsApiTest, MoreBoardsThanOneAnswerHas_AreReadInParts) {
 TEST_F(MetricsApiTest, ChosenServices_ShowTheirLastValues) {
     EXPECT_THAT(metrics(), Not(HasSubstr("asip_value")));
     const auto text = metrics("?values=d*/distance,hall/*");
-    EXPECT_THAT(
-        text,
-        HasSubstr(
-            "asip_value{board=\"desk\",asip_service=\"distance\",event=\"distance\",field=\"0\"} 42\n"));
-    EXPECT_THAT(
-        text,
-        HasSubstr("asip_value{board=\"hall\",asip_service=\"distance\",event=\"distance\",field=\"1\"} 7\n"));
+    EXPECT_THAT(text, HasSubstr("asip_value{board=\"desk\",property=\"distance/0\"} 42\n"));
+    EXPECT_THAT(text, HasSubstr("asip_value{board=\"hall\",property=\"distance/1\"} 7\n"));
     EXPECT_THAT(text, Not(HasSubstr("asip_value{board=\"shed\"")));
-    EXPECT_THAT(text, Not(HasSubstr("asip_service=\"servo\",event"))) << "what was set is no value";
     EXPECT_EQ(count(metrics("?values=desk/distance,*/distance,desk/*"), "asip_value{board=\"desk\""), 2u)
         << "once";
     std::size_t in_parts = 0;

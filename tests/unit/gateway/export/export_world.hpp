@@ -36,7 +36,8 @@ class ExportWorld {
         bool there = true;
         ExportedBoard board;
         std::string session;
-        std::map<std::string, std::string> values, set;  // by service: JSON
+        std::map<std::string, std::string> values;    // by service: JSON
+        std::map<std::string, nlohmann::json> known;  // by id: what was set
     };
     struct Sent {
         Time at;
@@ -182,11 +183,18 @@ class ExportWorld {
         for (auto& gateway : gateways)
             if (gateway->alive) gateway->exporter->changed(name, now);
     }
-    void value(const std::string& board, const std::string& service, const std::string& json,
-               bool set = false) {
-        (set ? boards[board].set : boards[board].values)[service] = json;
+    void value(const std::string& board, const std::string& service, const std::string& json) {
+        boards[board].values[service] = json;
         for (auto& gateway : gateways)
-            if (gateway->alive) gateway->exporter->value(board, service, json, set, now);
+            if (gateway->alive) gateway->exporter->value(board, service, json, now);
+        deliver();
+    }
+    /// What the board's agent says of a property.
+    void known(const std::string& board, const std::string& id, const std::optional<nlohmann::json>& value) {
+        boards[board].known.erase(id);
+        if (value) boards[board].known[id] = *value;
+        for (auto& gateway : gateways)
+            if (gateway->alive) gateway->exporter->known(board, {id}, now);
         deliver();
     }
     std::size_t times_sent(const std::string& topic) const {
@@ -194,7 +202,7 @@ class ExportWorld {
             std::count_if(sent.begin(), sent.end(), [&](const auto& each) { return each.topic == topic; }));
     }
 
-    /// Home Assistant, as far as entities go: what a document leaves out stays.
+    /// Home Assistant, as far as properties go: what a document leaves out stays.
     void restart_home_assistant() {
         devices.clear();
         for (const auto& [topic, payload] : retained) {
@@ -213,6 +221,7 @@ class ExportWorld {
     std::vector<Sent> sent;
     std::size_t room = 1000000;  // messages a tenth of a second
     Time now{};
+    std::uint64_t refused = 0;
 
   private:
     Random random() {
@@ -316,13 +325,15 @@ class ExportWorld {
                                      std::make_shared<const ExportedBoard>(found->second.board),
                                      found->second.there ? "online" : "lost", found->second.session};
         };
-        port.values = [this](const std::string& board, const std::string& service,
-                             const std::function<void(std::string_view, bool)>& each) {
+        port.value = [this](const std::string& board, const Property& property) {
             const auto& of = boards[board];
-            if (const auto found = of.values.find(service); found != of.values.end())
-                each(found->second, false);
-            if (const auto found = of.set.find(service); found != of.set.end()) each(found->second, true);
+            if (const auto found = of.known.find(property.id); found != of.known.end())
+                return std::optional(found->second);
+            const auto found = of.values.find(property.service);
+            return found == of.values.end() ? std::nullopt
+                                            : value_in(property, nlohmann::json::parse(found->second));
         };
+        port.refused = [this](std::uint64_t values) { refused += values; };
         port.want = [](const std::string&, const std::string&, double) { return nullptr; };
         port.command = [gateway](const std::string& board, const Request& request,
                                  std::function<void(std::string)> done) {
@@ -346,44 +357,48 @@ inline ExportedBoard exported(int sensors, bool servo = true, const std::string&
     ExportedBoard board;
     board.name = name;
     for (int i = 0; i < sensors; ++i) {
-        Entity entity;
-        entity.id = "distance-" + std::to_string(i);
-        entity.name = "Distance " + std::to_string(i);
-        entity.read = ValuePlace{"distance", "/distance/" + std::to_string(i)};
-        board.entities.push_back(entity);
+        Property property;
+        property.id = "distance/" + std::to_string(i);
+        property.service = "distance";
+        property.name = "Distance " + std::to_string(i);
+        property.read = property::Place{"distance", "/distance/" + std::to_string(i)};
+        board.properties.push_back(property);
     }
     if (servo) {
-        Entity entity;
-        entity.id = "servo-0-angle";
-        entity.name = "Servo angle";
-        entity.kind = EntityKind::kNumber;
-        entity.min = 0;
-        entity.max = 180;
-        entity.whole = true;
-        entity.write = Call{"servo", "write", {0, std::nullopt}, "angle", true};
-        board.entities.push_back(entity);
+        Property property;
+        property.id = "servo/0/angle";
+        property.service = "servo";
+        property.name = "Servo angle";
+        property.kind = Kind::kNumber;
+        property.min = 0;
+        property.max = 180;
+        property.whole = true;
+        property.write = property::Call{"servo", "write", {0, std::nullopt}};
+        board.properties.push_back(property);
     }
     return board;
 }
 
 /// A strip of pixels with brightness and color.
-inline Entity strip_of_pixels() {
-    Entity entity;
-    entity.id = "pixels";
-    entity.name = "Pixels";
-    entity.kind = EntityKind::kLight;
-    entity.write = Call{"pixels", "brightness", {std::nullopt}, "level"};
-    entity.color = Call{"pixels", "fill", {std::nullopt}, "color"};
-    return entity;
+inline Property strip_of_pixels() {
+    Property property;
+    property.id = "pixels/light";
+    property.service = "pixels";
+    property.name = "Pixels";
+    property.kind = Kind::kLight;
+    property.write = property::Call{"pixels", "brightness", {std::nullopt}};
+    property.color = property::Call{"pixels", "fill", {std::nullopt}};
+    return property;
 }
 
-inline Entity stop_button() {
-    Entity entity;
-    entity.id = "motors-stop";
-    entity.name = "Motors stop";
-    entity.kind = EntityKind::kButton;
-    entity.write = Call{"motors", "stop", {}};
-    return entity;
+inline Property stop_button() {
+    Property property;
+    property.id = "motors/stop";
+    property.service = "motors";
+    property.name = "Motors stop";
+    property.kind = Kind::kButton;
+    property.write = property::Call{"motors", "stop", {}};
+    return property;
 }
 
 }  // namespace asip::gateway::exports

@@ -139,9 +139,9 @@ std::map<std::string, std::string> settled(const ExportWorld& world, const Diale
 void leave_out_unknown(std::map<std::string, std::string>& retained, const ExportWorld& world,
                        const Dialect& dialect) {
     for (const auto& [name, board] : world.boards) {
-        for (const auto& entity : board.board.entities) {
-            const auto found = retained.find(dialect.state(name, entity));
-            if (found != retained.end() && found->second == dialect.state_text(entity, nullptr))
+        for (const auto& property : board.board.properties) {
+            const auto found = retained.find(dialect.state(name, property));
+            if (found != retained.end() && found->second == dialect.state_text(property, nullptr))
                 retained.erase(found);
         }
     }

@@ -30,8 +30,8 @@ const DialectRow kDialects[] = {
 class ExporterRules : public testing::TestWithParam<DialectRow> {
   protected:
     const Dialect& dialect() const { return *dialect_; }
-    std::string topic_of(std::size_t entity) const {
-        return dialect().state("uno1", world.boards.at("uno1").board.entities[entity]);
+    std::string topic_of(std::size_t property) const {
+        return dialect().state("uno1", world.boards.at("uno1").board.properties[property]);
     }
     std::string distance() const { return topic_of(0); }
     std::string servo() const { return topic_of(1); }
@@ -48,7 +48,7 @@ class ExporterRules : public testing::TestWithParam<DialectRow> {
     void show_one_board() {
         world.put("uno1", exported(1));
         world.value("uno1", "distance", R"({"distance":[42]})");
-        world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+        world.known("uno1", "servo/0/angle", 90);
     }
 
     std::shared_ptr<const Dialect> dialect_ = GetParam().make();
@@ -85,7 +85,7 @@ TEST_P(ExporterRules, OfTwoGateways_OneExports_AndTheOtherTakesOverWithinTenSeco
     world.publish(servo() + "/set", "92");
     world.step();
     EXPECT_EQ(other.commands.size(), 1u);
-    world.value("uno1", "servo", R"({"write":{"0":92}})", true);
+    world.known("uno1", "servo/0/angle", 92);
     EXPECT_EQ(world.retained[servo()], "92");
 }
 
@@ -142,11 +142,11 @@ TEST_P(ExporterRules, BoardThatWasForgottenAndIsBack_IsNotShownWithOldValues) {
                             [&](const auto& each) { return each.topic == topic; }) -
                world.sent.begin();
     };
-    for (const std::size_t entity : {0, 1}) {
-        const auto unknown = dialect().state_text(world.boards["uno1"].board.entities[entity], nullptr);
-        EXPECT_EQ(world.retained[topic_of(entity)], unknown);
+    for (const std::size_t property : {0, 1}) {
+        const auto unknown = dialect().state_text(world.boards["uno1"].board.properties[property], nullptr);
+        EXPECT_EQ(world.retained[topic_of(property)], unknown);
         // Else a gateway that starts between them takes the old value for one of this session.
-        EXPECT_LT(place(topic_of(entity)), place(dialect().sessions()));
+        EXPECT_LT(place(topic_of(property)), place(dialect().sessions()));
     }
     world.value("uno1", "distance", R"({"distance":[43]})");
     EXPECT_EQ(world.retained[distance()], "43");
@@ -192,7 +192,7 @@ TEST_P(ExporterRules, SessionThatChangesAmongFastValues_IsWrittenDown) {
     // At each moment one of two states waits for its turn.
     for (int i = 0; i < 300; ++i) {
         world.value("uno1", "distance", R"({"distance":[)" + std::to_string(1000 + i) + "]}");
-        if (i > 0) world.value("uno1", "servo", R"({"write":{"0":)" + std::to_string(i % 180) + "}}", true);
+        if (i > 0) world.known("uno1", "servo/0/angle", i % 180);
         world.pass(100ms);
     }
     EXPECT_NE(world.retained[dialect().sessions()].find("another"), std::string::npos);

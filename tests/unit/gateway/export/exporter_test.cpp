@@ -35,7 +35,7 @@ class ExporterTest : public testing::Test {
 TEST_F(ExporterTest, BoardIsExported_WithDocumentAvailabilityAndValues) {
     world.put("uno1", exported(1));
     world.value("uno1", "distance", R"({"distance":[42]})");
-    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world.known("uno1", "servo/0/angle", 90);
     world.start();
     world.pass(3s);
     EXPECT_THAT(topics(), UnorderedElementsAre(kDocument, kState, kBoard, kDistance, kServo));
@@ -98,15 +98,32 @@ TEST_F(ExporterTest, ValueThatIsNone_IsUnknown) {
     EXPECT_EQ(world.retained[kDistance], "None");
 }
 
+TEST_F(ExporterTest, ValueThatThePropertyCannotHave_IsCountedAndNotSent) {
+    auto board = exported(1);
+    board.properties[0].min = 2;
+    board.properties[0].max = 400;
+    world.put("uno1", board);
+    world.start();
+    world.pass(3s);
+    world.value("uno1", "distance", R"({"distance":[42]})");
+    world.value("uno1", "distance", R"({"distance":[1]})");
+    world.value("uno1", "distance", R"({"distance":["far"]})");
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kDistance], "42");
+    EXPECT_EQ(world.refused, 2u);
+    world.value("uno1", "distance", R"({"distance":[43]})");
+    EXPECT_EQ(world.retained[kDistance], "43");
+}
+
 TEST_F(ExporterTest, WhatWasSet_IsUnknownBehindARestartOfTheBoard) {
     world.put("uno1", exported(1));
     auto& gateway = world.start();
     world.pass(3s);
-    world.value("uno1", "servo", "", true);
+    world.known("uno1", "servo/0/angle", std::nullopt);
     EXPECT_EQ(world.times_sent(kServo), 0u) << "nothing was said before";
-    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world.known("uno1", "servo/0/angle", 90);
     world.pass(1s);
-    world.value("uno1", "servo", "", true);
+    world.known("uno1", "servo/0/angle", std::nullopt);
     world.pass(1s);
     EXPECT_EQ(world.retained[kServo], "None");
     EXPECT_TRUE(gateway.commands.empty());

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "asip/model/model_set.hpp"
-#include "gateway/export/entities.hpp"
+#include "export_world.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -17,7 +17,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 /// A board with every standard service and pins in each mode.
-ExportedBoard board_with_all() {
+model::Description description_of_all() {
     model::Description description;
     description.board = "uno1";
     for (const auto& model : model::ModelSet::standard().all()) {
@@ -28,35 +28,45 @@ ExportedBoard board_with_all() {
     }
     description.pins.capabilities = "1111111111111111";
     description.pins.owners = "------------------";
-    description.pins.modes = "00123450000000400000";
+    description.pins.modes = "000000000000000000";
     description.pins.analog = {{14, 0}};
+    description.labels.modes = {{2, 1}, {3, 2}, {4, 3}, {5, 5}, {14, 4}};
     description.labels.pins[4] = "lamp";
+    return description;
+}
+
+ExportedBoard board_of(const model::Description& description) {
     ExportedBoard board;
     board.board = "uno1";
     board.name = "Desk";
     board.chip = "ATmega328P";
     board.room = "lab";
-    board.entities = entities_of(description, [](const model::ServiceInfo& service) {
+    board.properties = property::properties_of(description, [](const model::ServiceInfo& service) {
         return model::ModelSet::standard().find(service.name);
     });
     return board;
+}
+
+ExportedBoard board_with_all() {
+    return board_of(description_of_all());
 }
 
 json document_of(const HomeAssistant::Options& options = {}) {
     return json::parse(HomeAssistant(options).document(board_with_all()));
 }
 
-Entity entity_of(EntityKind kind) {
-    Entity entity;
-    entity.id = "x";
-    entity.name = "X";
-    entity.kind = kind;
-    entity.write = Call{"own", "set", {std::nullopt}, "value"};
-    entity.options = {{"off", 0}, {"on", 1}};
-    entity.min = 0;
-    entity.max = 100;
-    entity.max_length = 20;
-    return entity;
+Property property_of(Kind kind) {
+    Property property;
+    property.id = "x";
+    property.name = "X";
+    property.kind = kind;
+    property.service = "own";
+    property.write = property::Call{"own", "set", {std::nullopt}};
+    if (kind == Kind::kSwitch || kind == Kind::kSelect) property.choices = {{"off", 0}, {"on", 1}};
+    property.min = 0;
+    property.max = 100;
+    if (kind == Kind::kText) property.max_length = 20;
+    return property;
 }
 
 TEST(HomeAssistant, TextsOfOthers_AreEscapedInEachPlace) {
@@ -113,19 +123,95 @@ TEST(HomeAssistantDocument, EachComponent_IsAsHomeAssistantTakesIt) {
     }
     const auto& all = document["cmps"];
     EXPECT_EQ(all["distance-0"],
-              json::parse(R"({"p":"sensor","uniq_id":"asip-uno1_distance-0","name":"Distance 0","stat_t":
+              json::parse(R"({"p":"sensor","uniq_id":"asip-uno1_distance-0","name":"Distance","stat_t":
                   "asip/export/ha/uno1/distance-0","unit_of_meas":"cm","dev_cla":"distance","stat_cla":"measurement"})"));
     EXPECT_EQ(all["pressure-temperature"]["unit_of_meas"],
               "\xc2\xb0"
               "C");
-    EXPECT_EQ(all["heading"]["stat_cla"], "measurement_angle");
+    EXPECT_FALSE(all["heading"].contains("stat_cla")) << "no class for angles before 2025";
     EXPECT_EQ(all["servo-0-angle"]["unit_of_meas"], "\xc2\xb0");
     EXPECT_EQ(all["servo-0-angle"]["cmd_t"], "asip/export/ha/uno1/servo-0-angle/set");
-    EXPECT_EQ(all["pin-4"]["p"], "switch");
-    EXPECT_EQ(all["pin-4"]["name"], "lamp");
-    EXPECT_FALSE(all["pin-4"].contains("en"));
-    EXPECT_EQ(all["pin-2"]["en"], false);
+    EXPECT_EQ(all["io-4"]["p"], "switch");
+    EXPECT_EQ(all["io-4"]["name"], "lamp");
+    EXPECT_FALSE(all["io-4"].contains("en"));
+    EXPECT_EQ(all["io-2"]["en"], false);
     EXPECT_EQ(all["last-error"]["ent_cat"], "diagnostic");
+}
+
+model::Meaning of_class(const std::string& klass) {
+    model::Meaning meaning;
+    meaning.klass = klass;
+    return meaning;
+}
+
+/// The component of pin 13 with this meaning.
+json pin_13(const model::Meaning& meaning) {
+    auto description = description_of_all();
+    description.labels.meanings["io/13"] = meaning;
+    return json::parse(HomeAssistant({}).document(board_of(description)))["cmps"]["io-13"];
+}
+
+TEST(HomeAssistantMeaning, OfAPin_IsItsPlatformAndClass) {
+    for (const auto* klass : {"door", "window", "motion", "occupancy", "moisture", "smoke", "vibration"}) {
+        EXPECT_EQ(pin_13(of_class(klass))["p"], "binary_sensor") << klass;
+        EXPECT_EQ(pin_13(of_class(klass))["dev_cla"], klass);
+        EXPECT_FALSE(pin_13(of_class(klass)).contains("en")) << klass;
+    }
+    EXPECT_EQ(pin_13(of_class("button"))["p"], "binary_sensor");
+    EXPECT_FALSE(pin_13(of_class("button")).contains("dev_cla"));
+    EXPECT_EQ(pin_13(of_class("plug"))["dev_cla"], "outlet");
+    EXPECT_EQ(pin_13(of_class("fan"))["p"], "switch");
+    EXPECT_EQ(pin_13(of_class("fan"))["ic"], "mdi:fan");
+    auto fan = of_class("fan");
+    fan.icon = "mdi:weather-windy";
+    fan.hidden = true;
+    EXPECT_EQ(pin_13(fan)["ic"], "mdi:weather-windy");
+    EXPECT_EQ(pin_13(fan)["en"], false);
+}
+
+TEST(HomeAssistantMeaning, LampThatIsOnlyOnOrOff_HasNoBrightness) {
+    const auto lamp = pin_13(of_class("light"));
+    EXPECT_EQ(lamp["p"], "light");
+    EXPECT_EQ(lamp["sup_clrm"], json::array({"onoff"}));
+    EXPECT_FALSE(lamp.contains("brightness"));
+    auto description = description_of_all();
+    description.labels.meanings["io/13"] = of_class("light");
+    const auto board = board_of(description);
+    const auto* light = board.property("io-13");
+    ASSERT_NE(light, nullptr);
+    const HomeAssistant ha({});
+    EXPECT_EQ(ha.state_text(*light, {{"on", true}, {"brightness", 255}}),
+              R"({"color_mode":"onoff","state":"ON"})");
+    EXPECT_TRUE(ha.value_of(*light, R"({"state":"ON"})"));
+}
+
+TEST(HomeAssistantMeaning, OfAnAnalogPin_IsItsClassWithItsUnit) {
+    auto description = description_of_all();
+    auto& meaning = description.labels.meanings["io/14"];
+    meaning = of_class("energy");
+    meaning.unit = "kWh";
+    meaning.line = {{0, 1023, 0, 100}};
+    const auto component = json::parse(HomeAssistant({}).document(board_of(description)))["cmps"]["io-14"];
+    EXPECT_EQ(component["dev_cla"], "energy");
+    EXPECT_EQ(component["stat_cla"], "total_increasing");
+    EXPECT_EQ(component["unit_of_meas"], "kWh");
+}
+
+TEST(HomeAssistantNames, OfTheDevice_AreNotSaidTwice) {
+    auto board = exported(1, true, "Lamp");
+    board.board = "uno1";
+    board.properties[0].name = "Lamp";
+    board.properties[1].name = "Lamp angle";
+    const auto all = json::parse(HomeAssistant({}).document(board))["cmps"];
+    EXPECT_TRUE(all["distance-0"].contains("name") && all["distance-0"]["name"].is_null());
+    EXPECT_EQ(all["servo-0-angle"]["name"], "angle");
+}
+
+TEST(HomeAssistantDocument, LinksToThePageOfTheBoard) {
+    HomeAssistant::Options options;
+    EXPECT_FALSE(document_of(options)["dev"].contains("cu"));
+    options.page = "http://10.0.0.2:8080/";
+    EXPECT_EQ(document_of(options)["dev"]["cu"], "http://10.0.0.2:8080/#/board/uno1");
 }
 
 TEST(HomeAssistantDocument, ReadOnly_HasNothingToSet) {
@@ -136,7 +222,7 @@ TEST(HomeAssistantDocument, ReadOnly_HasNothingToSet) {
         EXPECT_FALSE(component.contains("cmd_t")) << id;
         EXPECT_TRUE(component["p"] == "sensor" || component["p"] == "binary_sensor") << id;
     }
-    EXPECT_FALSE(HomeAssistant(options).value_of(entity_of(EntityKind::kSwitch), "ON"));
+    EXPECT_FALSE(HomeAssistant(options).value_of(property_of(Kind::kSwitch), "ON"));
 }
 
 TEST(HomeAssistantDocument, IdsOfEntities_AreProposedWithTheirDomain) {
@@ -166,14 +252,15 @@ TEST(HomeAssistantDocument, RemovedComponent_IsNamedByItsPlatformAlone) {
     const auto old = ha.components(board);
     EXPECT_EQ(old, HomeAssistant::components_of(ha.document(board)));
     EXPECT_EQ(ha.removing_document(board, old), "");
-    board.entities.erase(board.entities.begin());
-    auto& changed = board.entities.front();
-    changed.kind = EntityKind::kBinarySensor;
-    const auto id = board_with_all().entities.front().id;
+    board.properties.erase(board.properties.begin());
+    auto& changed = board.properties.front();
+    changed.kind = Kind::kBinarySensor;
+    const auto id = property::plain_id(board_with_all().properties.front().id);
+    const auto changed_id = property::plain_id(changed.id);
     const auto document = json::parse(ha.removing_document(board, old));
     EXPECT_EQ(document["cmps"][id], (json{{"p", old.at(id)}}));
-    EXPECT_EQ(document["cmps"][changed.id], (json{{"p", old.at(changed.id)}}));
-    EXPECT_EQ(json::parse(ha.document(board))["cmps"][changed.id]["p"], "binary_sensor");
+    EXPECT_EQ(document["cmps"][changed_id], (json{{"p", old.at(changed_id)}}));
+    EXPECT_EQ(json::parse(ha.document(board))["cmps"][changed_id]["p"], "binary_sensor");
 }
 
 TEST(HomeAssistantDocument, WhatIsNoDocument_HasNoComponents) {
@@ -193,14 +280,14 @@ TEST(HomeAssistantUnits, ClassIsNamedOnlyForAUnitThatItTakes) {
 
 TEST(HomeAssistantState, IsTextForEachKind) {
     const HomeAssistant ha({});
-    EXPECT_EQ(ha.state_text(entity_of(EntityKind::kSwitch), true), "ON");
-    EXPECT_EQ(ha.state_text(entity_of(EntityKind::kSensor), 42), "42");
-    EXPECT_EQ(ha.state_text(entity_of(EntityKind::kSensor), 4.5), "4.5");
-    EXPECT_EQ(ha.state_text(entity_of(EntityKind::kSensor), nullptr), "None");
-    EXPECT_EQ(ha.state_text(entity_of(EntityKind::kText), std::string(300, 'a')).size(), 255u);
-    EXPECT_EQ(ha.state_text(entity_of(EntityKind::kText), nullptr), "");
+    EXPECT_EQ(ha.state_text(property_of(Kind::kSwitch), true), "ON");
+    EXPECT_EQ(ha.state_text(property_of(Kind::kSensor), 42), "42");
+    EXPECT_EQ(ha.state_text(property_of(Kind::kSensor), 4.5), "4.5");
+    EXPECT_EQ(ha.state_text(property_of(Kind::kSensor), nullptr), "None");
+    EXPECT_EQ(ha.state_text(property_of(Kind::kText), std::string(300, 'a')).size(), 255u);
+    EXPECT_EQ(ha.state_text(property_of(Kind::kText), nullptr), "");
     EXPECT_EQ(HomeAssistant::cut(std::string(254, 'a') + "\xc3\xa4").size(), 254u);
-    auto light = entity_of(EntityKind::kLight);
+    auto light = property_of(Kind::kLight);
     EXPECT_EQ(ha.state_text(light, nullptr), R"({"state":null})");
     EXPECT_EQ(ha.state_text(light, {{"on", true}, {"brightness", 128}}),
               R"({"brightness":128,"color_mode":"brightness","state":"ON"})");
@@ -212,23 +299,23 @@ TEST(HomeAssistantState, IsTextForEachKind) {
 
 TEST(HomeAssistantCommand, TopicNamesBoardAndEntity) {
     const HomeAssistant ha({});
-    const auto command = ha.command_of("asip/export/ha/uno1/pin-13/set");
+    const auto command = ha.command_of("asip/export/ha/uno1/io-13/set");
     ASSERT_TRUE(command);
     EXPECT_EQ(command->board, "uno1");
-    EXPECT_EQ(command->entity, "pin-13");
+    EXPECT_EQ(command->property, "io-13");
     for (const auto* topic : {"asip/export/ha/uno1/set", "asip/export/ha/set", "asip/export/ha/a/b/c/set",
-                              "asip/uno1/io/set", "asip/export/ha/uno1/pin-13", ""})
+                              "asip/uno1/io/set", "asip/export/ha/uno1/io-13", ""})
         EXPECT_FALSE(ha.command_of(topic)) << topic;
 }
 
 TEST(HomeAssistantCommand, WhatHomeAssistantSends_IsAValue) {
     const HomeAssistant ha({});
-    EXPECT_EQ(*ha.value_of(entity_of(EntityKind::kSwitch), "ON"), json(true));
-    EXPECT_EQ(*ha.value_of(entity_of(EntityKind::kNumber), "90.0"), json(90.0));
-    EXPECT_EQ(*ha.value_of(entity_of(EntityKind::kText), "hello"), json("hello"));
-    EXPECT_EQ(*ha.value_of(entity_of(EntityKind::kSelect), "on"), json("on"));
-    EXPECT_TRUE(ha.value_of(entity_of(EntityKind::kButton), "PRESS")->is_null());
-    auto light = entity_of(EntityKind::kLight);
+    EXPECT_EQ(*ha.value_of(property_of(Kind::kSwitch), "ON"), json(true));
+    EXPECT_EQ(*ha.value_of(property_of(Kind::kNumber), "90.0"), json(90.0));
+    EXPECT_EQ(*ha.value_of(property_of(Kind::kText), "hello"), json("hello"));
+    EXPECT_EQ(*ha.value_of(property_of(Kind::kSelect), "on"), json("on"));
+    EXPECT_TRUE(ha.value_of(property_of(Kind::kButton), "PRESS")->is_null());
+    auto light = property_of(Kind::kLight);
     light.color = light.write;
     EXPECT_EQ(
         *ha.value_of(light, R"({"state":"ON","brightness":10,"color":{"r":1,"g":2,"b":3},"transition":2})"),
@@ -237,23 +324,23 @@ TEST(HomeAssistantCommand, WhatHomeAssistantSends_IsAValue) {
 
 TEST(HomeAssistantCommand, WhatIsNoValue_IsRefusedInWords) {
     const HomeAssistant ha({});
-    const auto refused = [&](EntityKind kind, const std::string& payload) {
-        const auto value = ha.value_of(entity_of(kind), payload);
+    const auto refused = [&](Kind kind, const std::string& payload) {
+        const auto value = ha.value_of(property_of(kind), payload);
         EXPECT_FALSE(value) << payload;
         return value ? std::string() : value.error();
     };
-    EXPECT_EQ(refused(EntityKind::kNumber, "101"), "X cannot be set to 101");
+    EXPECT_EQ(refused(Kind::kNumber, "101"), "X cannot be set to 101");
     for (const auto* text : {"", "9x", "nan", "inf", "0x10", "1e999"})
-        refused(EntityKind::kNumber, text);
+        refused(Kind::kNumber, text);
     for (const auto* text : {"", "on", "TOGGLE"})
-        refused(EntityKind::kSwitch, text);
+        refused(Kind::kSwitch, text);
     for (const auto* text : {"", "7", "{}", R"({"state":1})", R"({"state":"ON","brightness":"x"})",
                              R"({"state":"ON","color":{"r":1}})", R"({"state":"ON","color":7})"})
-        refused(EntityKind::kLight, text);
-    refused(EntityKind::kText, std::string(21, 'a'));
-    refused(EntityKind::kSelect, "third");
-    refused(EntityKind::kButton, "ON");
-    EXPECT_THAT(refused(EntityKind::kSensor, "1"), HasSubstr("cannot be set"));
+        refused(Kind::kLight, text);
+    refused(Kind::kText, std::string(21, 'a'));
+    refused(Kind::kSelect, "third");
+    refused(Kind::kButton, "ON");
+    EXPECT_THAT(refused(Kind::kSensor, "1"), HasSubstr("cannot be set"));
 }
 
 }  // namespace

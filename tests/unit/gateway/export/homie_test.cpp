@@ -15,16 +15,17 @@ using nlohmann::json;
 ExportedBoard homie_board() {
     auto board = exported(1);
     board.board = "uno1";
-    board.entities[0].unit = "cm";
-    board.entities[0].quantity = "distance";
-    Entity line;
-    line.id = "display-0";
+    board.properties[0].unit = "cm";
+    board.properties[0].quantity = "distance";
+    Property line;
+    line.id = "display/0";
+    line.service = "display";
     line.name = "Line 0";
-    line.kind = EntityKind::kText;
+    line.kind = Kind::kText;
     line.max_length = 20;
-    line.write = Call{"display", "line", {0, std::nullopt}, "text", true};
+    line.write = property::Call{"display", "line", {0, std::nullopt}};
     for (auto& each : {strip_of_pixels(), stop_button(), line})
-        board.entities.push_back(each);
+        board.properties.push_back(each);
     return board;
 }
 
@@ -41,7 +42,7 @@ TEST(HomieDescription, HasANodeForEachService_AndAPropertyForEachEntity) {
               json::parse(R"({"name":"Distance 0","datatype":"float","settable":false,"unit":"cm"})"));
     EXPECT_EQ(document["nodes"]["servo"]["properties"]["servo-0-angle"],
               json::parse(R"({"name":"Servo angle","datatype":"integer","settable":true,"format":"0:180"})"));
-    EXPECT_EQ(document["nodes"]["pixels"]["properties"]["pixels"]["format"], "rgb");
+    EXPECT_EQ(document["nodes"]["pixels"]["properties"]["pixels-light"]["format"], "rgb");
     EXPECT_EQ(
         document["nodes"]["motors"]["properties"]["motors-stop"],
         json::parse(
@@ -85,17 +86,17 @@ TEST(HomieValue, IsTextOfItsType) {
     const Homie homie({});
     const auto board = homie_board();
     const auto text = [&](const char* id, const char* value) {
-        return homie.state_text(*board.entity(id), json::parse(value));
+        return homie.state_text(*board.property(id), json::parse(value));
     };
     EXPECT_EQ(text("distance-0", "42.5"), "42.5");
     EXPECT_EQ(text("distance-0", "null"), "");
     EXPECT_EQ(text("display-0", "\"\""), std::string(1, '\0'));
     EXPECT_EQ(text("display-0", "\"hi\""), "hi");
-    EXPECT_EQ(text("pixels", R"({"on":false})"), "rgb,0,0,0");
-    EXPECT_EQ(text("pixels", R"({"on":true,"brightness":255,"color":16744448})"), "rgb,255,128,0");
-    EXPECT_EQ(text("pixels", R"({"on":true,"brightness":51,"color":16711680})"), "rgb,51,0,0");
-    Entity lamp;
-    lamp.kind = EntityKind::kSwitch;
+    EXPECT_EQ(text("pixels-light", R"({"on":false})"), "rgb,0,0,0");
+    EXPECT_EQ(text("pixels-light", R"({"on":true,"brightness":255,"color":16744448})"), "rgb,255,128,0");
+    EXPECT_EQ(text("pixels-light", R"({"on":true,"brightness":51,"color":16711680})"), "rgb,51,0,0");
+    Property lamp;
+    lamp.kind = Kind::kSwitch;
     EXPECT_EQ(homie.state_text(lamp, true), "true");
 }
 
@@ -103,19 +104,19 @@ TEST(HomieValue, ThatIsSet_IsAValueOfTheEntity) {
     const Homie homie({});
     const auto board = homie_board();
     const auto value = [&](const char* id, const std::string& payload) {
-        const auto result = homie.value_of(*board.entity(id), payload);
+        const auto result = homie.value_of(*board.property(id), payload);
         return result ? result->dump() : "none";
     };
     EXPECT_EQ(value("servo-0-angle", "90"), "90");
-    EXPECT_EQ(value("pixels", "rgb,51,0,0"), R"({"brightness":51,"color":16711680,"on":true})");
-    EXPECT_EQ(value("pixels", "rgb,0,0,0"), R"({"on":false})");
+    EXPECT_EQ(value("pixels-light", "rgb,51,0,0"), R"({"brightness":51,"color":16711680,"on":true})");
+    EXPECT_EQ(value("pixels-light", "rgb,0,0,0"), R"({"on":false})");
     EXPECT_EQ(value("motors-stop", "press"), "null");
     EXPECT_EQ(value("display-0", std::string(1, '\0')), "\"\"");
     for (const char* wrong : {"181", "", "x", "nan", "1e999", "90x"})
         EXPECT_EQ(value("servo-0-angle", wrong), "none") << wrong;
     for (const char* wrong :
          {"rgb,1,2", "rgb,1,2,3,4", "rgb,256,0,0", "rgb,-1,0,0", "hsv,1,2,3", "rgb,,,", "true"})
-        EXPECT_EQ(value("pixels", wrong), "none") << wrong;
+        EXPECT_EQ(value("pixels-light", wrong), "none") << wrong;
     EXPECT_EQ(value("motors-stop", ""), "none");
     EXPECT_EQ(value("distance-0", "1"), "none");
     EXPECT_EQ(value("display-0", std::string(5000, 'x')), "none");
@@ -178,12 +179,12 @@ TEST_F(ExportedToHomie, TargetIsWhatWasReceived_ThenComesTheValue) {
     ASSERT_EQ(gateway.commands.size(), 1u);
     EXPECT_EQ(world_.retained[servo + "/$target"], "90.0");
     EXPECT_FALSE(world_.retained.contains(servo));
-    world_.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world_.known("uno1", "servo/0/angle", 90);
     world_.pass(1s);
     EXPECT_EQ(world_.retained[servo], "90");
     // Of another sender: the target goes ahead of the value.
     const auto begin = world_.sent.size();
-    world_.value("uno1", "servo", R"({"write":{"0":45}})", true);
+    world_.known("uno1", "servo/0/angle", 45);
     world_.pass(1s);
     EXPECT_THAT(sent_of(servo, begin), testing::ElementsAre("/$target=45", "=45"));
     // One that fails: the target stays another, and the log says why.

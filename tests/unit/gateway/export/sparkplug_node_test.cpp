@@ -91,10 +91,10 @@ class SparkplugNodeTest : public testing::Test {
 
 TEST_F(SparkplugNodeTest, GatewayAndBoardsAreBorn_WithNamesUnitsAndWhatIsKnown) {
     auto board = exported(2);
-    board.entities[0].unit = "cm";
-    board.entities[0].max = 400;
+    board.properties[0].unit = "cm";
+    board.properties[0].max = 400;
     for (auto& each : {strip_of_pixels(), stop_button()})
-        board.entities.push_back(each);
+        board.properties.push_back(each);
     world.put("uno1", board);
     world.value("uno1", "distance", R"({"distance":[42.5]})");
     world.boards["uno2"] = {false, exported(1), "1", {}, {}};  // it is lost
@@ -103,31 +103,32 @@ TEST_F(SparkplugNodeTest, GatewayAndBoardsAreBorn_WithNamesUnitsAndWhatIsKnown) 
     EXPECT_TRUE(host.node_alive);
     EXPECT_THAT(host.bd_seqs, ElementsAre(0u));
     ASSERT_EQ(host.devices.size(), 1u);
-    EXPECT_EQ(host.value("uno1", "distance-0"), Value(42.5));
-    EXPECT_EQ(host.value("uno1", "distance-1"), kNull);
-    EXPECT_EQ(host.value("uno1", "servo-0-angle"), kNull);
-    EXPECT_EQ(host.value("uno1", "pixels/on"), kNull);
-    EXPECT_EQ(host.value("uno1", "motors-stop"), Value(false));
-    EXPECT_EQ(host.metric("uno1", "distance-0")->type, DataType::kDouble);
-    EXPECT_EQ(host.metric("uno1", "servo-0-angle")->type, DataType::kInt64);
-    EXPECT_EQ(host.metric("uno1", "pixels/color")->type, DataType::kString);
+    EXPECT_EQ(host.value("uno1", "distance/0"), Value(42.5));
+    EXPECT_EQ(host.value("uno1", "distance/1"), kNull);
+    EXPECT_EQ(host.value("uno1", "servo/0/angle"), kNull);
+    EXPECT_EQ(host.value("uno1", "pixels/light/on"), kNull);
+    EXPECT_EQ(host.value("uno1", "motors/stop"), Value(false));
+    EXPECT_EQ(host.metric("uno1", "distance/0")->type, DataType::kDouble);
+    EXPECT_EQ(host.metric("uno1", "servo/0/angle")->type, DataType::kInt64);
+    EXPECT_EQ(host.metric("uno1", "pixels/light/color")->type, DataType::kString);
 }
 
 TEST(Sparkplug, PropertiesSayUnitRangeAndWhatIsReadOnly) {
     const auto board = exported(1);
-    auto distance = board.entities[0];
+    auto distance = board.properties[0];
     distance.unit = "cm";
     Sparkplug::Options options;
-    const auto of = [&](const Entity& entity) {
-        return Sparkplug(options).properties(entity, Sparkplug::slots(entity).front());
+    const auto of = [&](const Property& property) {
+        return Sparkplug(options).properties(property, Sparkplug::slots(property).front());
     };
     using sparkplug::Property;
     EXPECT_THAT(of(distance), ElementsAre(Property{"name", "Distance 0"s}, Property{"engUnit", "cm"s},
                                           Property{"readOnly", true}));
-    EXPECT_THAT(of(board.entities[1]), ElementsAre(Property{"name", "Servo angle"s}, Property{"engLow", 0.0},
-                                                   Property{"engHigh", 180.0}, Property{"readOnly", false}));
+    EXPECT_THAT(of(board.properties[1]),
+                ElementsAre(Property{"name", "Servo angle"s}, Property{"engLow", 0.0},
+                            Property{"engHigh", 180.0}, Property{"readOnly", false}));
     options.read_only = true;
-    EXPECT_THAT(of(board.entities[1]), Contains(Property{"readOnly", true}));
+    EXPECT_THAT(of(board.properties[1]), Contains(Property{"readOnly", true}));
 }
 
 TEST(Sparkplug, NamesThatCannotBeLevelsOfATopic_AreRefused) {
@@ -145,8 +146,8 @@ TEST_F(SparkplugNodeTest, ValuesAreSaidByAlias_OnceForAllOfAService_AndSeqWraps)
         world.pass(300ms);
     }
     auto& host = world.view();
-    EXPECT_EQ(host.value("uno1", "distance-0"), Value(699.0));
-    EXPECT_EQ(host.value("uno1", "distance-1"), Value(-699.0));
+    EXPECT_EQ(host.value("uno1", "distance/0"), Value(699.0));
+    EXPECT_EQ(host.value("uno1", "distance/1"), Value(-699.0));
     EXPECT_GT(host.messages, 600u);
     EXPECT_EQ(host.data["uno1"], 700);
     EXPECT_EQ(host.births["uno1"], 1);
@@ -160,25 +161,25 @@ TEST_F(SparkplugNodeTest, FastValues_AreSaidFiveTimesASecond_NewestLast) {
     }
     world.pass(1s);
     auto& host = world.view();
-    EXPECT_EQ(host.value("uno1", "distance-0"), Value(999.0));
+    EXPECT_EQ(host.value("uno1", "distance/0"), Value(999.0));
     EXPECT_LE(host.data["uno1"], 53);
     EXPECT_GE(host.data["uno1"], 45);
 }
 
 TEST_F(SparkplugNodeTest, ValueThatCannotBeKnownAnyMore_IsNull) {
     active();
-    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
-    EXPECT_EQ(world.view().value("uno1", "servo-0-angle"), whole(90));
+    world.known("uno1", "servo/0/angle", 90);
+    EXPECT_EQ(world.view().value("uno1", "servo/0/angle"), whole(90));
     world.pass(1s);
-    world.value("uno1", "servo", "", true);
-    EXPECT_EQ(world.view().value("uno1", "servo-0-angle"), kNull);
+    world.known("uno1", "servo/0/angle", std::nullopt);
+    EXPECT_EQ(world.view().value("uno1", "servo/0/angle"), kNull);
 }
 
 TEST_F(SparkplugNodeTest, BoardThatIsLost_Dies_AndIsBornAgain_WithoutWhatWasSet) {
     active();
-    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world.known("uno1", "servo/0/angle", 90);
     world.boards["uno1"].there = false;
-    world.boards["uno1"].set.clear();
+    world.boards["uno1"].known.clear();
     world.changed("uno1");
     world.pass(1s);
     EXPECT_THAT(world.view().devices, IsEmpty());
@@ -188,31 +189,31 @@ TEST_F(SparkplugNodeTest, BoardThatIsLost_Dies_AndIsBornAgain_WithoutWhatWasSet)
     world.changed("uno1");
     world.pass(1s);
     EXPECT_EQ(world.view().births["uno1"], 2);
-    EXPECT_EQ(world.host.value("uno1", "distance-0"), Value(7.0));
-    EXPECT_EQ(world.host.value("uno1", "servo-0-angle"), kNull);
+    EXPECT_EQ(world.host.value("uno1", "distance/0"), Value(7.0));
+    EXPECT_EQ(world.host.value("uno1", "servo/0/angle"), kNull);
 }
 
 TEST_F(SparkplugNodeTest, BoardWithAnotherSession_IsBornAgain_WithoutWhatWasSet) {
     active();
-    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world.known("uno1", "servo/0/angle", 90);
     world.boards["uno1"].session = "another";
-    world.boards["uno1"].set.clear();
+    world.boards["uno1"].known.clear();
     world.changed("uno1");
     EXPECT_EQ(world.view().births["uno1"], 2);
-    EXPECT_EQ(world.host.value("uno1", "servo-0-angle"), kNull);
+    EXPECT_EQ(world.host.value("uno1", "servo/0/angle"), kNull);
 }
 
 TEST_F(SparkplugNodeTest, BoardThatChanges_IsBornAgain_WithAliasesThatNoHostHasSeen) {
     auto& gateway = active();
-    const auto alias = world.view().metric("uno1", "servo-0-angle")->alias;
+    const auto alias = world.view().metric("uno1", "servo/0/angle")->alias;
     world.put("uno1", exported(0));
     world.put("uno2", exported(1));
     world.pass(1s);
-    EXPECT_NE(world.view().metric("uno1", "servo-0-angle")->alias, alias);
+    EXPECT_NE(world.view().metric("uno1", "servo/0/angle")->alias, alias);
     world.ask("DCMD", "/uno1", "", whole(90), alias);  // of before
     world.step();
     EXPECT_THAT(gateway.commands, IsEmpty());
-    EXPECT_EQ(world.host.metric("uno1", "distance-0"), nullptr);
+    EXPECT_EQ(world.host.metric("uno1", "distance/0"), nullptr);
     world.forget("uno1");
     world.pass(1s);
     EXPECT_EQ(world.view().deaths["uno1"], 1);
@@ -230,7 +231,7 @@ TEST_F(SparkplugNodeTest, HostAsksForBirths_AndGetsThem_OnceASecond) {
     world.pass(3s);
     EXPECT_EQ(world.view().bd_seqs.size(), before + 2);
     EXPECT_THAT(world.host.bd_seqs, testing::Each(0u));  // it is the same connection
-    EXPECT_EQ(world.host.value("uno1", "distance-0"), Value(5.0));
+    EXPECT_EQ(world.host.value("uno1", "distance/0"), Value(5.0));
     world.ask("NCMD", "", "Node Control/Rebirth", false);
     world.pass(3s);
     EXPECT_EQ(world.view().bd_seqs.size(), before + 2);
@@ -238,17 +239,17 @@ TEST_F(SparkplugNodeTest, HostAsksForBirths_AndGetsThem_OnceASecond) {
 
 TEST_F(SparkplugNodeTest, Command_IsSentToTheBoard_AndItsMetricFollowsTheProof) {
     auto& gateway = active();
-    world.set("uno1", "servo-0-angle", whole(90));
+    world.set("uno1", "servo/0/angle", whole(90));
     ASSERT_EQ(gateway.commands.size(), 1u);
     EXPECT_EQ(gateway.commands[0].second.payload, R"({"write":[0,90]})");
-    EXPECT_EQ(world.view().value("uno1", "servo-0-angle"), kNull);
-    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    EXPECT_EQ(world.view().value("uno1", "servo/0/angle"), kNull);
+    world.known("uno1", "servo/0/angle", 90);
     gateway.answers[0]("");
     world.pass(1s);
-    EXPECT_EQ(world.view().value("uno1", "servo-0-angle"), whole(90));
+    EXPECT_EQ(world.view().value("uno1", "servo/0/angle"), whole(90));
     EXPECT_THAT(world.host.devices["uno1"].bytes, Not(HasSubstr("Quality")));
     // By alias, and with a fraction that is none.
-    world.ask("DCMD", "/uno1", "", Value(45.0), world.host.metric("uno1", "servo-0-angle")->alias);
+    world.ask("DCMD", "/uno1", "", Value(45.0), world.host.metric("uno1", "servo/0/angle")->alias);
     world.step();
     ASSERT_EQ(gateway.commands.size(), 2u);
     EXPECT_EQ(gateway.commands[1].second.payload, R"({"write":[0,45]})");
@@ -256,22 +257,22 @@ TEST_F(SparkplugNodeTest, Command_IsSentToTheBoard_AndItsMetricFollowsTheProof) 
 
 TEST_F(SparkplugNodeTest, CommandThatFails_LeavesTheValue_AndMarksItsQuality_UntilOneSucceeds) {
     auto& gateway = active();
-    world.value("uno1", "servo", R"({"write":{"0":90}})", true);
-    world.set("uno1", "servo-0-angle", whole(200));
+    world.known("uno1", "servo/0/angle", 90);
+    world.set("uno1", "servo/0/angle", whole(200));
     world.pass(1s);
     EXPECT_THAT(gateway.commands, IsEmpty());
     const auto said = [&] { return world.view().devices["uno1"].bytes; };
-    EXPECT_EQ(world.view().value("uno1", "servo-0-angle"), whole(90));
+    EXPECT_EQ(world.view().value("uno1", "servo/0/angle"), whole(90));
     EXPECT_THAT(said(), AllOf(HasSubstr("Quality"), HasSubstr(kBadQuality),
                               HasSubstr("Servo angle cannot be set to 200")));
     world.rebirth();
     world.pass(2s);
     EXPECT_THAT(said(), HasSubstr(kBadQuality));
-    world.set("uno1", "servo-0-angle", whole(91));
+    world.set("uno1", "servo/0/angle", whole(91));
     gateway.answers[0]("no servo");
     world.pass(1s);
     EXPECT_THAT(said(), AllOf(HasSubstr(kBadQuality), HasSubstr("Servo angle: no servo")));
-    world.set("uno1", "servo-0-angle", whole(92));
+    world.set("uno1", "servo/0/angle", whole(92));
     gateway.answers[1]("");
     world.pass(1s);
     EXPECT_THAT(said(), AllOf(HasSubstr(kGoodQuality), Not(HasSubstr("error"))));
@@ -281,7 +282,7 @@ TEST_F(SparkplugNodeTest, FloodOfCommandsThatFail_IsNoFloodOfData) {
     active();
     const auto before = world.view().data["uno1"];
     for (int i = 0; i < 1000; ++i) {
-        world.ask("DCMD", "/uno1", "servo-0-angle", whole(1000 + i));
+        world.ask("DCMD", "/uno1", "servo/0/angle", whole(1000 + i));
         if (i % 100 == 99) world.step();
     }
     world.pass(1s);
@@ -290,31 +291,31 @@ TEST_F(SparkplugNodeTest, FloodOfCommandsThatFail_IsNoFloodOfData) {
 
 TEST_F(SparkplugNodeTest, LightIsSetByItsParts_AndKeepsTheOthers) {
     auto board = exported(0, false);
-    board.entities.push_back(strip_of_pixels());
+    board.properties.push_back(strip_of_pixels());
     world.put("uno1", board);
     auto& gateway = active();
-    world.value("uno1", "pixels", R"({"brightness":100,"fill":255})", true);
-    EXPECT_EQ(world.view().value("uno1", "pixels/on"), Value(true));
-    EXPECT_EQ(world.host.value("uno1", "pixels/brightness"), whole(100));
-    EXPECT_EQ(world.host.value("uno1", "pixels/color"), Value("#0000ff"s));
+    world.known("uno1", "pixels/light", {{{"on", true}, {"brightness", 100}, {"color", 255}}});
+    EXPECT_EQ(world.view().value("uno1", "pixels/light/on"), Value(true));
+    EXPECT_EQ(world.host.value("uno1", "pixels/light/brightness"), whole(100));
+    EXPECT_EQ(world.host.value("uno1", "pixels/light/color"), Value("#0000ff"s));
     const auto payloads = [&] {
         std::vector<std::string> result;
         for (const auto& [name, request] : std::exchange(gateway.commands, {}))
             result.push_back(request.payload);
         return result;
     };
-    world.set("uno1", "pixels/color", "#ff0000"s);
+    world.set("uno1", "pixels/light/color", "#ff0000"s);
     EXPECT_THAT(payloads(), ElementsAre(R"({"fill":[16711680]})", R"({"brightness":[100]})"));
-    world.set("uno1", "pixels/brightness", whole(20));
+    world.set("uno1", "pixels/light/brightness", whole(20));
     EXPECT_THAT(payloads(), ElementsAre(R"({"brightness":[20]})"));
-    world.set("uno1", "pixels/brightness", whole(0));
+    world.set("uno1", "pixels/light/brightness", whole(0));
     EXPECT_THAT(payloads(), ElementsAre(R"({"brightness":[0]})"));
-    world.set("uno1", "pixels/on", false);
+    world.set("uno1", "pixels/light/on", false);
     EXPECT_THAT(payloads(), ElementsAre(R"({"brightness":[0]})"));
     for (const auto& [name, bad] :
-         {std::pair("pixels/color", Value("red"s)), std::pair("pixels/on", whole(1)),
-          std::pair("pixels/brightness", whole(256)),
-          std::pair("pixels/brightness", Value(std::numeric_limits<double>::quiet_NaN()))}) {
+         {std::pair("pixels/light/color", Value("red"s)), std::pair("pixels/light/on", whole(1)),
+          std::pair("pixels/light/brightness", whole(256)),
+          std::pair("pixels/light/brightness", Value(std::numeric_limits<double>::quiet_NaN()))}) {
         world.set("uno1", name, bad);
         EXPECT_THAT(payloads(), IsEmpty()) << name;
     }
@@ -322,12 +323,12 @@ TEST_F(SparkplugNodeTest, LightIsSetByItsParts_AndKeepsTheOthers) {
 
 TEST_F(SparkplugNodeTest, ButtonIsPressedByTrueAlone) {
     auto board = exported(0, false);
-    board.entities.push_back(stop_button());
+    board.properties.push_back(stop_button());
     world.put("uno1", board);
     auto& gateway = active();
-    world.set("uno1", "motors-stop", false);
+    world.set("uno1", "motors/stop", false);
     EXPECT_THAT(gateway.commands, IsEmpty());
-    world.set("uno1", "motors-stop", true);
+    world.set("uno1", "motors/stop", true);
     ASSERT_EQ(gateway.commands.size(), 1u);
     EXPECT_EQ(gateway.commands[0].second.payload, R"({"stop":[]})");
 }
@@ -337,7 +338,7 @@ TEST_F(SparkplugNodeTest, WhatIsNoCommand_IsCountedAndDropped_AndTheNextOneWorks
     const auto good = [] {
         Payload payload;
         Metric metric;
-        metric.name = "servo-0-angle";
+        metric.name = "servo/0/angle";
         metric.value = std::int64_t{90};
         payload.metrics.push_back(metric);
         return sparkplug::write(payload);
@@ -353,7 +354,7 @@ TEST_F(SparkplugNodeTest, WhatIsNoCommand_IsCountedAndDropped_AndTheNextOneWorks
     world.step();
     EXPECT_EQ(world.node(gateway).counters().bad, bad);
     world.set("uno1", "nothing", whole(1));
-    world.set("nobody", "servo-0-angle", whole(1));
+    world.set("nobody", "servo/0/angle", whole(1));
     world.ask("DCMD", "/uno1", "", whole(1), 999);
     world.ask("NCMD", "", "Node Control/Reboot", true);
     world.publish(topic, "");
@@ -367,15 +368,15 @@ TEST_F(SparkplugNodeTest, WhatIsNoCommand_IsCountedAndDropped_AndTheNextOneWorks
     world.publish(topic, good);
     world.step();
     EXPECT_EQ(gateway.commands.size(), 1u);
-    world.set("uno1", "distance-0", whole(1));
-    world.set("uno1", "servo-0-angle", kNull);
+    world.set("uno1", "distance/0", whole(1));
+    world.set("uno1", "servo/0/angle", kNull);
     EXPECT_EQ(gateway.commands.size(), 1u);
 }
 
 TEST_F(SparkplugNodeTest, ReadOnly_NothingIsSet_ButBirthsAreGiven) {
     auto& gateway = world.start_node(SparkplugWorld::read_only());
     world.pass(3s);
-    world.set("uno1", "servo-0-angle", whole(90));
+    world.set("uno1", "servo/0/angle", whole(90));
     EXPECT_THAT(gateway.commands, IsEmpty());
     world.rebirth();
     world.pass(2s);
@@ -477,7 +478,7 @@ TEST_F(SparkplugNodeTest, SlowBroker_GetsBirthsInPieces_AndDataOnlyBehindThem) {
     }
     EXPECT_EQ(world.view().devices.size(), 201u);
     world.pass(1s);
-    EXPECT_EQ(world.view().value("b199", "distance-0"), Value(99.0));
+    EXPECT_EQ(world.view().value("b199", "distance/0"), Value(99.0));
 }
 
 TEST_F(SparkplugNodeTest, OptionThatIsTakenAway_AndClean_LeaveNothing) {
@@ -562,11 +563,11 @@ TEST(SparkplugHistory, RandomSequences_LeaveTheHostWithTheTruth) {
             if (!board.there) continue;
             ++there;
             ASSERT_TRUE(host.devices.contains(name)) << name;
-            EXPECT_EQ(host.devices[name].metrics.size(), board.board.entities.size());
-            if (board.board.entity("distance-0") == nullptr || !board.values.contains("distance")) continue;
+            EXPECT_EQ(host.devices[name].metrics.size(), board.board.properties.size());
+            if (board.board.property("distance-0") == nullptr || !board.values.contains("distance")) continue;
             const auto value =
                 nlohmann::json::parse(board.values.at("distance"))["distance"][0].get<double>();
-            EXPECT_EQ(host.value(name, "distance-0"), Value(value));
+            EXPECT_EQ(host.value(name, "distance/0"), Value(value));
         }
         EXPECT_EQ(host.devices.size(), there);
         if (testing::Test::HasFailure()) return;

@@ -15,8 +15,8 @@ using nlohmann::json;
 ExportedBoard desk() {
     auto board = exported(1);
     board.board = "uno1";
-    board.entities.push_back(strip_of_pixels());
-    board.entities.push_back(stop_button());
+    board.properties.push_back(strip_of_pixels());
+    board.properties.push_back(stop_button());
     return board;
 }
 
@@ -45,7 +45,7 @@ TEST(Thing, HasAPropertyForEachEntity_AndAnActionForEachButton) {
     std::vector<std::string> names;
     for (const auto& [name, property] : thing["properties"].items())
         names.push_back(name);
-    EXPECT_THAT(names, testing::ElementsAre("board-state", "distance-0", "pixels", "servo-0-angle"));
+    EXPECT_THAT(names, testing::ElementsAre("board-state", "distance-0", "pixels-light", "servo-0-angle"));
     const auto& servo = thing["properties"]["servo-0-angle"];
     EXPECT_EQ(servo["type"], "integer");
     EXPECT_EQ(servo["maximum"], 180);
@@ -54,7 +54,7 @@ TEST(Thing, HasAPropertyForEachEntity_AndAnActionForEachButton) {
               std::vector<std::string>{"things/uno1/properties/servo-0-angle"});
     EXPECT_EQ(thing["properties"]["distance-0"]["readOnly"], true);
     EXPECT_TRUE(addresses(thing["properties"]["distance-0"], "writeproperty").empty());
-    EXPECT_EQ(thing["properties"]["pixels"]["required"], json::array({"on"}));
+    EXPECT_EQ(thing["properties"]["pixels-light"]["required"], json::array({"on"}));
     EXPECT_EQ(addresses(thing["actions"]["motors-stop"], "invokeaction"),
               std::vector<std::string>{"things/uno1/actions/motors-stop"});
     EXPECT_FALSE(thing.contains("events"));
@@ -127,10 +127,10 @@ TEST_F(ThingsOverMqtt, ValuesAreRetainedAsJson_WithTheStateOfTheBoard) {
     world_.value("uno1", "distance", R"({"distance":[42]})");
     world_.pass(1s);
     EXPECT_EQ(world_.retained["asip/export/wot/uno1/distance-0"], "42");
-    world_.value("uno1", "servo", R"({"write":{"0":90}})", true);
+    world_.known("uno1", "servo/0/angle", 90);
     world_.pass(1s);
     EXPECT_EQ(world_.retained["asip/export/wot/uno1/servo-0-angle"], "90");
-    world_.value("uno1", "servo", "", true);
+    world_.known("uno1", "servo/0/angle", std::nullopt);
     world_.pass(1s);
     EXPECT_FALSE(world_.retained.contains("asip/export/wot/uno1/servo-0-angle"))
         << "it is not known any more";
@@ -147,7 +147,7 @@ TEST_F(ThingsOverMqtt, WhatIsWritten_IsACommand_AndStateFollowsItsProof) {
     auto& gateway = start();
     world_.publish("asip/export/wot/uno1/servo-0-angle/set", "90");
     world_.publish("asip/export/wot/uno1/motors-stop/set", "");
-    world_.publish("asip/export/wot/uno1/pixels/set", R"({"on":true,"color":255})");
+    world_.publish("asip/export/wot/uno1/pixels-light/set", R"({"on":true,"color":255})");
     world_.pass(1s);
     ASSERT_EQ(gateway.commands.size(), 4u);
     EXPECT_EQ(gateway.commands[0].second.payload, R"({"write":[0,90]})");

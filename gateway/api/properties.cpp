@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be read and set on a board, and how it stands.
+#include <nlohmann/json.hpp>
+
+#include "asip/property/documents.hpp"
+#include "asip/text/nearest.hpp"
+#include "asip/text/printable.hpp"
+#include "gateway/api/limits.hpp"
+#include "gateway/api/routes.hpp"
+#include "gateway/api/streams.hpp"
+
+namespace asip::gateway::api {
+namespace {
+
+/// A board as its asker sees it, with those of its properties that `ids` names.
+struct Asked {
+    Things::Found found;
+    std::set<std::string, std::less<>> ids;  // empty: all
+
+    bool wants(const property::Property& property) const { return ids.empty() || ids.contains(property.id); }
+};
+
+/// Or a 404 that names the nearest.
+std::optional<Asked> asked(const Call& call) {
+    const auto board = board_of(call);
+    if (!board) return std::nullopt;
+    auto found = call.gateway.things().find(call.gateway.mirror(), call.board(), call.now());
+    if (!found) {
+        send_problem(call, 404, "board \"" + call.board() + "\" has no description, so no properties");
+        return std::nullopt;
+    }
+    Asked result{std::move(*found), {}};
+    result.found.board = seen(call.principal.rights, std::move(result.found.board));
+    const auto* text = call.request.parameter("ids");
+    for (std::size_t at = 0; text != nullptr && at <= text->size();) {
+        const auto comma = std::min(text->find(',', at), text->size());
+        result.ids.insert(text->substr(at, comma - at));
+        at = comma + 1;
+    }
+    std::vector<std::string> known;
+    for (const auto& each : result.found.board->properties)
+        known.push_back(each.id);
+    for (const auto& id : result.ids) {
+        if (std::find(known.begin(), known.end(), id) != known.end()) continue;
+        send_problem(call, 404,
+                     "board " + call.board() + " has no property \"" + text::printable(id) + "\"" +
+                         text::did_you_mean(id, known));
+        return std::nullopt;
+    }
+    return result;
+}
+
+}  // namespace
+
+void get_board_properties(Call& call) {
+    const auto board = asked(call);
+    if (!board) return;
+    property::PropertyList list;
+    list.head = {call.board(), board->found.session, 0};
+    for (const auto& each : board->found.board->properties)
+        if (board->wants(each)) list.properties.push_back(each);
+    call.reply.send(text_response(property::to_text(list)));
+}
+
+void get_board_values(Call& call) {
+    const auto board = asked(call);
+    if (!board) return;
+    auto text = values_text(
+        call.gateway.mirror(), *board->found.board, board->found.session,
+        [&](const auto& each) { return board->wants(each); }, call.now());
+    text.pop_back();
+    text += std::string(",\"present\":") + (exports::is_there(board->found.state) ? "true}" : "false}");
+    call.reply.send(text_response(std::move(text)));
+}
+
+void get_board_values_stream(Call& call) {
+    if (!board_of(call) || !bus_is_there(call) || !has_room(call)) return;
+    const auto max_hz = number_parameter(call, "max_hz", 0, 0, kMaxHz);
+    if (!max_hz) return send_problem(call, 400, max_hz.error());
+    start_sse(call, std::make_unique<PropertyFeed>(call.gateway.mirror(),
+                                                   feed_options(call, call.board(), "*", *max_hz)));
+}
+
+}  // namespace asip::gateway::api
