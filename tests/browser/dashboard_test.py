@@ -13,11 +13,11 @@ from rig import BUILD, Browser, PageTest, eventually
 
 AXE = pathlib.Path(BUILD, "axe-core/node_modules/axe-core/axe.min.js")
 GREENHOUSE = {"title": "Greenhouse", "widgets": [
-    {"id": "far", "kind": "value", "title": "Distance", "board": "desk", "service": "distance", "event": "distance", "key": "0", "unit": "cm"},
-    {"id": "line", "kind": "plot", "title": "Distance, plot", "size": "wide", "board": "desk", "service": "distance", "event": "distance", "key": "0", "unit": "cm"},
-    {"id": "lit", "kind": "switch", "title": "Lamp", "board": "lamp", "service": "io", "command": "write", "args": {"pin": 13}, "argument": "level", "on": 1, "off": 0},
-    {"id": "turn", "kind": "slider", "title": "Vent", "board": "desk", "service": "servo", "command": "write", "args": {"servo": 0}, "argument": "angle", "min": 0, "max": 180, "step": 1, "unit": "degrees"},
-    {"id": "seen", "kind": "lamp", "title": "Lamp is lit", "board": "lamp", "service": "io", "command": "write", "args": {"pin": 13}, "argument": "level"},
+    {"id": "far", "kind": "value", "title": "Distance", "board": "desk", "property": "distance/0"},
+    {"id": "line", "kind": "plot", "title": "Distance, plot", "size": "wide", "board": "desk", "property": "distance/0"},
+    {"id": "lit", "kind": "switch", "title": "Lamp", "board": "lamp", "property": "io/13"},
+    {"id": "turn", "kind": "slider", "title": "Vent", "board": "desk", "property": "servo/0/angle"},
+    {"id": "seen", "kind": "lamp", "title": "Lamp is lit", "board": "lamp", "property": "io/13"},
     {"id": "halt", "kind": "stop", "title": "Stop"}]}
 
 
@@ -76,9 +76,9 @@ class Dashboards(PageTest):
     def test_FromTheBoardsPage_ADashboardIsMadeUsedAndReloaded(self):
         self.addCleanup(self.ask, "DELETE", "/api/dashboards/class-room")
         self.open_board("desk")
-        self.add("values of distance", "Distance 0 (cm): value", "Class room!")
-        self.add("values of distance", "Distance 0 (cm): plot")
-        self.add("controls of servo", "Turn a servo to an angle: slider")
+        self.add("values of distance", "Distance (cm): value", "Class room!")
+        self.add("values of distance", "Distance (cm): plot")
+        self.add("controls of servo", "Servo angle (\u00b0): slider")
         self.output(13)
         self.open_board("lamp")
         self.browser.shown(".pin[aria-label^='Pin 13:']").click()
@@ -90,13 +90,13 @@ class Dashboards(PageTest):
         self.browser.button("Add a stop").click()
         self.widget("Stop")
         self.open("dashboard/class-room", anew=True)
-        for title in ("Distance 0", "Turn a servo to an angle", "Pin 13", "Stop"):
+        for title in ("Distance", "Servo angle", "Pin 13", "Stop"):
             self.widget(title)
         self.assertEqual(len(self.browser.find("asip-widget")), 6)
         self.assertIn("Class room!", self.browser.text("h1"))
         self.bus.sim("set", "desk/distance", "77")
-        self.shows("Distance 0", "77")
-        self.slide("Turn a servo to an angle", 135)
+        self.shows("Distance", "77")
+        self.slide("Servo angle", 135)
         eventually(lambda: abs(float(self.bus.part("desk/servo")) - 135) < 2, "the servo at 135 degrees")
         self.browser.shown(".kind-switch .toggle").click()
         eventually(lambda: self.bus.part("lamp/lamp") == "on", "the lamp is lit")
@@ -105,7 +105,7 @@ class Dashboards(PageTest):
         self.browser.shown(".kind-stop button").click()
         self.shows("Stop", "Stopped. Commands are refused until it is resumed.")
         eventually(lambda: self.bus.part("lamp/lamp") == "off", "the lamp is off")
-        self.shows("Turn a servo to an angle", "is stopped until it is resumed")
+        self.shows("Servo angle", "is stopped until it is resumed")
         self.assertTrue(self.browser.shown(".toggle").get_property("disabled"))
         self.browser.button("Resume all").click()
         eventually(lambda: not self.browser.shown(".toggle").get_property("disabled"), "the switch works again")

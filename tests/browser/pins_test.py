@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The pins of a board: set by clicks, lit by what happens on the board, held and stopped. What the simulated board does is checked, too."""
 
+import json
 import time
 import unittest
+import urllib.request
 
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import Select
 
 from rig import PageTest, eventually
 
@@ -33,8 +36,8 @@ class Pins(PageTest):
         eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
         self.browser.button("High", ".pin-panel").click()
         eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
-        eventually(lambda: "set to high" in self.pin("13").get_attribute("aria-label"), "pin 13 shown as set to high")
-        self.assertIn("set to high", self.browser.shown(".pin-panel").text)
+        eventually(lambda: "set to on" in self.pin("13").get_attribute("aria-label"), "pin 13 shown as set to on")
+        self.assertIn("set to on", self.browser.shown(".pin-panel").text)
         self.browser.screenshot("pins")
         self.browser.button("Low", ".pin-panel").click()
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
@@ -43,11 +46,11 @@ class Pins(PageTest):
         self.open_board()
         self.pin("2").click()
         self.browser.button("Input pullup", ".pin-panel").click()
-        eventually(lambda: "high" in self.pin("2").get_attribute("aria-label"), "released is high")
+        eventually(lambda: self.pin("2").get_attribute("aria-label").endswith(", off"), "released is off")
         self.bus.sim("press", "desk/button")
-        eventually(lambda: "low" in self.pin("2").get_attribute("aria-label"), "pressed is low")
+        eventually(lambda: self.pin("2").get_attribute("aria-label").endswith(", on"), "pressed is on")
         self.bus.sim("release", "desk/button")
-        eventually(lambda: "high" in self.pin("2").get_attribute("aria-label"), "released is high again")
+        eventually(lambda: self.pin("2").get_attribute("aria-label").endswith(", off"), "released is off again")
 
     def test_HeldOutput_IsOnOnlyWhileTheButtonIsDown(self):
         form = self.output_form()
@@ -80,7 +83,7 @@ class Pins(PageTest):
         self.browser.button("Stop all").click()
         eventually(lambda: "Stopped" in self.browser.text("header asip-stop"), "what the stop did")
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
-        self.assertNotIn("high", self.pin("13").get_attribute("aria-label"))
+        self.assertNotIn("set to on", self.pin("13").get_attribute("aria-label"))
         self.browser.button("Low", ".pin-panel").click()
         eventually(lambda: "stopped" in self.browser.text(".pin-panel output"), "the refusal")
         self.browser.button("Resume all").click()
@@ -89,6 +92,22 @@ class Pins(PageTest):
         eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit again")
         self.browser.button("Low", ".pin-panel").click()
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
+
+    def test_MeaningOfAPin_IsSetInItsPanel(self):
+        self.open_board()
+        self.pin("12").click()
+        form = self.browser.shown("form[aria-label='Name of pin 12']")
+        self.addCleanup(self.bus.ctl, "label", "desk/io/12", "class-", "inverted-")
+        Select(form.find_elements(By.TAG_NAME, "select")[0]).select_by_visible_text("light")
+        Select(form.find_elements(By.TAG_NAME, "select")[1]).select_by_visible_text("low")
+        form.find_element(By.TAG_NAME, "button").click()
+        eventually(lambda: "Kept" in form.text, "the agent has it")
+
+        def listed():
+            with urllib.request.urlopen(f"{self.bus.url}/api/boards/desk/properties?ids=io/12", timeout=20) as answer:
+                return json.load(answer)["properties"][0]
+        made = eventually(listed, "the property of the pin")
+        self.assertEqual((made["kind"], made["meaning"]), ("light", {"class": "light", "inverted": True}))
 
     def test_TakenPins_SayWhoseTheyAreAndOfferNothing(self):
         self.open_board()

@@ -102,6 +102,18 @@ class Services(PageTest):
         self.open_board(anew=True)
         eventually(lambda: "33" in known(), "and after a reload")
 
+    def test_SliderOfAServo_IsWhereTheServoIs_AndOnlyServosOfTheBoardAreOffered(self):
+        self.open_board()
+        form = self.form("servo", "Turn a servo to an angle")
+        slider = form.find_element(By.CSS_SELECTOR, "input[type=range]")
+        for angle in (150, 21):
+            urllib.request.urlopen(urllib.request.Request(f"{self.bus.url}/api/boards/desk/services/servo/commands/write", f"[0,{angle}]".encode(),
+                                                          {"Content-Type": "application/json"}), timeout=10)
+            eventually(lambda: slider.get_property("value") == str(angle), f"the slider at {angle}")  # noqa: B023
+            self.assertNotIn("unknown", slider.get_attribute("class"), "a value that is known is not pale")
+        offered = [each.text for each in form.find_elements(By.TAG_NAME, "option")]
+        self.assertEqual(offered, ["Servo 0"])
+
     def test_DistanceReported_ValueAndPlotMove(self):
         self.open_board()
         value = self.browser.shown("[aria-label='Distance'] .value")

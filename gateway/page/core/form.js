@@ -22,9 +22,9 @@ function field_of(argument, model, service) {
   if (argument.type === "text" || argument.type === "color") return { ...field, kind: argument.type };
   if (argument.name === model.element && argument.type === "integer") {
     const first = model.name === "io" ? undefined : argument.min ?? 0; // no pin is the usual one
-    if (!(service.count > 0)) return { ...field, kind: "integer", preset: first };
-    const choices = Array.from({ length: service.count }, (_, value) => ({ value, name: `${model.element} ${value}` }));
-    return { ...field, kind: "choice", choices, preset: 0 };
+    if (!service.elements?.length || model.name === "io") return { ...field, kind: "integer", preset: first };
+    const choices = service.elements.map((value) => ({ value, name: `${model.element} ${value}` }));
+    return { ...field, kind: "choice", choices, preset: choices[0].value };
   }
   const choices = choices_of(argument);
   if (choices) return { ...field, kind: "choice", choices };
@@ -32,7 +32,7 @@ function field_of(argument, model, service) {
   return { ...field, kind: argument.type, slider: span > 0 && (argument.type === "number" || span <= kMaxSliderSteps) };
 }
 
-/// The fields of a command's form. `service` is the board's own entry (its `count` limits the elements).
+/// The fields of a command's form. `service` may have `elements`: the numbers of those that the board has.
 export function fields_of(command, model, service = {}) {
   return (command.args ?? []).filter((argument) => argument.type !== "count")
     .map((argument) => field_of(argument, model, service));
@@ -120,26 +120,6 @@ export function arguments_of(fields, entered) {
 }
 
 function words_of(field) { return field.name.replace(/[-_]/g, " "); }
-
-function set_value(value, fields) {
-  if (value !== null && typeof value === "object" && !Array.isArray(value)) {
-    return Object.entries(value).map(([name, each]) => `${name} ${set_value(each, fields.filter((field) => field.name === name))}`).join(" ");
-  }
-  const field = fields.at(-1);
-  const named = Object.entries(field?.names ?? {}).find(([, number]) => number === value)?.[0];
-  return named ?? `${typeof value === "string" ? value : JSON.stringify(value)}${field?.unit ? ` ${field.unit}` : ""}`;
-}
-
-/// What was set by one command, for a person: "0: 90 degrees, 1: 45 degrees"; "" where nothing is known.
-export function set_text(set, model, name) {
-  const value = set?.[name];
-  if (value === undefined) return "";
-  const fields = (model?.commands?.[name]?.args ?? []).filter((argument) => argument.type !== "count");
-  const keys = value !== null && typeof value === "object" && !Array.isArray(value) ? Object.keys(value) : [];
-  if (keys.length === 0 || !keys.every((key) => /^\d+$/.test(key))) return value === true ? "done" : set_value(value, fields);
-  const text = (key) => (value[key] === true ? key : `${key}: ${set_value(value[key], fields)}`);
-  return keys.sort((a, b) => a - b).map(text).join(", ");
-}
 
 /// The command that undoes `name` with `args` (by name), as its model says: {command, args}. Undefined: none.
 export function safe_form(model, name, args) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pins of a board as its description and its reports say.
+// The pins of a board as its description, its reports and its properties say.
+import { is_on, value_text } from "./properties.js";
 
 export const mode_names = ["unallocated", "input", "input-pullup", "output", "analog", "pwm", "reserved", "other-service", "invalid"];
 export const kDigital = 1;
@@ -67,23 +68,18 @@ function numbers_by_pin(map) {
     .filter(([pin, value]) => Number.isInteger(pin) && pin >= 0 && pin <= kMaxPin && typeof value === "number");
 }
 
-/// What is known of the pins from reports of the I/O service and from commands that were executed.
+/// What is known of the pins from reports of the I/O service and from the properties of the board.
 export class PinValues {
   constructor() {
     this.modes = new Map();
     this.levels = new Map();
     this.analog = new Map(); // by channel
-    this.duties = new Map();
-    this.written = new Set(); // pins whose level is known from a command alone
+    this.properties = new Map(); // by pin: {property, value, how}
   }
 
-  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}, {"modes":[6,6,1]}; or an error: {"reason":"not-renewed"}.
+  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}, {"modes":[6,6,1]}.
   reported(value) {
-    if (value.reason === "not-renewed") this.stopped();
-    for (const [pin, level] of numbers_by_pin(value.digital)) {
-      this.levels.set(pin, level);
-      this.written.delete(pin);
-    }
+    for (const [pin, level] of numbers_by_pin(value.digital)) this.levels.set(pin, level);
     for (const [channel, reading] of numbers_by_pin(value.analog)) this.analog.set(channel, reading);
     for (const [pin, mode] of numbers_by_pin(value.modes)) this.modes.set(pin, mode);
   }
@@ -97,52 +93,33 @@ export class PinValues {
   asked(command, args) {
     if (command !== "mode") return;
     this.levels.delete(args.pin);
-    this.duties.delete(args.pin);
   }
 
   /// A command that the board has executed.
   executed(command, args) {
-    if (command === "mode") {
-      this.modes.set(args.pin, typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode);
-    } else if (command === "write") {
-      this.levels.set(args.pin, Number(args.level));
-      this.written.add(args.pin);
-    } else if (command === "pwm") {
-      this.duties.set(args.pin, args.duty);
-    }
+    if (command === "mode") this.modes.set(args.pin, typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode);
   }
 
-  /// The board was brought into its safe state: what outputs were told before is not what they do now.
-  stopped() {
-    for (const pin of this.written) this.levels.delete(pin);
-    this.written.clear();
-    this.duties.clear();
-  }
-
-  /// What the board's agent says of its outputs: {"write":{"13":1},"pwm":{"3":128}}; null: nothing that is known.
-  set_is(set) {
-    this.stopped();
-    for (const [pin, level] of numbers_by_pin(set?.write)) {
-      this.levels.set(pin, level);
-      this.written.add(pin);
-    }
-    for (const [pin, duty] of numbers_by_pin(set?.pwm)) this.duties.set(pin, duty);
-    for (const [pin, mode] of numbers_by_pin(set?.mode)) this.modes.set(pin, mode);
+  /// The list of the board, and how its properties stand: id -> {value, how}.
+  stands(properties, values) {
+    const pins = properties.filter((each) => /^io\/\d+$/.test(each.id));
+    this.properties = new Map(pins.map((property) => [Number(property.id.slice(3)), { property, ...values.get(property.id) }]));
   }
 
   /// {mode, text, level, told}: level 0..1 for the light of the pin, undefined where nothing is known. `told`: the board does not
   /// report it; it is what was set last.
   state_of(pin) {
     const mode = mode_names[this.modes.get(pin.number) ?? pin.mode];
+    const { property, value, how } = this.properties.get(pin.number) ?? {};
+    if (property && value !== undefined && value !== null) {
+      const level = typeof value === "number" ? value / (property.max ?? 1) : Number(is_on(value) ?? 0);
+      return { mode, text: value_text(property, value), level, told: how === "set" };
+    }
     if (mode === "analog") {
-      const value = this.analog.get(pin.channel);
-      return { mode, text: value === undefined ? "" : String(value), level: value === undefined ? undefined : value / 1023, told: false };
+      const reading = this.analog.get(pin.channel);
+      return { mode, text: reading === undefined ? "" : String(reading), level: reading === undefined ? undefined : reading / 1023, told: false };
     }
-    if (mode === "pwm") {
-      const duty = this.duties.get(pin.number);
-      return { mode, text: duty === undefined ? "" : `${Math.round(duty / 2.55)}%`, level: duty === undefined ? undefined : duty / 255, told: duty !== undefined };
-    }
-    const level = ["input", "input-pullup", "output"].includes(mode) ? this.levels.get(pin.number) : undefined;
-    return { mode, text: level === undefined ? "" : level ? "high" : "low", level, told: level !== undefined && this.written.has(pin.number) };
+    const level = property === undefined && ["input", "input-pullup"].includes(mode) ? this.levels.get(pin.number) : undefined;
+    return { mode, text: level === undefined ? "" : level ? "high" : "low", level, told: false };
   }
 }

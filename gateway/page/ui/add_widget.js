@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // "Add to dashboard": beside a service and a pin on a board's page, and in the editor of a dashboard.
-import { all_pin_offers, name_of_title, offers_of } from "../core/dashboard.js";
+import { name_of_title, offers_of } from "../core/dashboard.js";
 import { path_of, request, request_with_tag } from "../net/bus.js";
 import { fresh_id, h, Part } from "./dom.js";
 import { status } from "./model.js";
@@ -8,14 +8,10 @@ import { status } from "./model.js";
 const kTries = 3;
 let last_dashboard; // added to last, by this tab
 
-/// What of one service of a board can be added.
-export async function offers_of_service(board, service) {
-  const path = path_of("boards", board, "services", service.name);
-  const [known, value] = await Promise.all([request(path), request(`${path}/value`).catch(() => undefined)]);
-  const model = typeof known.model === "object" ? known.model : undefined;
-  if (service.name !== "io") return offers_of(board, { ...known, ...service }, model, value);
-  const description = (await request(path_of("boards", board))).description;
-  return all_pin_offers(board, description, value?.set);
+/// What of a board can be added; `wanted`: of which properties.
+export async function offers_of_board(board, wanted = () => true) {
+  const { properties } = await request(path_of("boards", board, "properties"));
+  return offers_of(board, properties.filter(wanted));
 }
 
 /// Adds a widget to a dashboard that may be changed by another user at the same moment; `fresh`: to one that is not there yet.

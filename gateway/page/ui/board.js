@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One board: its values, its controls, its pins, what it is, its history.
 import { alive, label_texts } from "../core/catalogue.js";
+import { stood } from "../core/properties.js";
 import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
@@ -13,6 +14,7 @@ import "./service.js";
 import { is_floor, is_pose } from "./world.js";
 
 const kReloadMs = 200;
+const kStandingHz = 10;
 const rates = [1, 2, 5, 10, 20, 50];
 let rate = 10; // values a second, kept from board to board
 
@@ -35,6 +37,7 @@ class Board extends Part {
     this.pins_box = h("section", { "aria-label": "Pins", hidden: true }, h("h2", {}, "Pins"));
     this.world_box = h("section", { "aria-label": "World", hidden: true }, h("h2", {}, "World"));
     this.shown_services = new Map();
+    this.stands = new Map(); // id of a property -> {value, how, unknown, at}
     this.no_service = h("p", { class: "empty", hidden: true }, "This board offers no service.");
     this.values = h("section", { class: "services values-box", "aria-label": "Values" }, h("div", { class: "head-row" }, h("h2", {}, "Values"), this.rate_box()));
     this.controls = h("section", { class: "services controls-box", "aria-label": "Controls" }, h("h2", {}, "Controls"));
@@ -57,7 +60,40 @@ class Board extends Part {
     this.listen(boards, "change", () => this.show_state());
     this.listen(status, "change", () => this.show_state());
     this.every(1000, () => this.show_state());
+    this.listen(document, "visibilitychange", () => (document.hidden ? this.unfollow() : this.follow()));
+    this.while_shown(() => this.unfollow());
     this.load();
+    this.follow();
+  }
+
+  /// Its properties, listed by the gateway, and how they stand, as long as this page is seen.
+  follow() {
+    if (this.end_standing || !this.isConnected || document.hidden) return;
+    this.end_standing = bus.subscribe({ subscribe: `${this.name}/$values`, max_hz: kStandingHz }, (message) => {
+      if (message.event === "properties") return this.load_properties();
+      if (message.event !== "values") return undefined;
+      this.stands = stood(this.stands, message, Date.now());
+      return this.show_standing();
+    });
+    this.load_properties();
+  }
+
+  unfollow() {
+    this.end_standing?.();
+    this.end_standing = undefined;
+  }
+
+  async load_properties() {
+    const list = await request(path_of("boards", this.name, "properties")).catch(() => undefined);
+    if (!list || !this.isConnected) return;
+    this.properties = list.properties;
+    this.show_standing();
+  }
+
+  show_standing() {
+    if (!this.properties) return;
+    this.pins.stands(this.properties, this.stands);
+    for (const element of this.shown_services.values()) element.stands(this.properties, this.stands);
   }
 
   rate_box() {
@@ -80,6 +116,7 @@ class Board extends Part {
   }
 
   async load() {
+    if (!this.properties) this.load_properties();
     try {
       this.board = await request(path_of("boards", this.name));
       this.problem.hidden = true;
@@ -198,13 +235,13 @@ class Board extends Part {
       const key = JSON.stringify([service.name, service.model, pins, Boolean(this.board.description?.on_demand)]);
       const element = known.get(key) ?? document.createElement("asip-service").begin(this.name, service, {
         controls: this.controls, advanced: this.advanced, hz: rate, on_demand: Boolean(this.board.description?.on_demand),
-        pins: pins && service.name === "io", on_value: this.listener_of(service),
-        on_set: service.name === "io" ? (set) => this.pins.set_is?.(set) : undefined });
+        pins: pins && service.name === "io", on_value: this.listener_of(service) });
       if (known.has(key)) element.update(service);
       return [key, element];
     }));
     for (const [key, element] of known) if (!this.shown_services.has(key)) element.remove();
     for (const element of this.shown_services.values()) if (!element.isConnected) this.values.append(element);
+    this.show_standing();
     this.no_service.hidden = services.length > 0;
   }
 }

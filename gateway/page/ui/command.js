@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A form for one command, made from the model of its service.
 import { answer_text, arguments_of, fields_of, hint_of, parse_field, safe_form } from "../core/form.js";
+import { raw_of, set_by, value_text } from "../core/properties.js";
 import { unit_text, words } from "../core/text.js";
 import { bus } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
@@ -27,13 +28,32 @@ class Command extends Part {
     this.known = h("span", { class: "muted now-set" });
     this.actions = h("span", { class: "actions" }, this.buttons());
     this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "",
-      onsubmit: (event) => { event.preventDefault(); this.send(); } },
+      onsubmit: (event) => { event.preventDefault(); this.send(); }, oninput: (event) => this.is_entered(event.target) },
       h("div", { class: "title" }, h("span", {}, title), this.known, this.output), this.fields.map((field) => this.control(field)), this.actions);
     this.append(this.form);
   }
 
-  /// What was set by this command, and is in force as far as is known.
-  now_set(text) { set_text(this.known, text && `set: ${text}`); }
+  /// What a person has entered stays until it is sent; another element shows how that one stands.
+  is_entered(input) {
+    const element = this.fields.find((field) => field.kind === "choice" && field.preset !== undefined);
+    this.touched = this.inputs.get(element?.name)?.focusable !== input;
+    if (!this.touched && this.standing) this.stands(...this.standing);
+  }
+
+  /// How the properties that this command sets stand: id -> {value}.
+  stands(properties, values) {
+    this.standing = [properties, values];
+    const all = set_by(properties, this.service.name, this.name);
+    const texts = all.map((each) => [each, value_text(each, values.get(each.id)?.value)]).filter(([, text]) => text);
+    const text = all.length === 1 ? texts[0]?.[1] ?? "" : texts.map(([each, one]) => `${each.name}: ${one}`).join(", ");
+    set_text(this.known, text && `now: ${text}`);
+    if (this.touched || this.held) return;
+    const entered = this.fields.map((field) => this.inputs.get(field.name).value());
+    const meant = all.find((each) => each.write.args.every((arg, i) => arg === null || Number(entered[i]) === arg || this.fields[i]?.kind !== "choice"));
+    const raw = meant && raw_of(meant, values.get(meant.id)?.value);
+    const at = meant?.write.args.indexOf(null) ?? -1;
+    if (raw !== undefined && at >= 0) this.inputs.get(this.fields[at]?.name)?.show?.(raw);
+  }
 
   get held_kind() { return this.command.safe !== undefined && !this.ask; }
   /// The model says so: it moves something, and runs only while its button is down.
@@ -107,6 +127,7 @@ class Command extends Part {
     const { kind, text } = answer_text(answer);
     this.tell(kind, text);
     if (answer.status !== "ok") return;
+    this.touched = false;
     this.executed(this.name, args, answer.answer);
     const proof = `${this.service.name} ${this.name}: proof: ${answer.proof}${ms === undefined ? "" : `, ${Math.round(ms)} ms`}`;
     this.dispatchEvent(Object.assign(new Event("proof", { bubbles: true }), { proof }));
@@ -186,7 +207,7 @@ function make_number(form, field, id, known = field.preset) {
   const number = h("input", { id, type: "number", inputmode: field.min < 0 ? "text" : "numeric", min: field.min, max: field.max,
     step: field.kind === "integer" ? 1 : "any", placeholder: hint, value: known });
   const value = () => number.value;
-  if (!field.slider) return { elements: [number], focusable: number, value };
+  if (!field.slider) return { elements: [number], focusable: number, value, show: (raw) => { number.value = raw; } };
   const slider = h("input", { type: "range", min: field.min, max: field.max, step: field.kind === "integer" ? 1 : (field.max - field.min) / 1000,
     "aria-label": `${words(field.name)}, ${hint}`, onchange: () => form.slid() });
   const show = (text) => {
@@ -207,7 +228,7 @@ function make_number(form, field, id, known = field.preset) {
     slider.setAttribute("aria-valuetext", "not known yet");
     slider.value = (field.min + field.max) / 2;
   }
-  return { elements: [slider, number], focusable: number, value };
+  return { elements: [slider, number], focusable: number, value, show: (raw) => { number.value = raw; show(raw); } };
 }
 
 function make_choice(form, field, id, known) {
@@ -220,12 +241,12 @@ function make_choice(form, field, id, known) {
   } else {
     select.value = preset;
   }
-  return { elements: [select], focusable: select, value: () => select.value };
+  return { elements: [select], focusable: select, value: () => select.value, show: (raw) => { select.value = raw; } };
 }
 
 function make_text(form, field, id, known) {
   const input = h("input", { id, type: "text", maxlength: field.max_length, placeholder: hint_of(field), value: known, autocomplete: "off" });
-  return { elements: [input], focusable: input, value: () => input.value };
+  return { elements: [input], focusable: input, value: () => input.value, show: (raw) => { input.value = raw; } };
 }
 
 function make_color(form, field, id, known) {

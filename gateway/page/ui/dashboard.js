@@ -4,7 +4,7 @@ import { kSizes, moved, name_of_title, title_of } from "../core/dashboard.js";
 import { bus, path_of, request, request_with_tag } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";
-import { offers_of_service } from "./add_widget.js";
+import { offers_of_board } from "./add_widget.js";
 import "./share.js";
 import "./widget.js";
 
@@ -64,6 +64,7 @@ class Dashboard extends Part {
     if (message.event === "dashboard") this.show(message.dashboard, message.etag);
     else if (message.event === "gone") this.gone();
     else if (message.event === "widget") widget?.says(message);
+    else if (message.event === "property") widget?.describe(message.property);
     else if (message.event === "past") widget?.past(message.points);
     else if (message.event === "board") this.board_is(message);
   }
@@ -118,7 +119,7 @@ class Dashboard extends Part {
   }
 
   widget_row(widget, i) {
-    const name = title_of(widget);
+    const name = title_of(widget, this.widgets.get(widget.id)?.property);
     const change = (edit) => this.change((document_) => ({ ...document_, widgets: edit(document_.widgets) }));
     const set = (more) => change((all) => all.map((each) => (each.id === widget.id ? { ...each, ...more } : each)));
     const title = h("input", { type: "text", maxlength: 60, value: widget.title ?? "", placeholder: name, "aria-label": `Title of ${name}`, autocomplete: "off", onchange: () => set({ title: title.value.trim() }) });
@@ -184,13 +185,6 @@ class Dashboard extends Part {
     this.answer.className = "answer refused";
     set_text(this.answer, text);
   }
-}
-
-async function offers_of_board(name) {
-  const board = await request(path_of("boards", name));
-  const services = board.description?.services ?? board.services ?? [];
-  const offers = await Promise.all(services.map((service) => offers_of_service(name, service).catch(() => [])));
-  return offers.flatMap((some, i) => some.map((offer) => ({ ...offer, text: `${services[i].name}: ${offer.text}` })));
 }
 
 export const is_kiosk = () => Boolean(status.you.dashboard);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pins of a board, drawn as the board has them. A click on a free pin shows what it can do.
-import { pin_offers } from "../core/dashboard.js";
 import { answer_text } from "../core/form.js";
 import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";
+import { raw_of } from "../core/properties.js";
 import { words } from "../core/text.js";
+import { offers_of_board } from "./add_widget.js";
 import { bus } from "../net/bus.js";
 import { before_picture, fresh_id, h, Part, set_class, set_text } from "./dom.js";
 import { on_report, report, status } from "./model.js";
@@ -11,6 +12,7 @@ import { keep_labels } from "./names.js";
 
 const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "A in", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
 const kinds = ["digital", "analog in", "PWM"];
+const classes = ["button", "door", "window", "motion", "occupancy", "moisture", "smoke", "vibration", "light", "plug", "relay", "fan", "pump", "heater", "buzzer"]; // of meanings
 
 class Pins extends Part {
   /// Call before it is put into the page, and again for a new description. What is on the screen is built anew only where
@@ -66,16 +68,14 @@ class Pins extends Part {
     this.refresh?.();
   }
 
-  set_is(set) {
-    this.values.set_is(set);
+  /// The list of the board, and how its properties stand.
+  stands(properties, values) {
+    this.values ??= new PinValues();
+    this.values.stands(properties, values);
     this.refresh?.();
   }
 
-  happened({ board, service, command, args, answer, stopped }) {
-    if (stopped === "*" || stopped === this.board) {
-      this.values.stopped();
-      this.refresh();
-    }
+  happened({ board, service, command, args, answer }) {
     if (board !== this.board || service !== "io") return;
     this.values.executed(command, args);
     if (answer) this.values.reported(answer);
@@ -125,9 +125,9 @@ class Pins extends Part {
     this.mode_buttons = new Map();
     this.controls = h("div", { class: "pin-controls" });
     if (pin.owner === "" && this.may_command) this.add_modes(pin);
-    if (this.may_label) this.panel.append(this.name_form(pin));
-    const mode = () => this.values.state_of(this.cells.get(pin.number).pin).mode;
-    if (pin.owner === "") this.panel.append(document.createElement("asip-add-widget").begin(`pin ${pin.label}`, async () => pin_offers(this.board, pin, mode())));
+    if (this.may_label) this.panel.append(this.meaning_form(pin));
+    const offers = () => offers_of_board(this.board, (each) => each.id === `io/${pin.number}`);
+    if (pin.owner === "") this.panel.append(document.createElement("asip-add-widget").begin(`pin ${pin.label}`, offers));
   }
 
   add_modes(pin) {
@@ -138,17 +138,37 @@ class Pins extends Part {
     this.controls_for = undefined;
   }
 
-  name_form(pin) {
-    const input = h("input", { id: fresh_id("pin-name"), type: "text", maxlength: 63, autocomplete: "off", value: pin.name, placeholder: "status lamp" });
+  /// What people call the pin, and what it is: the board's agent keeps both.
+  meaning_form(pin) {
+    const id = `io/${pin.number}`;
+    const { klass = "", inverted = "" } = this.meaning_of(pin);
+    const name = h("input", { id: fresh_id("pin-name"), type: "text", maxlength: 63, autocomplete: "off", value: pin.name, placeholder: "status lamp" });
+    const select = (title, choices, value) => {
+      const element = h("select", { id: fresh_id("pin"), disabled: pin.owner !== "" }, choices.map(([each, text]) => h("option", { value: each }, text)));
+      element.value = value;
+      return [element, h("div", { class: "field" }, h("label", { for: element.id }, title), element)];
+    };
+    const [what, what_field] = select("Is", [["", "whatever its mode says"], ...classes.map((each) => [each, each])], klass);
+    const [turned, turned_field] = select("On when", [["", "as usual"], ["no", "high"], ["yes", "low"]], inverted);
     const answer = h("output", { class: "answer", "aria-live": "polite" });
     const save = async (event) => {
       event.preventDefault();
-      const { kind, text } = await keep_labels(this.board, { names: { pins: { [pin.number]: input.value.trim() || null } } });
+      const change = { names: { pins: { [pin.number]: name.value.trim() || null } } };
+      if (what.value !== klass || turned.value !== inverted) {
+        change.meanings = { [id]: { class: what.value || null, inverted: turned.value === "" ? null : turned.value === "yes" } };
+      }
+      const { kind, text } = await keep_labels(this.board, change);
       answer.className = `answer ${kind}`;
       set_text(answer, text);
     };
     return h("form", { class: "pin-name-form", "aria-label": `Name of pin ${pin.label}`, onsubmit: save },
-      h("div", { class: "field text" }, h("label", { for: input.id }, "Name"), input, h("button", {}, "Save")), answer);
+      h("div", { class: "field text" }, h("label", { for: name.id }, "Name"), name), what_field, turned_field, h("button", {}, "Save"), answer);
+  }
+
+  /// As words of the form.
+  meaning_of(pin) {
+    const { class: klass, inverted } = this.values.properties.get(pin.number)?.property.meaning ?? {};
+    return { klass, inverted: inverted === undefined ? "" : inverted ? "yes" : "no" };
   }
 
   show_panel() {
@@ -163,8 +183,13 @@ class Pins extends Part {
       this.controls_for = mode;
       this.controls.replaceChildren(...this.controls_of(pin, mode));
     }
-    for (const button of this.controls.querySelectorAll("[data-level]")) {
-      button.setAttribute("aria-pressed", String(this.values.levels.get(pin.number) === Number(button.dataset.level)));
+    const { property, value } = this.values.properties.get(pin.number) ?? {};
+    const raw = property && raw_of(property, value);
+    for (const button of this.controls.querySelectorAll("[data-level]")) button.setAttribute("aria-pressed", String(raw === Number(button.dataset.level)));
+    const slider = this.controls.querySelector("input[type=range]");
+    if (slider && raw !== undefined && document.activeElement !== slider) {
+      slider.value = raw;
+      slider.classList.remove("unknown");
     }
   }
 
@@ -174,8 +199,7 @@ class Pins extends Part {
       return [h("div", { class: "chips", role: "group", "aria-label": `Level of pin ${pin.label}` }, level(0, "Low"), level(1, "High"))];
     }
     if (mode === "pwm") {
-      const duty = this.values.duties.get(pin.number);
-      const slider = h("input", { type: "range", min: 0, max: 255, value: duty ?? 0, class: duty === undefined ? "unknown" : "", "aria-label": `Duty of pin ${pin.label}, 0 to 255`,
+      const slider = h("input", { type: "range", min: 0, max: 255, value: 0, class: "unknown", "aria-label": `Duty of pin ${pin.label}, 0 to 255`,
         oninput: () => slider.classList.remove("unknown"), onchange: () => this.send("pwm", { pin: pin.number, duty: Number(slider.value) }) });
       return [slider];
     }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // One service of a board: its live values with a plot, and forms for its commands, which stand where the board has its controls.
-import { command_order, place_of, set_text as words_of_set } from "../core/form.js";
+import { command_order, place_of } from "../core/form.js";
+import { elements_of, value_text } from "../core/properties.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
-import { offers_of_service } from "./add_widget.js";
+import { offers_of_board } from "./add_widget.js";
 import { before_picture, h, Part, set_text } from "./dom.js";
 import "./command.js";
 import { status } from "./model.js";
@@ -19,8 +20,8 @@ const shortened = (text) => (text.length > kMaxText ? `${text.slice(0, kMaxText)
 class Service extends Part {
   /// Call before it is put into the page. `controls` and `advanced`: where its forms stand. `on_value` gets each value and whether it
   /// is of the past, `pins` says that the board's pins show them, `hz` how many values a second are wanted.
-  begin(board, service, { controls, advanced, on_value, on_set, pins = false, hz = kUsualHz, on_demand = true }) {
-    Object.assign(this, { board, service, controls, advanced, on_value, on_set, pins, hz, on_demand });
+  begin(board, service, { controls, advanced, on_value, pins = false, hz = kUsualHz, on_demand = true }) {
+    Object.assign(this, { board, service, controls, advanced, on_value, pins, hz, on_demand });
     return this;
   }
 
@@ -33,11 +34,11 @@ class Service extends Part {
     this.waiting = h("p", { class: "muted note" }, "No value yet.");
     this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", h("small", { class: "muted" })));
     this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), h("div", { class: "commands" }));
-    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], !this.pins && this.adder("controls", (widget) => widget.command)), this.usual = h("div", { class: "commands" }));
+    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], !this.pins && this.adder("controls", (kind) => kind === "switch" || kind === "slider")), this.usual = h("div", { class: "commands" }));
     this.titles[0].id = `service-${this.service.name}`;
     this.show_titles();
     this.hidden = true;
-    this.append(h("div", { class: "card-head" }, this.titles[0], this.adder("values", (widget) => widget.event)), this.values, this.waiting, this.note, this.plots);
+    this.append(h("div", { class: "card-head" }, this.titles[0], this.adder("values", (kind) => kind !== "switch" && kind !== "slider")), this.values, this.waiting, this.note, this.plots);
     this.controls.append(this.card);
     if (this.pins) this.advanced.append(this.settings);
     this.while_shown(() => { this.card.remove(); this.settings.remove(); this.unfollow(); });
@@ -50,7 +51,7 @@ class Service extends Part {
   }
 
   adder(what, wanted) {
-    const offers = async () => (await offers_of_service(this.board, this.service)).filter((offer) => wanted(offer.widget));
+    const offers = async () => (await offers_of_board(this.board, (each) => each.service === this.service.name)).filter((offer) => wanted(offer.widget.kind));
     return document.createElement("asip-add-widget").begin(`${what} of ${this.service.name}`, offers);
   }
 
@@ -119,7 +120,7 @@ class Service extends Part {
     if (wanted === this.has_commands) return;
     this.has_commands = wanted;
     const names = wanted ? command_order(this.model) : [];
-    this.forms = new Map(names.map((name) => [name, document.createElement("asip-command").begin(this.board, this.service, this.model, name)]));
+    this.forms = new Map(names.map((name) => [name, document.createElement("asip-command").begin(this.board, { ...this.service, elements: this.elements }, this.model, name)]));
     const rare = names.filter((name) => this.pins || place_of(this.model, name) === "advanced");
     const forms = (wanted_names) => wanted_names.map((name) => this.forms.get(name));
     const usual = names.filter((name) => !rare.includes(name));
@@ -132,7 +133,7 @@ class Service extends Part {
     this.settings.lastChild.replaceChildren(...forms(rare));
     this.card.hidden = usual.length === 0;
     this.settings.hidden = rare.length === 0;
-    if (this.set) this.set_is(this.set);
+    this.show_stands();
   }
 
   // First the subscription, then the past: so nothing falls between, and the series skips what comes twice.
@@ -144,7 +145,7 @@ class Service extends Part {
     this.end = bus.subscribe({ subscribe: `${this.board}/${this.service.name}`, max_hz: this.hz === kUsualHz ? undefined : this.hz }, received);
     const past = request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
     past.then((answer) => {
-      for (const item of answer?.items ?? []) if (item.set === undefined) this.received({ event: "value", ...item }, true);
+      for (const item of answer?.items ?? []) this.received({ event: "value", ...item }, true);
       const messages = early;
       early = undefined;
       messages.forEach((message) => this.received(message));
@@ -156,23 +157,34 @@ class Service extends Part {
     this.end = undefined;
   }
 
-  /// What the board's agent says that was set, of all senders.
-  set_is(set) {
-    this.set = set;
-    this.on_set?.(set);
-    for (const [name, form] of this.forms ?? []) form.now_set(words_of_set(set, this.model, name));
-    if (this.has_commands === false && !this.pins) this.show_set();
+  /// The list of the board, and how its properties stand. Other elements are other forms.
+  stands(properties, values) {
+    this.standing = { properties, values };
+    const elements = elements_of(properties, this.service.name);
+    if (JSON.stringify(elements) !== JSON.stringify(this.elements)) {
+      this.elements = elements;
+      if (this.has_commands) this.has_commands = undefined;
+      if (this.forms) this.show_commands();
+    }
+    this.show_stands();
   }
 
-  /// For users who may not send commands: what others have set.
-  show_set() {
-    const texts = Object.keys(this.model?.commands ?? {}).map((name) => [name, words_of_set(this.set, this.model, name)]).filter(([, text]) => text);
-    this.usual.replaceChildren(...texts.map(([name, text]) => h("p", { class: "only-set" }, `${this.model.commands[name].title ?? words(name)}: `, h("strong", {}, text))));
+  show_stands() {
+    if (!this.standing || !this.forms) return;
+    const { properties, values } = this.standing;
+    for (const form of this.forms.values()) if (form.inputs) form.stands(properties, values);
+    if (this.has_commands === false && !this.pins) this.show_set(properties, values);
+  }
+
+  /// For users who may not send commands: how what others set stands.
+  show_set(properties, values) {
+    const texts = properties.filter((each) => each.service === this.service.name && each.access === "both")
+      .map((each) => [each.name, value_text(each, values.get(each.id)?.value)]).filter(([, text]) => text);
+    this.usual.replaceChildren(...texts.map(([name, text]) => h("p", { class: "only-set" }, `${name}: `, h("strong", {}, text))));
     this.card.hidden = texts.length === 0;
   }
 
   received(message, past = false) {
-    if (message.event === "set") return past ? undefined : this.set_is(message.value);
     if (message.event === "error") return this.board_error(message);
     if (message.cut !== undefined) {
       set_text(this.note, `The value of ${moment_text(time_of(message.at))} is too long to be shown: ${plural(message.cut, "byte")}.`);

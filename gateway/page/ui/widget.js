@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One widget of a dashboard, as it is looked at and used.
-import { is_on, title_of, trouble_of, value_text } from "../core/dashboard.js";
+import { title_of, trouble_of } from "../core/dashboard.js";
+import { is_on, place_in, range_of, value_text } from "../core/properties.js";
 import { Series } from "../core/series.js";
 import { duration_text, time_of } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
@@ -20,16 +21,29 @@ class Widget extends Part {
   shown() {
     const { widget } = this;
     this.className = `kind-${widget.kind} ${widget.size ?? "small"}`;
-    this.heading = h("h2", {}, title_of(widget));
+    this.heading = h("h2", {}, title_of(widget, this.property));
     this.trouble = h("p", { class: "trouble", role: "status" });
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     this.body = h("div", { class: "widget-body" });
     this.setAttribute("role", "group");
-    this.setAttribute("aria-label", title_of(widget));
+    this.setAttribute("aria-label", title_of(widget, this.property));
     this.append(this.heading, this.body, this.answer, this.trouble);
     this[`make_${widget.kind}`]();
     this.show();
     if (widget.kind === "value") this.every(1000, () => this.show());
+  }
+
+  /// What its property is, as the board lists it; null: the board has no such property.
+  describe(property) {
+    if (JSON.stringify(property) === JSON.stringify(this.property)) return;
+    this.property = property;
+    if (!this.isConnected) return;
+    const title = title_of(this.widget, property);
+    set_text(this.heading, title);
+    this.setAttribute("aria-label", title);
+    for (const control of [this.button, this.input]) control?.setAttribute("aria-label", title);
+    if (this.input) Object.assign(this.input, range_of(property) ?? {});
+    this.show();
   }
 
   make_value() { this.body.append((this.text = h("span", { class: "big" })), " ", (this.age = h("small", { class: "muted" }))); }
@@ -37,22 +51,22 @@ class Widget extends Part {
   make_plot() {
     this.series = new Series();
     this.text = h("span", { class: "big" });
-    this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title_of(this.widget), title_of(this.widget).replaceAll(" ", "-")));
+    this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title_of(this.widget, this.property), title_of(this.widget, this.property).replaceAll(" ", "-")));
   }
 
   make_lamp() { this.body.append((this.light = h("span", { class: "bulb unknown" })), (this.text = h("span", { class: "big" }))); }
 
   make_switch() {
-    this.button = h("button", { class: "toggle", role: "switch", "aria-checked": "false", "aria-label": title_of(this.widget),
-      onclick: () => this.send(this.on ? this.widget.off : this.widget.on) }, h("span", { class: "knob" }));
+    this.button = h("button", { class: "toggle", role: "switch", "aria-checked": "false", "aria-label": title_of(this.widget, this.property),
+      onclick: () => this.send(!this.on) }, h("span", { class: "knob" }));
     this.text = h("span", { class: "big" });
     this.body.append(this.button, this.text);
   }
 
   make_slider() {
-    const { min, max, step } = this.widget;
+    const { min, max, step } = range_of(this.property) ?? { min: 0, max: 100, step: 1 };
     this.text = h("span", { class: "big" });
-    this.input = h("input", { type: "range", min, max, step: step ?? (max - min) / 1000, class: "unknown", "aria-label": title_of(this.widget),
+    this.input = h("input", { type: "range", min, max, step, class: "unknown", "aria-label": title_of(this.widget, this.property),
       oninput: () => this.slide(), onchange: () => this.slide() });
     this.input.value = (min + max) / 2;
     this.body.append(this.text, this.input);
@@ -60,7 +74,7 @@ class Widget extends Part {
 
   make_stop() {
     this.button = h("button", { class: "stop", title: "Brings every board of this dashboard into its safe state; commands are refused until it is resumed",
-      onclick: () => this.send(undefined) }, title_of(this.widget));
+      onclick: () => this.send(undefined) }, title_of(this.widget, this.property));
     this.heading.hidden = true;
     this.body.append(this.button);
   }
@@ -78,7 +92,7 @@ class Widget extends Part {
     if (!this.sliding) this.show();
   }
 
-  point(value) { return { key: "value", name: title_of(this.widget), value, unit: this.widget.unit }; }
+  point(value) { return { key: "value", name: title_of(this.widget, this.property), value, unit: this.property?.unit }; }
 
   /// Points of a plot from before it was looked at, the newest first.
   past(points) {
@@ -88,8 +102,8 @@ class Widget extends Part {
   show() {
     if (!this.isConnected) return;
     const { widget, value } = this;
-    const trouble = trouble_of(widget, this.board);
-    const stopped = this.board?.reason === "latched" && trouble === "" && widget.command && widget.kind !== "lamp";
+    const trouble = trouble_of(widget, this.board, this.property);
+    const stopped = this.board?.reason === "latched" && trouble === "" && ["switch", "slider"].includes(widget.kind);
     this.text?.classList.toggle("unknown-text", value === undefined);
     set_text(this.trouble, stopped ? `Board ${widget.board} is stopped until it is resumed.` : trouble);
     this.classList.toggle("gone", trouble !== "" && widget.kind !== "stop");
@@ -98,35 +112,36 @@ class Widget extends Part {
   }
 
   show_value(value) {
-    set_text(this.text, value_text(this.widget, value));
+    set_text(this.text, value_text(this.property, value) || "–");
     const age = Date.now() - this.at;
     set_text(this.age, age > kOldMs ? `${duration_text(age)} ago` : "");
   }
 
-  show_plot(value) { set_text(this.text, value_text(this.widget, value)); }
+  show_plot(value) { set_text(this.text, value_text(this.property, value) || "–"); }
 
   show_lamp(value) {
-    const on = is_on(this.widget, value);
+    const on = is_on(value);
     this.light.className = `bulb ${on === undefined ? "unknown" : on ? "on" : "off"}`;
     set_text(this.text, on === undefined ? "not known" : on ? "on" : "off");
   }
 
   show_switch(value) {
-    this.on = is_on(this.widget, value) ?? false;
+    this.on = is_on(value) ?? false;
     this.button.setAttribute("aria-checked", String(this.on));
     this.button.classList.toggle("unknown", value === undefined);
     set_text(this.text, value === undefined ? "not known" : this.on ? "on" : "off");
   }
 
   show_slider(value) {
-    set_text(this.text, value === undefined ? "not known" : value_text(this.widget, value));
-    this.input.classList.toggle("unknown", value === undefined);
-    if (value !== undefined) this.input.value = value;
+    const place = place_in(value);
+    set_text(this.text, value === undefined ? "not known" : value_text(this.property, value));
+    this.input.classList.toggle("unknown", place === undefined);
+    if (place !== undefined) this.input.value = place;
   }
 
   /// The newest place of a slider is sent, and none waits behind it.
   async slide() {
-    set_text(this.text, value_text(this.widget, Number(this.input.value)));
+    set_text(this.text, value_text(this.property?.kind === "number" ? this.property : undefined, Number(this.input.value)));
     this.again = true;
     if (this.sliding) return;
     this.sliding = true;
@@ -138,7 +153,7 @@ class Widget extends Part {
     this.sliding = false;
   }
 
-  // What it shows then comes from the bus: what was set, as the board's agent says.
+  // What it shows then comes from the bus, as the board's agent says.
   async send(value) {
     try {
       const body = value === undefined ? {} : { value };

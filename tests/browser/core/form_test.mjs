@@ -9,7 +9,7 @@ const model = (name) => JSON.parse(readFileSync(new URL(`${name}.json`, folder))
 const form = (name, command, service) => fields_of(model(name).commands[command], model(name), service);
 
 test("Servo_HasElementAndSliderWithRangeAndUnit", () => {
-  const [servo, angle] = form("servo", "write", { count: 2 });
+  const [servo, angle] = form("servo", "write", { elements: [0, 1] });
   assert.equal(servo.kind, "choice");
   assert.deepEqual(servo.choices.map((choice) => choice.name), ["servo 0", "servo 1"]);
   assert.equal(servo.preset, 0);
@@ -21,6 +21,10 @@ test("Servo_HasElementAndSliderWithRangeAndUnit", () => {
 test("NumberOfElementsNotKnown_AsksForANumberAndSuggestsTheFirst", () => {
   const [servo] = form("servo", "write", {});
   assert.deepEqual([servo.kind, servo.preset, servo.slider], ["integer", 0, undefined]);
+});
+
+test("ServosThatTheBoardHasNot_AreNotOffered", () => {
+  assert.deepEqual(form("servo", "write", { count: 9, elements: [0, 1] })[0].choices.map((choice) => choice.value), [0, 1]);
 });
 
 test("Commands_BeginWithWhatMovesSomething", () => {
@@ -58,12 +62,12 @@ test("CountOfAList_IsNotAsked", () => {
 });
 
 test("EnteredValues_BecomeArgumentsByName", () => {
-  const fields = form("servo", "write", { count: 2 });
+  const fields = form("servo", "write", { elements: [0, 1] });
   assert.deepEqual(arguments_of(fields, { servo: "1", angle: "90" }), { args: { servo: 1, angle: 90 } });
 });
 
 test("ValueMissingOutOfRangeOrNoNumber_SaysWhichAndWhy", () => {
-  const fields = form("servo", "write", { count: 2 });
+  const fields = form("servo", "write", { elements: [0, 1] });
   assert.deepEqual(arguments_of(fields, { servo: "0", angle: "" }), { error: "angle is missing", field: "angle" });
   assert.equal(arguments_of(fields, { servo: "0", angle: "181" }).error, "angle is above 180");
   assert.equal(arguments_of(fields, { servo: "0", angle: "-1" }).error, "angle is below 0");
@@ -72,7 +76,7 @@ test("ValueMissingOutOfRangeOrNoNumber_SaysWhichAndWhy", () => {
 });
 
 test("List_TakesRows", () => {
-  const fields = form("pixels", "set", { count: 8 });
+  const fields = form("pixels", "set", { elements: [0] });
   assert.deepEqual(arguments_of(fields, { pixels: [["3", "#ff0000"]] }), { args: { pixels: [{ pixel: 3, color: "#ff0000" }] } });
   assert.deepEqual(arguments_of(form("servo", "remap"), { pins: [["9"], ["10"]] }), { args: { pins: [9, 10] } });
   assert.equal(arguments_of(fields, { pixels: [] }).error, "pixels is empty");

@@ -56,19 +56,29 @@ test("Reports_AreShownByMode", () => {
   assert.deepEqual(values.state_of(pins[4]), { mode: "input", text: "", level: undefined, told: false });
 });
 
-test("ExecutedCommands_ChangeModeAndLevel_AndANewModeForgetsTheLevel", () => {
+const output = { id: "io/13", kind: "switch", choices: [["off", 0], ["on", 1]] };
+
+test("ExecutedMode_ChangesIt_AndForgetsTheLevel", () => {
   const pins = pins_of(uno);
   const values = new PinValues();
+  values.reported({ digital: { 13: 1 } });
+  values.asked("mode", { pin: 13, mode: "output" });
   values.executed("mode", { pin: 13, mode: "output" });
   assert.deepEqual(values.state_of(pins[13]), { mode: "output", text: "", level: undefined, told: false });
-  values.executed("write", { pin: 13, level: 1 });
-  assert.equal(values.state_of(pins[13]).text, "high");
-  values.asked("mode", { pin: 13, mode: 1 });
-  values.executed("mode", { pin: 13, mode: 1 });
-  assert.deepEqual(values.state_of(pins[13]), { mode: "input", text: "", level: undefined, told: false });
-  values.executed("mode", { pin: 10, mode: "pwm" });
-  values.executed("pwm", { pin: 10, duty: 255 });
-  assert.equal(values.state_of(pins[10]).text, "100%");
+});
+
+test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
+  const pins = pins_of(uno);
+  const values = new PinValues();
+  values.reported({ digital: { 2: 0 } });
+  values.stands([output, { id: "io/2", kind: "binary" }, { id: "io/10", kind: "number", max: 255 }, { id: "servo/0/angle" }],
+    new Map([["io/13", { value: true, how: "set" }], ["io/2", { value: true, how: "reported" }], ["io/10", { value: 51, how: "set" }]]));
+  assert.deepEqual([values.state_of(pins[13]).text, values.state_of(pins[13]).told], ["on", true]);
+  assert.deepEqual([values.state_of(pins[2]).text, values.state_of(pins[2]).told], ["on", false]);
+  assert.deepEqual([values.state_of(pins[10]).text, values.state_of(pins[10]).level], ["51", 0.2]);
+  values.stands([output], new Map([["io/13", { unknown: "restart" }]]));
+  assert.equal(values.state_of(pins[13]).text, "");
+  assert.equal(values.state_of(pins[2]).text, "low", "a pin that is no property shows its level");
 });
 
 test("LevelReportedBeforeTheAnswerToANewMode_Stays", () => {
@@ -97,19 +107,6 @@ test("NewDescriptionWithAnotherMode_CountsMoreThanWhatWasKnown_AndOneWithTheSame
   const now = pins_of({ ...uno, pins: { ...uno.pins, modes: uno.pins.modes.replace("661", "662") } });
   values.described(before, now);
   assert.equal(values.state_of(now[2]).mode, "input-pullup");
-});
-
-test("StoppedOrNotRenewed_OutputsAreNotKnownAnyMoreAndInputsAre", () => {
-  const pins = pins_of(uno);
-  for (const end of [(values) => values.stopped(), (values) => values.reported({ request: "d,13,1", reason: "not-renewed", error: "..." })]) {
-    const values = new PinValues();
-    values.reported({ digital: { 2: 1 } });
-    values.executed("mode", { pin: 13, mode: "output" });
-    values.executed("write", { pin: 13, level: 1 });
-    end(values);
-    assert.equal(values.state_of(pins[13]).text, "");
-    assert.equal(values.state_of(pins[2]).text, "high");
-  }
 });
 
 test("what others publish as reports of pins does no harm, and does not grow", () => {

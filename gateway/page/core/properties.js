@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be read and set on a board, as the gateway lists it, and how it stands.
+import { with_unit } from "./text.js";
+
+const kDigits = 4;
+const kFullBrightness = 255;
+
+/// The members of `documents`, which are of the values stream, on top of `known`: id -> {value, how, unknown, at}.
+export function stood(known, document, now) {
+  const result = new Map(known);
+  for (const [id, each] of Object.entries(document.values ?? {})) result.set(id, { ...each, at: now - 1000 * (each.age ?? 0) });
+  return result;
+}
+
+/// The value of a property, for a person; "" where it is not known.
+export function value_text(property, value) {
+  if (value === undefined || value === null) return "";
+  if (typeof value === "boolean") return value ? "on" : "off";
+  if (typeof value === "number") return with_unit(Number(value.toFixed(kDigits)), property?.unit);
+  if (typeof value === "string") return value;
+  if (value.on === undefined) return JSON.stringify(value);
+  const parts = [has_brightness(property) && value.brightness !== undefined ? `${Math.round((value.brightness * 100) / kFullBrightness)}%` : "on",
+    value.color === undefined ? "" : `#${value.color.toString(16).padStart(6, "0")}`];
+  return value.on ? parts.filter(Boolean).join(" ") : "off";
+}
+
+/// Whether it is on: true, false, or undefined where it is not known, or has no such value.
+export function is_on(value) {
+  if (typeof value === "number") return value !== 0;
+  return typeof value === "boolean" ? value : value?.on;
+}
+
+/// A light that is only on or off has none.
+export function has_brightness(property) { return property?.kind === "light" && property.write !== undefined && !property.choices?.length; }
+
+/// A slider for it: {min, max, step}; undefined where none can be.
+export function range_of(property) {
+  if (has_brightness(property)) return { min: 0, max: kFullBrightness, step: 1 };
+  const { kind, min, max } = property ?? {};
+  if (kind !== "number" || min === undefined || max === undefined) return undefined;
+  return { min, max, step: property.step ?? (property.type === "integer" ? 1 : (max - min) / 1000) };
+}
+
+/// Where the slider of a value stands; undefined where that is not known.
+export function place_in(value) { return typeof value === "number" ? value : value?.on === false ? 0 : value?.brightness; }
+
+/// The elements of a service that the board has, of those that have a number.
+export function elements_of(properties, service) {
+  const parts = properties.filter((each) => each.service === service).map((each) => each.id.slice(service.length + 1).split("/"));
+  return [...new Set(parts.filter((part) => /^\d+$/.test(part[0])).map((part) => Number(part[0])))].sort((a, b) => a - b);
+}
+
+/// Those that a command of a service sets.
+export function set_by(properties, service, command) {
+  return properties.filter((each) => each.service === service && each.write?.command === command && each.kind !== "button");
+}
+
+/// The number or text that stands for a value in its command; undefined where there is none.
+export function raw_of(property, value) {
+  if (value === undefined || value === null) return undefined;
+  if (property.kind === "light") {
+    const level = value.on ? value.brightness ?? kFullBrightness : 0;
+    return property.choices?.length ? property.choices.find(([word]) => word === (value.on ? "on" : "off"))?.[1]
+      : Math.round((level * (property.max ?? kFullBrightness)) / kFullBrightness);
+  }
+  const word = typeof value === "boolean" ? (value ? "on" : "off") : value;
+  return property.choices?.length ? property.choices.find(([each]) => each === word)?.[1] : value;
+}
