@@ -218,7 +218,7 @@ void send_without_agent(Call& call, const bus::BoardItem& board) {
 bool is_label_change(const json& body) {
     if (!body.is_object() || body.empty()) return false;
     for (const auto& [name, member] : body.items())
-        if ((name != "labels" && name != "names") || !member.is_object()) return false;
+        if ((name != "labels" && name != "names" && name != "meanings") || !member.is_object()) return false;
     return true;
 }
 
@@ -234,7 +234,8 @@ void post_labels(Call& call) {
     if (!is_label_change(*body)) {
         return send_problem(call, 400,
                             "the body must be {\"labels\":{\"room\":\"lab\"}}, "
-                            "{\"names\":{\"pins\":{\"13\":\"status lamp\"}}} or both");
+                            "{\"names\":{\"pins\":{\"13\":\"status lamp\"}}}, "
+                            "{\"meanings\":{\"io/2\":{\"class\":\"door\"}}} or several of them");
     }
     if (is_without_agent(*board)) return send_without_agent(call, *board);
     send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));

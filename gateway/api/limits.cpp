@@ -21,17 +21,22 @@ bool sees_pins(const Rights& rights, std::string_view board) {
 void limit_names(const Rights& rights, const std::string& board, json& object) {
     if (object.contains("/names/pins"_json_pointer) && !sees_pins(rights, board))
         object["names"].erase("pins");
-    if (!object.contains("/names/services"_json_pointer)) return;
-    auto& services = object["/names/services"_json_pointer];
-    if (!services.is_object()) return;
-    for (auto it = services.begin(); it != services.end();)
-        it = rights.sees_service(board, it.key()) ? std::next(it) : services.erase(it);
+    // Of a property the service stands first in its id.
+    for (const auto& pointer : {"/names/services"_json_pointer, "/meanings"_json_pointer}) {
+        if (!object.contains(pointer) || !object[pointer].is_object()) continue;
+        auto& named = object[pointer];
+        for (auto it = named.begin(); it != named.end();)
+            it = rights.sees_service(board, it.key().substr(0, it.key().find('/'))) ? std::next(it)
+                                                                                    : named.erase(it);
+    }
 }
 
 // Of a board, or of a description, as JSON.
 void limit_services(const Rights& rights, const std::string& board, json& object) {
     limit_names(rights, board, object);
-    if (!sees_pins(rights, board)) object.erase("pins");
+    if (!sees_pins(rights, board))
+        for (const auto* member : {"pins", "pin_modes"})
+            object.erase(member);
     const auto services = object.find("services");
     if (services == object.end() || !services->is_array()) return;
     json kept = json::array();

@@ -112,7 +112,7 @@ class Services(PageTest):
             eventually(lambda: slider.get_property("value") == str(angle), f"the slider at {angle}")  # noqa: B023
             self.assertNotIn("unknown", slider.get_attribute("class"), "a value that is known is not pale")
         offered = [each.text for each in form.find_elements(By.TAG_NAME, "option")]
-        self.assertEqual(offered, ["Servo 0"])
+        self.assertEqual(offered, ["Servo 0", "Servo 1"])  # the pins that the sketch gives it, not 256
 
     def test_DistanceReported_ValueAndPlotMove(self):
         self.open_board()

@@ -19,11 +19,11 @@ using namespace asip::gateway::exports;
 constexpr std::size_t kMaxRequestBytes = 2 * kMaxCommandBytes;
 constexpr double kMin = -90, kMax = 90;
 
-Entity entity(EntityKind kind, const std::string& id) {
-    Entity made;
+Property property(Kind kind, const std::string& id) {
+    Property made;
     made.id = made.name = id;
     made.kind = kind;
-    made.write = Call{"thing", "write", {0, std::nullopt}, "value", true};
+    made.write = asip::property::Call{"thing", "write", {0, std::nullopt}};
     return made;
 }
 
@@ -31,36 +31,36 @@ ExportedBoard make_board() {
     ExportedBoard board;
     board.board = "uno1";
     for (const auto kind :
-         {EntityKind::kSensor, EntityKind::kBinarySensor, EntityKind::kSwitch, EntityKind::kNumber,
-          EntityKind::kLight, EntityKind::kButton, EntityKind::kText, EntityKind::kSelect})
-        board.entities.push_back(entity(kind, "thing-" + std::to_string(static_cast<int>(kind))));
-    for (auto& each : board.entities) {
-        if (each.kind == EntityKind::kSensor || each.kind == EntityKind::kBinarySensor) {
+         {Kind::kSensor, Kind::kBinarySensor, Kind::kSwitch, Kind::kNumber,
+          Kind::kLight, Kind::kButton, Kind::kText, Kind::kSelect})
+        board.properties.push_back(property(kind, "thing-" + std::to_string(static_cast<int>(kind))));
+    for (auto& each : board.properties) {
+        if (each.kind == Kind::kSensor || each.kind == Kind::kBinarySensor) {
             each.write.reset();
-            each.read = ValuePlace{"thing", "/value"};
+            each.read = asip::property::Place{"thing", "/value"};
         }
-        if (each.kind == EntityKind::kNumber) {
+        if (each.kind == Kind::kNumber) {
             each.min = kMin;
             each.max = kMax;
         }
-        if (each.kind == EntityKind::kText) each.max_length = 16;
-        if (each.kind == EntityKind::kButton) each.write->arguments.pop_back();
-        if (each.kind == EntityKind::kSwitch || each.kind == EntityKind::kSelect)
-            each.options = {{"off", 0}, {"on", 1}};
+        if (each.kind == Kind::kText) each.max_length = 16;
+        if (each.kind == Kind::kButton) each.write->arguments.pop_back();
+        if (each.kind == Kind::kSwitch || each.kind == Kind::kSelect)
+            each.choices = {{"off", 0}, {"on", 1}};
     }
-    auto colored = entity(EntityKind::kLight, "colored");
-    colored.color = Call{"thing", "fill", {std::nullopt}, "color"};
-    board.entities.push_back(colored);
+    auto colored = property(Kind::kLight, "colored");
+    colored.color = asip::property::Call{"thing", "fill", {std::nullopt}};
+    board.properties.push_back(colored);
     return board;
 }
 
 void check(const Dialect& dialect, const ExportedBoard& board, const std::string& topic,
            const std::string& payload) {
     if (const auto command = dialect.command_of(topic)) {
-        REQUIRE(!command->entity.empty() && command->entity.find('/') == std::string::npos);
+        REQUIRE(!command->property.empty() && command->property.find('/') == std::string::npos);
         REQUIRE(command->board.find('/') == std::string::npos);
     }
-    for (const auto& each : board.entities) {
+    for (const auto& each : board.properties) {
         const auto value = dialect.value_of(each, payload);
         if (!value) {
             REQUIRE(!value.error().empty() && value.error().size() < 300);
@@ -73,8 +73,8 @@ void check(const Dialect& dialect, const ExportedBoard& board, const std::string
             REQUIRE(request.payload.size() <= kMaxRequestBytes);
             REQUIRE(!nlohmann::json::parse(request.payload, nullptr, false).is_discarded());
         }
-        if (each.kind == EntityKind::kNumber) REQUIRE(value->is_number() && *value >= kMin && *value <= kMax);
-        if (each.kind != EntityKind::kButton) dialect.state_text(each, *value);
+        if (each.kind == Kind::kNumber) REQUIRE(value->is_number() && *value >= kMin && *value <= kMax);
+        if (each.kind != Kind::kButton) dialect.state_text(each, *value);
     }
     // Any text may be retained where a document was.
     const auto next = dialect.next_document(board, payload);

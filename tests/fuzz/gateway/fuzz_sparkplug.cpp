@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes of a Sparkplug host: what can be read is written, and read as the same; whatever its metrics want of
-// an entity is a command for it, or refused in words.
+// a property is a command for it, or refused in words.
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,42 +12,42 @@ namespace {
 
 using namespace asip::gateway::exports;
 
-std::vector<Entity> entities() {
-    Entity servo;
+std::vector<Property> properties() {
+    Property servo;
     servo.id = "servo";
-    servo.kind = EntityKind::kNumber;
+    servo.kind = Kind::kNumber;
     servo.whole = true;
     servo.max = 180;
-    servo.write = Call{"servo", "write", {0, std::nullopt}, "angle", true};
-    Entity light;
+    servo.write = asip::property::Call{"servo", "write", {0, std::nullopt}};
+    Property light;
     light.id = "light";
-    light.kind = EntityKind::kLight;
-    light.write = Call{"pixels", "brightness", {std::nullopt}, "level"};
-    light.color = Call{"pixels", "fill", {std::nullopt}, "color"};
-    Entity text;
+    light.kind = Kind::kLight;
+    light.write = asip::property::Call{"pixels", "brightness", {std::nullopt}};
+    light.color = asip::property::Call{"pixels", "fill", {std::nullopt}};
+    Property text;
     text.id = "text";
-    text.kind = EntityKind::kText;
+    text.kind = Kind::kText;
     text.max_length = 20;
-    text.write = Call{"display", "line", {std::nullopt}, "text"};
-    Entity power;
+    text.write = asip::property::Call{"display", "line", {std::nullopt}};
+    Property power;
     power.id = "power";
-    power.kind = EntityKind::kSwitch;
-    power.options = {{"off", 0}, {"on", 1}};
-    power.write = Call{"io", "write", {13, std::nullopt}, "level", true};
+    power.kind = Kind::kSwitch;
+    power.choices = {{"off", 0}, {"on", 1}};
+    power.write = asip::property::Call{"io", "write", {13, std::nullopt}};
     return {servo, light, text, power};
 }
 
 void command(const Sparkplug& dialect, const sparkplug::Payload& payload) {
-    static const auto all = entities();
-    for (const auto& entity : all) {
-        for (const auto& slot : Sparkplug::slots(entity)) {
+    static const auto all = properties();
+    for (const auto& property : all) {
+        for (const auto& slot : Sparkplug::slots(property)) {
             std::vector<Sparkplug::Wanted> wanted;
             for (const auto& metric : payload.metrics)
                 wanted.push_back({slot.part, metric.value});
             const auto value =
-                dialect.value_of(entity, wanted, nlohmann::json{{"on", true}, {"brightness", 9}});
+                dialect.value_of(property, wanted, nlohmann::json{{"on", true}, {"brightness", 9}});
             if (value)
-                REQUIRE(!requests_for(entity, *value).empty());
+                REQUIRE(!requests_for(property, *value).empty());
             else
                 REQUIRE(!value.error().empty());
         }

@@ -11,9 +11,8 @@ namespace {
 using testing::HasSubstr;
 
 constexpr const char* kLab = R"({"title":"Lab","widgets":[
-  {"id":"far","kind":"value","board":"uno1","service":"distance","event":"distance","key":"0"},
-  {"id":"turn","kind":"slider","board":"uno1","service":"servo","command":"write","args":{"servo":0},
-   "argument":"angle","min":0,"max":180}]})";
+  {"id":"far","kind":"value","board":"uno1","property":"distance/0"},
+  {"id":"turn","kind":"slider","board":"uno1","property":"servo/0/angle"}]})";
 const Headers kJson{{"Content-Type", "application/json"}};
 
 class GatewayDashboards : public GatewayTest {

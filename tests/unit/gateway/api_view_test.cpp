@@ -94,6 +94,37 @@ TEST_F(ViewTest, EveryListInEveryOrder_SaysNothingOfWhatIsHidden_NotEvenInItsCur
     }
 }
 
+TEST_F(ViewTest, PropertiesAndValues_AreThoseOfTheServicesThatAreSeen) {
+    for (const std::string what : {"properties", "values"}) {
+        const auto target = "/api/boards/mid/" + what;
+        const auto seen = std::string(as("lobby", target)->response->text());
+        EXPECT_THAT(seen, HasSubstr("servo/0/angle"));
+        says_nothing_hidden(seen, target);
+        EXPECT_EQ(as("lobby", target + "?ids=distance/0")->status(), 404);
+        EXPECT_EQ(as("lobby", "/api/boards/alpha/" + what)->status(), 404);
+    }
+    const auto stream = as("lobby", "/api/boards/mid/values/stream");
+    ASSERT_TRUE(stream->source);
+    std::string told;
+    stream->source->take(told, 65536);
+    bus("asip/mid/distance/out", R"({"distance":[371]})");
+    stream->source->take(told, 65536);
+    EXPECT_THAT(told, HasSubstr("servo/0/angle"));
+    says_nothing_hidden(told, "the stream");
+    EXPECT_EQ(as("lobby", "/api/boards/alpha/values/stream")->status(), 404);
+}
+
+TEST_F(ViewTest, MeaningsOfHiddenServices_AreHidden) {
+    bus("asip/servicebus/mid/$description",
+        R"({"board":"mid","session":"s1","seq":2,"lease":60,"meanings":{"distance/0":{"icon":"covert"},)"
+        R"("servo/0/angle":{"icon":"mdi:fan"}},"pin_modes":{"13":3},"services":[)"
+        R"({"name":"distance","id":"D","model":"distance@1"},{"name":"servo","id":"S","model":"servo@1"}]})");
+    const auto text = std::string(as("lobby", "/api/boards/mid")->response->text());
+    EXPECT_THAT(text, HasSubstr("mdi:fan"));
+    EXPECT_THAT(text, Not(HasSubstr("pin_modes")));
+    says_nothing_hidden(text, "the board");
+}
+
 TEST_F(ViewTest, Totals_CountWhatIsSeen) {
     EXPECT_EQ(as("all", "/api/boards?count=true&limit=1")->body()["total"], 4);
     EXPECT_EQ(as("team", "/api/boards?count=true&limit=1")->body()["total"], 2);

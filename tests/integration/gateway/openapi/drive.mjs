@@ -87,9 +87,16 @@ async function streams(path, headers = {}) {
   return { status: last.status, headers: last.headers, text };
 }
 
-const slider = (id, board, servo) => ({ id, kind: "slider", board, service: "servo", command: "write", args: { servo }, argument: "angle", min: 0, max: 180 });
-const lab = { title: "Lab", widgets: [slider("turn", "uno1", 0), slider("ninth", "uno1", 9), slider("away", "lost", 0), slider("frost", "frozen", 0)] };
+const slider = (id, board, servo) => ({ id, kind: "slider", board, property: `servo/${servo}/angle` });
+const lab = { title: "Lab", widgets: [slider("turn", "uno1", 0), slider("away", "lost", 0), slider("frost", "frozen", 0)] };
 const cold = { title: "Cold", widgets: [slider("frost", "frozen", 0), { id: "halt", kind: "stop" }] };
+const calm = { title: "Calm", widgets: [slider("turn", "uno1", 0), { id: "halt", kind: "stop" }] };
+const calmed = async () => {
+  await make("calm", calm);
+  const answer = await post("/api/dashboards/calm/widgets/halt")();
+  await post("/api/boards/uno1/resume")();
+  return answer;
+};
 const make = (name, dashboard) => send("PUT", `/api/dashboards/${name}`, { body: dashboard, headers: { "If-Match": "*" } });
 
 // How to bring each status about. What holds for all operations is made below.
@@ -146,6 +153,9 @@ const cases = {
     getHealth: { 200: get("/healthz") },
     getReady: { 200: get("/readyz") },
     makeCode: { 200: post("/api/codes") },
+    getProperties: { 200: get("/api/boards/uno1/properties"), 404: get("/api/boards/none/properties") },
+    getBoardValues: { 200: get("/api/boards/uno1/values?ids=distance/0"), 404: get("/api/boards/uno1/values?ids=none") },
+    streamBoardValues: { 200: get("/api/boards/uno1/values/stream"), 404: get("/api/boards/none/values/stream"), 429: () => streams("/api/boards/uno1/values/stream") },
     listDashboards: { 200: get("/api/dashboards") },
     getDashboard: { 200: async () => { await make("lab", lab); return get("/api/dashboards/lab")(); }, 404: get("/api/dashboards/none") },
     putDashboard: {
@@ -153,8 +163,8 @@ const cases = {
       412: put("/api/dashboards/lab", lab, { "If-Match": '"0"' }), 428: put("/api/dashboards/lab", lab),
     },
     useWidget: {
-      200: post("/api/dashboards/lab/widgets/turn", { value: 90 }), 207: async () => { await make("cold", cold); return post("/api/dashboards/cold/widgets/halt")(); }, 400: post("/api/dashboards/lab/widgets/turn", { value: 900 }),
-      404: post("/api/dashboards/lab/widgets/none", { value: 1 }), 422: post("/api/dashboards/lab/widgets/ninth", { value: 90 }),
+      200: calmed, 204: post("/api/dashboards/lab/widgets/turn", { value: 90 }), 207: async () => { await make("cold", cold); return post("/api/dashboards/cold/widgets/halt")(); }, 400: post("/api/dashboards/lab/widgets/turn", { value: 900 }),
+      404: post("/api/dashboards/lab/widgets/none", { value: 1 }),
       409: () => twice("/api/dashboards/lab/widgets/turn", { value: 10 }, { value: 11 }, "turned"),
       503: post("/api/dashboards/lab/widgets/away", { value: 90 }), 504: post("/api/dashboards/lab/widgets/frost", { value: 90 }),
     },
@@ -218,6 +228,7 @@ const cases = {
     resumeAll: { 503: post("/api/resume") },
     streamEvents: { 503: get("/api/events") },
     streamValues: { 503: get("/api/boards/uno1/services/distance/stream") },
+    streamBoardValues: { 503: get("/api/boards/uno1/values/stream") },
     getReady: { 503: get("/readyz") },
     writeProperty: { 503: put(angle, 90) },
     observeProperty: { 503: get("/things/uno1/properties/distance-0/stream") },
@@ -229,7 +240,7 @@ const cases = {
 
 // What no board here does: api_things_test.cpp and tests/box bring it about. What a second editor or a gateway that has just begun
 // meets: api_dashboards_test.cpp.
-const elsewhere = { loadBoard: [200], writeProperty: [422], invokeAction: [204, 409, 422, 429, 503, 504],
+const elsewhere = { loadBoard: [200], writeProperty: [422], useWidget: [422], invokeAction: [204, 409, 422, 429, 503, 504],
   getDashboard: [503], putDashboard: [409], deleteDashboard: [409], makeLink: [409], deleteLink: [409] };
 
 const document = JSON.parse((await send("GET", "/api/openapi.json")).text);
