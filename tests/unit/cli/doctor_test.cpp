@@ -273,6 +273,16 @@ TEST(Doctor, ClockAwayFromTheRegistrys_IsReported) {
     EXPECT_THAT(problems(check_clocks(seen)), ElementsAre(HasSubstr("behind")));
 }
 
+TEST(Doctor, NoRegistryAnswered_NothingIsSaidOfItsClock) {
+    for (const bool online : {false, true}) {
+        auto seen = healthy();
+        seen.registry.clear();
+        if (online) seen.registries = {"r1"};
+        seen.asked = seen.answered = {};  // nothing was asked
+        EXPECT_THAT(check_clocks(seen), IsEmpty());
+    }
+}
+
 TEST(Doctor, AnswerThatTookLong_IsNoWrongClock) {
     auto seen = healthy();
     seen.answered += 40s;
