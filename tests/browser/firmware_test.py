@@ -33,6 +33,7 @@ class Firmware(PageTest):
         eventually(lambda: "that speaks no ASIP. Load AsipServices?" in page.text("asip-firmware"), "the question")
         page.run("document.querySelector('asip-firmware select').value = 'nano-old'")
         page.button("Load AsipServices", "asip-firmware").click()
+        self.assertTrue(page.run("return !document.querySelector('asip-firmware progress').hidden"), "from the click on")
         eventually(lambda: "AsipServices: writing" in page.text("asip-firmware"), "progress", 40)
         self.assertTrue(0 <= float(page.run("return document.querySelector('asip-firmware progress').value")) <= 100)
         page.screenshot("board-is-loaded")

@@ -12,6 +12,13 @@ const kCommandGraceMs = 10_000; // beyond the deadline of a command
 const kFetchAgainMs = 500; // its answer is not there yet
 const kRefusedMs = 1500; // a refused subscription (no broker yet) is tried again
 
+/// How long an answer to a request may take: what its path lets the gateway take, by `deadline_ms` or `wait`, and the way.
+export function answer_ms(path) {
+  const asked = new URLSearchParams(path.split("?", 2)[1] ?? "");
+  const most = Math.max(5000, Number(asked.get("deadline_ms")) || 0, 1000 * Number(asked.get("wait")) || 0);
+  return most + kCommandGraceMs;
+}
+
 export class Link {
   constructor(random = Math.random) {
     this.random = random;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a tab knows of the gateway: subscriptions, commands, requests.
+import { answer_ms } from "../core/link.js";
 import { Hub } from "./hub.js";
 
 export const base = new URL("../", import.meta.url);
@@ -129,7 +130,7 @@ export async function request_with_tag(path, { method = "GET", body, headers = {
       method,
       headers: body === undefined ? headers : { "Content-Type": "application/json", ...headers },
       body: body === undefined ? undefined : JSON.stringify(body),
-      signal: AbortSignal.timeout(15_000),
+      signal: AbortSignal.timeout(answer_ms(path)),
     });
   } catch {
     throw new Problem(0, "The gateway does not answer.");

@@ -55,9 +55,10 @@ class Firmware extends Part {
     const at = port_text(board?.description?.link?.path ?? board?.link);
     set_text(this.heading, bare ? `A board${at && ` at ${at}`} that speaks no ASIP. Load AsipServices?` : "");
     this.form.hidden = !bare || !status.may_label || Boolean(this.busy);
-    this.bar.hidden = !loading;
+    this.bar.hidden = !loading && !this.busy;
     if (loading) this.bar.value = loading.percent;
-    set_text(this.step, loading?.text ?? "");
+    else this.bar.removeAttribute("value"); // it moves, and shows no part
+    set_text(this.step, loading?.text ?? (this.busy ? "Its agent is asked …" : ""));
   }
 
   async load() {

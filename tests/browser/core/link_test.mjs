@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Link } from "../../../gateway/page/core/link.js";
+import { answer_ms, Link } from "../../../gateway/page/core/link.js";
 
 const sent = (actions) => actions.filter((action) => action.send).map((action) => action.send);
 const delivered = (actions) => actions.filter((action) => action.deliver).map((action) => action.deliver);
@@ -13,6 +13,13 @@ function open_link() {
   link.take_actions();
   return link;
 }
+
+test("Answer_IsWaitedForAsLongAsTheGatewayMayTake_AndLonger", () => {
+  assert.equal(answer_ms("api/boards"), 15_000);
+  assert.equal(answer_ms("api/boards/uno1/labels?deadline_ms=50"), 15_000);
+  assert.equal(answer_ms("api/boards/uno1/load?deadline_ms=60000"), 70_000);
+  assert.equal(answer_ms("api/boards/uno1/services/io/value?after=&wait=60"), 70_000);
+});
 
 test("Start_OpensOnce", () => {
   const link = new Link();
