@@ -87,9 +87,10 @@ Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& sessio
     const auto request = session.command(
         command.topic, command.payload,
         [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, command.plain);
-    session.run_until([&reply] { return reply.has_value(); },
+    session.run_until([&] { return reply || session.denied(command.topic); },
                       Clock::now() + environment.timeout + kAnswerTime);
     if (session.stopped()) return interrupted();
+    if (!reply && session.denied(command.topic)) return refused_by_broker(command.topic);
     if (!reply) {
         return tl::unexpected(session.unanswered("no answer to " + command.line + " on " + command.topic +
                                                  " within " + std::to_string(environment.timeout.count()) +

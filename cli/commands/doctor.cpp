@@ -111,6 +111,7 @@ class Examination {
     struct Asked {
         BusSession::Request request;
         Time until;
+        std::string topic;
         bool answered = false;
     };
 
@@ -123,20 +124,24 @@ class Examination {
         for (auto next = boards.begin(); (next != boards.end() || !asked.empty()) && !session_.stopped();) {
             for (; next != boards.end() && asked.size() < kMaxOpenPings; ++next)
                 ping(*next, asked.emplace_back());
-            session_.run_until([&asked] { return std::any_of(asked.begin(), asked.end(), is_answered); },
+            const auto settled = [this](const Asked& one) {
+                return one.answered || session_.denied(one.topic);
+            };
+            session_.run_until([&] { return std::any_of(asked.begin(), asked.end(), settled); },
                                asked.front().until);
             const auto now = Clock::now();
-            std::erase_if(asked, [now](const Asked& one) { return one.answered || now >= one.until; });
+            std::erase_if(asked, [&](const Asked& one) { return settled(one) || now >= one.until; });
         }
+        for (auto& [board, result] : seen_.pings)
+            result.denied = session_.denied(environment_.topics.board_in(board));
     }
-
-    static bool is_answered(const Asked& one) { return one.answered; }
 
     void ping(const std::string& board, Asked& asked) {
         auto& result = seen_.pings[board];
         asked.until = Clock::now() + environment_.timeout;
+        asked.topic = environment_.topics.board_in(board);
         asked.request = session_.ask(
-            environment_.topics.board_in(board), std::string(protocol::kAskInfo),
+            asked.topic, std::string(protocol::kAskInfo),
             [this, &result, &asked](const mqtt::Message& message) {
                 if (auto reply = bus::parse_reply(message.payload)) result.reply = std::move(*reply);
                 result.properties_lost = session_.v5() && message.correlation.empty();

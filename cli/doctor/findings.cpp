@@ -146,14 +146,22 @@ Findings check_boards(const Observations& seen) {
         result.push_back(
             note("there is no board", "start an agent: asip-agent --serial /dev/ttyACM0, or try asip-sim"));
     }
-    std::vector<std::string> answering;
+    std::vector<std::string> answering, denied;
     for (const auto& [board, ping] : seen.pings) {
+        if (ping.denied && !ping.reply) {
+            denied.push_back(board);
+            continue;
+        }
         auto finding = ping_finding(board, ping);
         if (finding.level == Finding::Level::kFine) {
             answering.push_back(board);
         } else {
             result.push_back(std::move(finding));
         }
+    }
+    if (!denied.empty()) {
+        result.push_back(note("not asked: " + some_of(denied) + "; the broker does not let us command boards",
+                              "for the whole check be an operator: asipctl secure add operator NAME"));
     }
     if (!answering.empty()) {
         result.push_back(
@@ -182,9 +190,8 @@ Findings check_states(const Observations& seen) {
                 board.board + " is retained as online, but its description has expired",
                 "it died without a will: asipctl forget " + board.board + ", or start its agent again"));
         } else if (kept == "online" && board.state == "lost") {
-            result.push_back(problem(
-                board.board + " is retained as online, but its lease ran out",
-                "restart its agent, or: asipctl forget " + board.board));
+            result.push_back(problem(board.board + " is retained as online, but its lease ran out",
+                                     "restart its agent, or: asipctl forget " + board.board));
         } else if (kept == "lost" && answers(seen, board.board) && board.state == "online") {
             result.push_back(problem(board.board + " is retained as lost by a late will, but it answers",
                                      "its agent should put that right at once: restart it"));

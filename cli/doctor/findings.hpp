@@ -29,6 +29,7 @@ using Findings = std::vector<Finding>;
 /// What one board answered to a request that only it can answer.
 struct PingResult {
     std::optional<bus::Reply> reply;  ///< none: there was no answer at all
+    bool denied = false;              ///< the broker does not let us ask it
     bool properties_lost = false;     ///< we speak MQTT 5, and what came back was without its properties
 };
 

@@ -45,8 +45,9 @@ Outcome<std::string> LentPort::ask(const bus::PortRequest& request, std::chrono:
     // A port is not released when no command waits for it any more; it is taken back however late that comes.
     const auto asked = request.what == bus::PortRequest::What::kRelease ? session_.command(topic, text, take)
                                                                         : session_.ask(topic, text, take, 1);
-    session_.run_until([&reply] { return reply.has_value(); }, Clock::now() + patience);
+    session_.run_until([&] { return reply || session_.denied(topic); }, Clock::now() + patience);
     if (session_.stopped()) return interrupted();
+    if (!reply && session_.denied(topic)) return tl::unexpected(failure_of(refused_by_broker(topic), {}));
     if (!reply || !*reply)
         return tl::unexpected(session_.unanswered("the agent of " + board_ +
                                                   " does not answer; is it running? Try: asipctl doctor"));

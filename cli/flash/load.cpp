@@ -65,9 +65,11 @@ int run_load(const LoadOptions& options, const std::string& board, const OutputO
     };
     if (const auto known = source.board(board); !known) return fail(known.error());
     const Load load(environment, session, board, options);
-    session.run_until([&load] { return load.reply().has_value(); }, Clock::now() + kLoadPatience);
+    const auto topic = environment.topics.board_in(board);
+    session.run_until([&] { return load.reply() || session.denied(topic); }, Clock::now() + kLoadPatience);
     if (session.stopped())
         return fail({program::kExitFailure, "interrupted; the agent goes on, and takes the port back"});
+    if (!load.reply() && session.denied(topic)) return fail(failure_of(refused_by_broker(topic), {}));
     if (!load.reply())
         return fail(session.unanswered("the agent of " + board +
                                        " does not answer; is it running? Try: asipctl doctor"));

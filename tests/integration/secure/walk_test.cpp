@@ -138,6 +138,20 @@ TEST_F(WalkOnSecuredBus, Doctor_SaysThatItIsClosed) {
     EXPECT_THAT(looked.output, Not(HasSubstr("the bus is open")));
 }
 
+TEST_F(WalkOnSecuredBus, ViewersRefusedRequest_IsNotTakenForSilence) {
+    ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
+    const auto looked = asipctl("bob", {"doctor"});
+    EXPECT_THAT(looked.output, HasSubstr("not asked: uno; the broker does not let us command boards"));
+    EXPECT_THAT(looked.output, Not(HasSubstr("gone or stuck")));
+    for (const Words& words : {Words{"pin", "uno", "13", "high"}, Words{"release", "uno"},
+                               Words{"send", "uno/io", "write", "13", "1", "--hold", "1s"}}) {
+        const auto refused = asipctl("bob", words);
+        EXPECT_EQ(refused.status, 1) << words.front() << refused.errors;
+        EXPECT_THAT(refused.errors, HasSubstr("does not let user bob write to asip/uno/")) << words.front();
+        EXPECT_THAT(refused.errors, Not(HasSubstr("no answer"))) << words.front();
+    }
+}
+
 TEST_F(WalkOnSecuredBus, CommandLine_GoesBeforeCredentialsAndTheseBeforeTheEnvironment) {
     const auto listed = run(Words{ASIP_TEST_ASIPCTL, "list"} + as("ann"),
                             {{"ASIP_USER", "nobody"}, {"ASIP_PASSWORD_FILE", "/nonexistent"}});

@@ -273,6 +273,14 @@ TEST(Doctor, ClockAwayFromTheRegistrys_IsReported) {
     EXPECT_THAT(problems(check_clocks(seen)), ElementsAre(HasSubstr("behind")));
 }
 
+TEST(Doctor, BoardThatWeMayNotAsk_IsNotCalledGone) {
+    auto seen = healthy();
+    seen.pings["uno1"] = {.reply = {}, .denied = true};
+    const auto findings = check_boards(seen);
+    EXPECT_THAT(problems(findings), ElementsAre(HasSubstr("not asked: uno1; the broker does not let us")));
+    EXPECT_FALSE(has_problem(findings));
+}
+
 TEST(Doctor, NoRegistryAnswered_NothingIsSaidOfItsClock) {
     for (const bool online : {false, true}) {
         auto seen = healthy();
