@@ -106,11 +106,14 @@ void get_metrics(Call& call) {
     snapshot.last_values_bytes = mirror.values().last_bytes();
     const auto view = view_of(rights);
     const auto boards = mirror.boards_by_state(view);
+    auto [lost, without_asip] = gateway.mirror().lost(view, call.now());
     for (std::size_t i = 0; i < catalogue::kStates; ++i) {
-        snapshot.boards_by_state.emplace_back(model::to_text(static_cast<model::BoardState>(i)), boards[i]);
+        const auto state = static_cast<model::BoardState>(i);
+        const auto apart = state == model::BoardState::kLost ? std::min(without_asip, boards[i]) : 0;
+        snapshot.boards_by_state.emplace_back(model::to_text(state), boards[i] - apart);
     }
+    snapshot.boards_by_state.emplace_back("no-asip", without_asip);
     using Reason = model::StateReason;
-    auto lost = mirror.lost_by_reason(view);
     for (const auto reason : {Reason::kUnplugged, Reason::kSilent, Reason::kAgentGone, Reason::kExpired})
         snapshot.lost_by_reason.emplace_back(model::to_text(reason), lost[reason]);
     snapshot.lost_by_reason.emplace_back("unknown", lost[Reason::kNone]);

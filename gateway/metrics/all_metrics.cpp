@@ -203,7 +203,8 @@ void add_registries(Exposition& out, const std::vector<Named>& registries) {
 }
 
 void add_catalogue(Exposition& out, const Snapshot& snapshot) {
-    out.family("asip_boards", Type::kGauge, {}, "Boards by state");
+    out.family("asip_boards", Type::kGauge, {},
+               "Boards by state; no-asip: a port where no sketch has answered yet");
     for (const auto& [state, count] : snapshot.boards_by_state)
         out.sample({{"state", state}}, static_cast<double>(count));
     out.family("asip_boards_lost", Type::kGauge, {}, "Boards that are lost, by reason");

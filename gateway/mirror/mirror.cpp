@@ -284,12 +284,21 @@ Expected<bus::Answer> Mirror::find(const bus::Query& query, const Instant& now, 
     return answer;
 }
 
-std::map<model::StateReason, std::size_t> Mirror::lost_by_reason(const catalogue::View& view) const {
-    std::map<model::StateReason, std::size_t> counts;
+Mirror::Lost Mirror::lost(const catalogue::View& view, const Instant& now) {
+    Lost lost;
+    std::vector<std::string> silent;
     catalogue_.for_each([&](std::string_view board, model::BoardState state, model::StateReason reason) {
-        if (state == model::BoardState::kLost && (!view.board || view.board(board))) ++counts[reason];
+        if (state != model::BoardState::kLost || (view.board && !view.board(board))) return;
+        ++lost.by_reason[reason];
+        if (reason == model::StateReason::kSilent) silent.emplace_back(board);
     });
-    return counts;
+    for (const auto& name : silent) {
+        const auto board = known(name, now);
+        if (!board || !board->chip.empty() || !board->services.empty()) continue;
+        ++lost.without_asip;
+        --lost.by_reason[model::StateReason::kSilent];
+    }
+    return lost;
 }
 
 std::vector<std::string> Mirror::board_names() const {

@@ -82,8 +82,11 @@ class Mirror {
     std::array<std::size_t, catalogue::kStates> boards_by_state(const catalogue::View& view) const {
         return catalogue_.boards_by_state(view);
     }
-    /// Of boards that are lost.
-    std::map<model::StateReason, std::size_t> lost_by_reason(const catalogue::View& view) const;
+    struct Lost {
+        std::map<model::StateReason, std::size_t> by_reason;
+        std::size_t without_asip = 0;  ///< ports where nothing has ever answered: never there to be lost
+    };
+    Lost lost(const catalogue::View& view, const Instant& now);
     std::size_t size() const { return catalogue_.size(); }
     bool knows(std::string_view board) const { return catalogue_.knows(board); }
 

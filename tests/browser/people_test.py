@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page for people who use no mouse, read with a screen reader, or hold a phone."""
 
+import contextlib
 import pathlib
 import unittest
 
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
+from board_test import published
 from rig import BUILD, PageTest, eventually
 
 ROUTES = {"boards": "", "board": "board/desk", "history": "history", "bus": "bus", "unknown": "nowhere"}
@@ -54,6 +56,19 @@ class People(PageTest):
         self.browser.size(320, 568, mobile=True)
         self.assertEqual(self.broken_words(), [])
         self.assertLessEqual(self.browser.run("return document.querySelector('header').scrollWidth"), 320)
+
+    def test_MassLossOnAPhone_IsReadWholeAndItsBoardsAreInReach(self):
+        self.browser.size(360, 740, mobile=True)
+        with contextlib.ExitStack() as lost:
+            for name in ("a-board-with-a-long-name-in-the-cellar", "another-board-with-a-long-name", "third"):
+                lost.enter_context(published(self.bus, f"asip/servicebus/{name}/$state", "lost"))
+            self.open("")
+            eventually(lambda: "3 boards lost (all: its agent died" in self.browser.text(".attention"), "the alarm", 30)
+            edges = self.browser.run("""return [...document.querySelectorAll(".attention strong, .attention a, .attention button")]
+                .flatMap((each) => [...each.getClientRects()]).map((box) => box.right)""")
+            self.assertGreaterEqual(len(edges), 4)
+            self.assertLessEqual(max(edges), 360)
+            self.browser.screenshot("phone-mass-loss")
 
     def broken_words(self):
         """Pages of the navigation whose name does not stand in one line."""

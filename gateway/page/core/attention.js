@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a user has to look after: boards that are lost, and boards that were stopped. And a view of the table in an address.
-import { speaks_no_asip } from "./firmware.js";
 import { plural, reason_text } from "./text.js";
 
 const kNamed = 5;
@@ -14,7 +13,7 @@ export function attention_of(rows) {
   const bare = [];
   const reasons = new Map();
   for (const row of rows) {
-    if (speaks_no_asip(row)) {
+    if (row.state === "no-asip") {
       bare.push(row);
     } else if (row.state === "lost") {
       lost.push(row);
@@ -40,7 +39,7 @@ export function title_badge({ lost, stopped }) {
 export class Losses {
   /// The rows of the catalogue now. {title, body} where boards were lost since the call before; a loss of many is one notice that grows.
   of(rows, now) {
-    const lost = new Map([...rows].filter((row) => row.state === "lost" && !speaks_no_asip(row)).map((row) => [row.name, row]));
+    const lost = new Map([...rows].filter((row) => row.state === "lost").map((row) => [row.name, row]));
     const fresh = this.known && [...lost.values()].filter((row) => !this.known.has(row.name));
     this.known = new Set(lost.keys());
     if (!fresh?.length) return undefined;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The boards that are there, as a table shows them: rows by name, filtered and sorted.
+import { shown_state } from "./firmware.js";
 import { time_of } from "./text.js";
 
-export const states = ["online", "sleeping", "updating", "lost", "offline"];
+export const states = ["online", "sleeping", "updating", "no-asip", "lost", "offline"];
 export const alive = (state) => state === "online" || state === "sleeping" || state === "updating";
 
 /// Labels as they are written: ["room=lab", "camera"]; `name` is the board's friendly name and stands elsewhere.
@@ -21,7 +22,7 @@ function row_of(board, at, now) {
   const services = typeof board.services === "string" ? board.services.split(" ").filter(Boolean) : board.services ?? [];
   return {
     name: board.board,
-    state: board.state,
+    state: shown_state(board),
     reason: board.reason ?? "",
     chip: board.chip ?? "",
     sketch: board.sketch ?? "",

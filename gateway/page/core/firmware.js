@@ -6,6 +6,9 @@ export function speaks_no_asip(board) {
   return board.state === "lost" && board.reason === "silent" && !board.chip && (board.services?.length ?? 0) === 0;
 }
 
+/// The state as views show and count it: a port where nothing has ever answered was never there to be lost.
+export const shown_state = (board) => (speaks_no_asip(board) ? "no-asip" : board.state);
+
 /// "USB port 1.3" for a path such as ...pci-0000:00:14.0-usb-0:1.3:1.0-port0; else what is given.
 export function port_text(path) {
   const found = /-usb-[^:]*:([^:]+):[^/]*$/.exec(path ?? "");

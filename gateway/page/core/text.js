@@ -21,6 +21,9 @@ const reasons = {
 /// Why a board is in its state; "" where there is nothing to explain. A word of a later version stays as it is.
 export function reason_text(reason) { return reasons[reason] ?? reason ?? ""; }
 
+/// A state of shown_state() in words.
+export const state_text = (state) => (state === "no-asip" ? "no ASIP sketch yet" : state);
+
 const clock = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit" });
 const date = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", year: "numeric" });
 

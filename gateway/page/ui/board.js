@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One board: its values, its controls, its pins, what it is, its history.
 import { alive, label_texts } from "../core/catalogue.js";
+import { shown_state } from "../core/firmware.js";
 import { stood } from "../core/properties.js";
 import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
@@ -130,7 +131,7 @@ class Board extends Part {
 
   show_state() {
     const row = boards.catalogue.rows.get(this.name);
-    const state = row?.state ?? this.board?.state;
+    const state = row?.state ?? (this.board && shown_state(this.board));
     if (state !== this.state) {
       this.state = state;
       this.mark.replaceChildren(state ? state_mark(state) : "");

@@ -2,7 +2,7 @@
 // The table of all boards.
 import { attention_of, filter_of, named, query_of } from "../core/attention.js";
 import { alive, states } from "../core/catalogue.js";
-import { duration_text, moment_text, plural, reason_text } from "../core/text.js";
+import { duration_text, moment_text, plural, reason_text, state_text } from "../core/text.js";
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
 import { boards, status } from "./model.js";
 import { load_firmware } from "./firmware.js";
@@ -189,7 +189,7 @@ class Boards extends Part {
     if (wanted.join() !== this.shown_states) {
       this.shown_states = wanted.join();
       this.chips.replaceChildren(...wanted.map((state) => h("button", { "data-state": state, onclick: () => this.filtered({ state }) },
-        h("span", { class: state && `state ${state}` }, state || "all"), h("span", { class: "count" }))));
+        h("span", { class: state && `state ${state}` }, state_text(state) || "all"), h("span", { class: "count" }))));
     }
     for (const chip of this.chips.children) {
       const { state } = chip.dataset;
@@ -253,11 +253,11 @@ class Boards extends Part {
     name.title = [board.name, ...board.labels].join(", ");
     link.tabIndex = index === this.current ? 0 : -1;
     const stopped = board.reason === "latched" && alive(board.state);
-    set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : stopped ? "stopped" : board.state);
+    set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : stopped ? "stopped" : state_text(board.state));
     set_class(state.firstChild, `state ${stopped ? "latched" : board.state}`);
     set_text(since, board.since === undefined ? "" : duration_text(now - board.since));
     const why = reason_text(board.reason);
-    since.title = [board.since === undefined ? board.state : `${board.state} since ${moment_text(board.since, now)}`, why].filter(Boolean).join(": ");
+    since.title = [board.since === undefined ? state_text(board.state) : `${state_text(board.state)} since ${moment_text(board.since, now)}`, why].filter(Boolean).join(": ");
     state.title = why;
     const text = board.services.join("  ");
     set_text(services, text);

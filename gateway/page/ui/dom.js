@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Elements without HTML text: names and values only ever become text nodes.
+import { state_text } from "../core/text.js";
 
 /// h("button", { class: "plain", onclick: f, disabled: true }, "Send")
 export function h(tag, properties = {}, ...children) {
@@ -60,4 +61,4 @@ export class Part extends HTMLElement {
   }
 }
 
-export function state_mark(state) { return h("span", { class: `state ${state}` }, state); }
+export function state_mark(state) { return h("span", { class: `state ${state}` }, state_text(state)); }

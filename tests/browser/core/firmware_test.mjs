@@ -2,6 +2,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { attention_of, Losses, title_badge } from "../../../gateway/page/core/attention.js";
+import { Catalogue } from "../../../gateway/page/core/catalogue.js";
+import { state_text } from "../../../gateway/page/core/text.js";
 import { loading_of, port_text, speaks_no_asip } from "../../../gateway/page/core/firmware.js";
 
 const bare = { name: "lab-usb-140-3", state: "lost", reason: "silent", chip: "", services: [] };
@@ -11,15 +13,21 @@ test("a port where nothing ever answered is a board without ASIP; a lost board i
   for (const other of [{ chip: "ATmega328P" }, { services: ["io"] }, { reason: "unplugged" }, { state: "online" }]) assert.equal(speaks_no_asip({ ...bare, ...other }), false, JSON.stringify(other));
 });
 
-test("a board without ASIP is neither lost nor news, and is named apart", () => {
-  const lost = { ...bare, name: "uno1", chip: "ATmega328P" };
-  const found = attention_of([bare, lost]);
-  assert.deepEqual(found.bare, [bare]);
-  assert.deepEqual(found.lost, [lost]);
-  assert.equal(title_badge(attention_of([bare])), "");
+test("a board without ASIP is neither lost nor news, is counted and named apart", () => {
+  const catalogue = new Catalogue();
+  const rows = () => [...catalogue.rows.values()];
   const losses = new Losses();
-  losses.of([], 0);
-  assert.equal(losses.of([bare], 1), undefined);
+  losses.of(rows(), 0);
+  catalogue.apply({ event: "online", board: { ...bare, board: "lab-usb-140-3" } }, 0);
+  assert.equal(losses.of(rows(), 1), undefined);
+  assert.equal(title_badge(attention_of(rows())), "");
+  catalogue.apply({ event: "lost", board: { ...bare, board: "uno1", chip: "ATmega328P" } }, 0);
+  const found = attention_of(rows());
+  assert.deepEqual(found.bare.map((row) => row.name), ["lab-usb-140-3"]);
+  assert.deepEqual(found.lost.map((row) => row.name), ["uno1"]);
+  assert.deepEqual([...catalogue.counts()], [["no-asip", 1], ["lost", 1]]);
+  assert.equal(state_text("no-asip"), "no ASIP sketch yet");
+  assert.equal(losses.of(rows(), 2).title, "uno1 is lost");
 });
 
 test("ports are called by their USB socket where their path says it", () => {

@@ -188,6 +188,23 @@ TEST_F(ViewTest, Metrics_CountWhatIsSeen) {
                 HasSubstr("asip_boards_lost{reason=\"agent-gone\"} 1\n"));
 }
 
+TEST_F(ViewTest, BoardFromTheBox_IsCountedApartAndNotAsLost) {
+    const auto silent = [this](const std::string& board, const std::string& chip) {
+        bus("asip/servicebus/" + board + "/$description",
+            R"({"board":")" + board + R"(","session":"a","seq":1,"lease":60,"firmware":{"chip":")" + chip +
+                R"("},"link":{"kind":"serial","path":"/dev/x"},"state":{"is":"lost","reason":"silent","age":0},)"
+                R"("services":[]})");
+        bus("asip/servicebus/" + board + "/$state", "lost");
+    };
+    silent("box1", "");
+    silent("box2", "");
+    silent("hung", "ATmega328P");
+    EXPECT_THAT(
+        std::string(as("all", "/metrics")->response->text()),
+        AllOf(HasSubstr("asip_boards{state=\"no-asip\"} 2\n"), HasSubstr("asip_boards{state=\"lost\"} 1\n"),
+              HasSubstr("asip_boards_lost{reason=\"silent\"} 1\n")));
+}
+
 TEST_F(ViewTest, ValuesInMetrics_AreThoseThatAreSeen) {
     const auto text = std::string(as("team", "/metrics?values=*/*")->response->text());
     EXPECT_THAT(text, HasSubstr("asip_value{board=\"mid\",property=\"distance/0\"}"));
