@@ -15,6 +15,14 @@ if(ASIP_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endforeach()
 endif()
 
+# Warnings are kept, so that ./run test can fail over them with the flags of every other build: what ./run demo compiled is not
+# compiled again.
+if(CMAKE_BUILD_TYPE STREQUAL "Dev" AND CMAKE_GENERATOR STREQUAL "Ninja")
+  foreach(language C CXX)
+    list(PREPEND CMAKE_${language}_COMPILER_LAUNCHER "${CMAKE_CURRENT_LIST_DIR}/note_warnings")
+  endforeach()
+endif()
+
 # The flags of a build type of ours, unless somebody set them. FORCE, because project() has put an empty value into the
 # cache by now.
 function(asip_build_type name flags)
