@@ -11,12 +11,7 @@ class Dice {
   public:
     explicit Dice(std::uint64_t seed) : engine_(seed) {}
 
-    std::uint64_t draw() {
-        ++drawn_;
-        return engine_();
-    }
-    /// How often it was drawn.
-    std::uint64_t drawn() const { return drawn_; }
+    std::uint64_t draw() { return engine_(); }
     /// 0 to `end` - 1.
     std::uint64_t below(std::uint64_t end) { return draw() % end; }
     std::int64_t between(std::int64_t low, std::int64_t high) {
@@ -32,7 +27,6 @@ class Dice {
 
   private:
     std::mt19937_64 engine_;
-    std::uint64_t drawn_ = 0;
 };
 
 }  // namespace asip::test

@@ -250,10 +250,7 @@ Micros Agent::next() const {
 
 void Agent::perform(session::Actions& actions, Micros now) {
     for (const auto& action : actions) {
-        if (const auto* identified = std::get_if<session::Identified>(&action)) {
-            taken_for_another_ = taken_for_another_ || (identified_at_ > 0 && identified->changed);
-            identified_at_ = now;
-        }
+        if (std::holds_alternative<session::Identified>(action)) identified_at_ = now;
         if (const auto* bytes = std::get_if<session::Write>(&action)) {
             write(bytes->bytes, now);
         } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {

@@ -23,7 +23,6 @@ struct AgentState {
     asip::agent::SafeLines safe_lines_;
     Micros undone_at_ = kNever;
     Micros identified_at_ = 0;
-    bool taken_for_another_ = false;
     unsigned baud_ = 0;
     unsigned wanted_baud_ = 0;
     Micros rate_set_at_ = kNever;
@@ -60,7 +59,6 @@ class Agent : public AgentState {
     /// When the board was last asked what it is.
     Micros identified_at() const { return identified_at_; }
     /// Whether the session took the board for another one: it then restores nothing.
-    bool taken_for_another() const { return taken_for_another_; }
     /// When the first hold was undone because its time was over.
     Micros undone_at() const { return undone_at_; }
 

@@ -53,7 +53,6 @@ void Counts::add(const Counts& other) {
     old_reports += other.old_reports;
     false_errors += other.false_errors;
     equal_digests += other.equal_digests;
-    not_restored += other.not_restored;
     for (unsigned i = 0; i < kOutcomes; ++i)
         outcomes[i] += other.outcomes[i];
     for (unsigned i = 0; i < kFaults; ++i)

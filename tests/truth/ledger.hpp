@@ -38,7 +38,6 @@ struct Counts {
     std::uint64_t old_reports = 0;   ///< taken for a value; of a period set before the session began
     std::uint64_t false_errors = 0;  ///< the same for errors
     std::uint64_t equal_digests = 0;
-    std::uint64_t not_restored = 0;  ///< settings: a restarted board was taken for another one
     void add(const Counts& other);
     bool operator==(const Counts&) const = default;
 };

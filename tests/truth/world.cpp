@@ -100,7 +100,6 @@ void World::deliver() {
     }
     if (bytes.empty() || !is_link_up()) return;
     if (trace_) note("< " + bytes);
-    heard_line_ = heard_line_ || bytes.find('\n') != std::string::npos;
     agent_.receive(bytes, now_);
 }
 

@@ -39,9 +39,6 @@ class World {
     void pass();
     bool is_link_up() const { return link_back_at_ == kNever; }
 
-    /// The session got the end of a line since this was asked last.
-    bool heard_line() { return std::exchange(heard_line_, false); }
-
     virtual void on_fault(const WireByte&) {}
     virtual void on_read(const BoardRead&) {}
     virtual void on_board_off() {}
@@ -68,7 +65,6 @@ class World {
     void link_back();
 
     Micros link_back_at_ = kNever;
-    bool heard_line_ = false;
 };
 
 }  // namespace truth

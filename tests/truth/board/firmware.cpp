@@ -9,32 +9,6 @@
 #include "Asip.h"
 #include "FakeHardware.h"
 
-namespace asip {
-
-// What of the board decides what it does. What is left of requests and lines that have ended does not.
-class FakeBoard {
-  public:
-    static void add_to(truth::Fingerprint& print) {
-        const std::uint8_t length = board.length_;
-        const bool whole = board.job_ != Board::kNoJob || length > kMaxRequestLength;
-        print.add_bytes(board.line_, whole ? sizeof board.line_ : length);
-        char rest[sizeof board];
-        std::memcpy(rest, static_cast<const void*>(&board), sizeof rest);
-        const auto at = [&](const void* member) {
-            return rest + (static_cast<const char*>(member) - reinterpret_cast<const char*>(&board));
-        };
-        std::memset(at(board.line_), 0, sizeof board.line_);
-        *at(&board.lastMs_) = 0;
-        print.add(static_cast<std::uint8_t>(hw::fake.milliseconds - board.lastMs_));
-        print.add_bytes(rest, sizeof rest);
-        print.add(out.usesChecksum());
-        print.add(out.isHeld());
-        if (out.isHeld()) print.add_bytes(static_cast<const void*>(&out), sizeof out);
-    }
-};
-
-}  // namespace asip
-
 namespace truth {
 
 namespace {
@@ -88,10 +62,6 @@ class Ranger final : public asip::Service {
         ready_at_ = current_time + 1000 + value_ * 7919 % 24'000;
     }
     void reportValue(std::uint8_t) override { asip::out.number(value_); }
-    void add_to(Fingerprint& print, Micros now) const {
-        print.add(value_);
-        print.add(measuring_ ? ready_at_ - now : Micros{-1});
-    }
     void poll() override {
         if (!measuring_ || current_time < ready_at_ || !asip::out.hasRoom()) return;
         measuring_ = false;
@@ -134,25 +104,6 @@ class HostFirmware : public Firmware {
         marks = of.marks;
         ranger = of.ranger;
         effects = nullptr;
-    }
-    void add_to(Fingerprint& print, Micros now) const override {
-        const auto& fake = asip::hw::fake;
-        const auto milliseconds = static_cast<std::uint8_t>(now / 1000);
-        print.add(static_cast<std::uint8_t>(milliseconds - fake.milliseconds));
-        asip::FakeBoard::add_to(print);
-        for (const asip::Service* service :
-             {static_cast<const asip::Service*>(&*marks), static_cast<const asip::Service*>(&*ranger)})
-            print.add_bytes(static_cast<const void*>(service), sizeof *service);
-        ranger->add_to(print, now);
-        print.add_bytes(fake.levels.data(), sizeof fake.levels);
-        print.add_bytes(fake.modes.data(), sizeof fake.modes);
-        print.add_bytes(fake.duty.data(), sizeof fake.duty);
-        print.add_bytes(fake.analog.data(), sizeof fake.analog);
-        print.add(fake.eeprom_writes);
-        if (fake.eeprom_writes > 0) print.add_bytes(fake.eeprom.data(), fake.eeprom.size());
-        print.add(fake.to_board);
-        print.add(fake.from_board);
-        print.add(fake.baud);
     }
     std::string power_up(Micros now) override {
         effects = nullptr;

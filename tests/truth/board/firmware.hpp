@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "tests/truth/exhaustive/fingerprint.hpp"
 
 namespace truth {
 
@@ -60,8 +59,6 @@ class Firmware {
     virtual std::unique_ptr<const Saved> save() const = 0;
     /// What save() of this firmware gave.
     virtual void put_back(const Saved& saved) = 0;
-    /// Equal ones: whatever comes, the board does the same, whenever that is.
-    virtual void add_to(Fingerprint& print, Micros now) const = 0;
 };
 
 Firmware& firmware_with_extensions();

@@ -50,16 +50,6 @@ class ParserOf04 : public Firmware {
         firmware_.put_back(*of.firmware);
     }
 
-    void add_to(Fingerprint& print, Micros now) const override {
-        firmware_.add_to(print, now);
-        state_.parser.each_of_state([&](const auto& part) { print.add(part); });
-        if (state_.parser.waits()) print.add(now - state_.last);
-        for (const auto& request : state_.requests)
-            print.add(request);
-        print.add(state_.left);
-        if (!state_.left.empty()) print.add(state_.line);
-    }
-
   private:
     struct State {
         asip::test::Model04 parser;

@@ -65,14 +65,4 @@ std::vector<Faults> single_faults(const TrialEnd& calm) {
     return all;
 }
 
-std::vector<Faults> faults_of_pairs(const TrialEnd& calm) {
-    std::vector<Faults> all;
-    each_byte(calm, [&](std::uint64_t byte, bool to_board) {
-        if (!(to_board ? calm.alike_to_board : calm.alike_to_host).holds(byte)) damage(byte, to_board, all);
-    });
-    for (const Micros moment : calm.moments)
-        add(Incident::Kind::kBoardReset, moment, 0, all);
-    return all;
-}
-
 }  // namespace truth

@@ -11,8 +11,4 @@ namespace truth {
 /// reset, a stall and an unplugging.
 std::vector<Faults> single_faults(const TrialEnd& calm);
 
-/// Those of which pairs are tried: each byte lost, doubled, changed in each bit, and a reset at each moment.
-/// Of the 30 fences that try a rate, the first ones and the last ones.
-std::vector<Faults> faults_of_pairs(const TrialEnd& calm);
-
 }  // namespace truth

@@ -57,18 +57,6 @@ void Trial::on_read(const BoardRead& read) {
         end_.to_board.from = to_board_.sent() - read.text.size() - 1;
         end_.to_host.from = to_host_.sent();
     }
-    if (undisturbed_) note_alike(read.text);
-}
-
-// A rate is tried by 30 fences, of which three are on their way.
-void Trial::note_alike(const std::string& line) {
-    if (line.ends_with("bur105")) {
-        end_.alike_to_board.from = to_board_.sent();
-        end_.alike_to_host.from = to_host_.sent();
-    } else if (line.ends_with("bur125")) {
-        end_.alike_to_board.until = to_board_.sent();
-        end_.alike_to_host.until = to_host_.sent();
-    }
 }
 
 void Trial::on_board_off() {
@@ -144,11 +132,6 @@ void Trial::check_settings() {
     if (!plan_.extensions && !plan_.to_board.faults.empty()) return;
     // Nothing shows a restart of which the line lost the banner while nothing was asked.
     if (agent_.identified_at() < off_at_) return;
-    // The line changed twice, in the same way, what it said of itself behind a restart. Counted.
-    if (agent_.taken_for_another() && plan_.to_board.faults.size() + plan_.to_host.faults.size() > 1) {
-        ++ledger_.counts.not_restored;
-        return;
-    }
     for (const Step& step : scenario_.steps) {
         const auto& effect = step.command.effect;
         if (!effect || effect->kind != Effect::Kind::kMode || !ledger_.was_executed(step.command.line))
@@ -242,14 +225,9 @@ TrialEnd Trial::run() {
     return go_on();
 }
 
-TrialEnd Trial::go_on(KnownStates* known) {
-    KnownStates::Path path;
-    while (!ledger_.failed() && pass_on())
-        if (known && heard_line() && faults_are_over() && ends_as_known(*known, path)) {
-            end_.equal_state = true;
-            end_.counts = ledger_.counts;
-            return std::move(end_);
-        }
+TrialEnd Trial::go_on() {
+    while (!ledger_.failed() && pass_on()) {
+    }
     end_.recovered_after = now_ - std::max(faults_end_, end_.times.ready);
     ledger_.finish();
     if (!ledger_.was_executed(last_line()))
@@ -259,34 +237,7 @@ TrialEnd Trial::go_on(KnownStates* known) {
     end_.counts = ledger_.counts;
     end_.failure = ledger_.failure();
     end_.trace = std::move(lines_);
-    if (known && end_.failure.empty()) known->add(path, now_, excused());
     return std::move(end_);
-}
-
-Excused Trial::excused() const {
-    return excused_of(ledger_.counts);
-}
-
-bool Trial::faults_are_over() const {
-    const auto past = [](const std::vector<ByteFault>& faults, std::uint64_t sent) {
-        return std::all_of(faults.begin(), faults.end(),
-                           [&](const auto& fault) { return fault.byte < sent; });
-    };
-    return next_incident_ == incidents_.size() && past(plan_.to_board.faults, to_board_.sent()) &&
-           past(plan_.to_host.faults, to_host_.sent());
-}
-
-// The states of this history before it lead to the same end.
-bool Trial::ends_as_known(KnownStates& known, KnownStates::Path& path) {
-    const Here here = this->here();
-    const auto rest = known.find(here.print);
-    if (!rest) {
-        path.push_back({here.print, now_, excused(), here.recent});
-        return false;
-    }
-    add(ledger_.counts, rest->excused);
-    known.add(path, now_ + rest->time, excused());
-    return true;
 }
 
 namespace {

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/truth/exhaustive/known_states.hpp"
+#include "tests/truth/board/firmware.hpp"
 #include "tests/truth/exhaustive/scenario.hpp"
+#include "tests/truth/ledger.hpp"
 #include "tests/truth/world.hpp"
 
 namespace truth {
@@ -22,7 +23,6 @@ std::string describe(const Faults& faults);
 struct Range {
     std::uint64_t from = 0;
     std::uint64_t until = 0;
-    bool holds(std::uint64_t byte) const { return byte >= from && byte < until; }
 };
 
 /// When in the undisturbed history: the board was ready for the first command, and something was under way
@@ -35,11 +35,9 @@ struct Times {
 struct TrialEnd {
     std::string failure;  ///< empty: all that was asserted is so
     Counts counts;
-    bool equal_state = false;        ///< it came to a state from which another history went on to a good end
     std::vector<std::string> trace;  ///< if asked for
     Range to_board, to_host;         ///< what the scenario sent, from its `from` on
-    Range alike_to_board, alike_to_host;  ///< of them, those of fences that try a rate like those before them
-    std::vector<Micros> moments;          ///< when something happened meanwhile
+    std::vector<Micros> moments;     ///< when something happened meanwhile
     Times times;
     Micros recovered_after = 0;  ///< from the end of the last fault to the last command, which is `ok`
 };
@@ -74,25 +72,15 @@ class Trial : World, TrialState {
     void power_up();
     /// Goes on where `other` was when its firmware was saved, with these faults. None of them is before that.
     void resume(const Trial& other, const Firmware::Saved& saved, const Faults& faults);
-    /// To the end. `known`: states that lead to a good end; it ends in one of them, and adds its own.
-    TrialEnd go_on(KnownStates* known = nullptr);
+    /// To the end.
+    TrialEnd go_on();
     /// One step; false: the end.
     bool pass_on();
-    bool closes() const { return closing_ > 0 || last_at_ != kNever; }
     Range sent() const { return {to_board_.sent(), to_host_.sent()}; }
     Micros now() const { return now_; }
     Firmware& firmware() const { return board_.firmware(); }
-    /// Equal states go on in the same way, if no fault comes. A recent one only for kSoon.
-    struct Here {
-        std::uint64_t print;
-        bool recent;
-    };
-    Here here() const;
-    /// The same for whatever faults come, whose places are given in bytes sent and in time.
-    std::uint64_t state_and_place() const;
 
   private:
-    friend class StateReader;
     static Setting setting_of(const Scenario& scenario, const Faults& faults, Times times, bool trace);
     void on_fault(const WireByte& byte) override;
     void on_read(const BoardRead& read) override;
@@ -102,15 +90,11 @@ class Trial : World, TrialState {
     void begin();
     void steps();
     void step(const Step& step);
-    void note_alike(const std::string& line);
     void check_holds();
     void watch();
     void check_settings();
     void close();
     void set_faults(const Faults& faults);
-    bool faults_are_over() const;
-    Excused excused() const;
-    bool ends_as_known(KnownStates& known, KnownStates::Path& path);
     std::string last_line() const;
     bool all_well() const;
 
@@ -124,9 +108,5 @@ TrialEnd run_trial(const Scenario& scenario, const Faults& faults, Times times, 
 /// So long nothing may be under way before a command that comes when all is well again.
 constexpr Micros kQuiet = 20 * kMillisecond;
 constexpr Micros kRecovery = 15 * kSecond;
-/// Damage, and the end of the last fault, that were less than kRecent ago count as if they were now, where
-/// the history ends within kSoon: what depends on their age (Ledger, kRecovery) depends on 4 s and more.
-constexpr Micros kRecent = 1900 * kMillisecond;
-constexpr Micros kSoon = 2100 * kMillisecond;
 
 }  // namespace truth

@@ -8,8 +8,6 @@ namespace truth {
 
 namespace {
 
-constexpr std::size_t kMaxStateBytes = std::size_t{1} << 31;
-
 bool is_before(const Trial& trial, const Faults& faults) {
     const auto sent = trial.sent();
     const auto later = [](std::uint64_t next) {
@@ -24,7 +22,7 @@ bool is_before(const Trial& trial, const Faults& faults) {
 }  // namespace
 
 Undisturbed::Undisturbed(const Scenario& scenario)
-    : scenario_(scenario), end_(run_trial(scenario, {}, {}, false)), known_(kMaxStateBytes) {
+    : scenario_(scenario), end_(run_trial(scenario, {}, {}, false)) {
     if (!end_.failure.empty()) return;
     trial_ = std::make_unique<Trial>(scenario, Faults{}, end_.times, false);
     Trial calm(scenario, {}, end_.times, false);
@@ -51,11 +49,11 @@ TrialEnd Undisturbed::run(const Faults& faults) {
     if (number == kPowerUp) {
         Trial trial(scenario_, faults, end_.times, false);
         trial.power_up();
-        return trial.go_on(&known_);
+        return trial.go_on();
     }
     const Step& step = steps_[number];
     trial_->resume(*step.before, *step.firmware, faults);
-    return trial_->go_on(&known_);
+    return trial_->go_on();
 }
 
 }  // namespace truth

@@ -29,14 +29,12 @@ class Undisturbed {
     /// As run_trial(), in less time.
     TrialEnd run(const Faults& faults);
     const Scenario& scenario() const { return scenario_; }
-    KnownStates& known() { return known_; }
 
   private:
     const Scenario& scenario_;
     TrialEnd end_;
     std::vector<Step> steps_;
     std::unique_ptr<Trial> trial_;
-    KnownStates known_;
 };
 
 }  // namespace truth
