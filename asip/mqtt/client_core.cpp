@@ -36,7 +36,6 @@ ClientCore::ClientCore(Options options, Identifier::Secrets secrets)
     : options_(completed(std::move(options))),
       brokers_(options_.brokers, options_.version, Backoff(options_.retry_first, options_.retry_max)),
       identifier_(options_.client_id, options_.brokers.size() > 1, std::move(secrets)),
-      qos_limit_(options_.qos),
       acknowledgements_(options_.ack_timeout),
       own_topic_(own_topic(options_)),
       stand_still_(options_.check_standstill),

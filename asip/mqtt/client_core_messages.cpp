@@ -71,9 +71,7 @@ void ClientCore::subscribe_answered(int id, const std::vector<int>& granted, Tim
     if (!usable_before && subscriptions_.usable()) tell(action::Subscribed{}, out);
     if (!refusal) return;
     const std::string reason = mosquitto_reason_string(code);
-    const auto advice = advice_on_topic(refusal->filter);
-    if (refusal->first)
-        tell(action::SubscribeRefused{refusal->filter, advice.empty() ? reason : reason + "." + advice}, out);
+    if (refusal->first) tell(action::SubscribeRefused{refusal->filter, reason}, out);
     if (refusal->give_up && brokers_.size() > 1 && connected()) {
         fail(ConnectionFailure::Kind::kRefused,
              "refuses the subscription to " + refusal->filter + ": " + reason, code, out);

@@ -320,8 +320,7 @@ ConnectionEnd Connection::closed_unanswered() const {
     const char* question =
         broker_.tls ? "does it demand a client certificate?" : "is it an MQTT broker, does it expect TLS?";
     return {{Kind::kNoAnswer, broker_, 0,
-             broker_.describe() + " closed the connection before answering; " + question +
-                 (options_.will ? advice_on_topic(options_.will->topic) : "")},
+             broker_.describe() + " closed the connection before answering; " + question},
             false,
             true};
 }

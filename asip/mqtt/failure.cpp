@@ -87,12 +87,6 @@ std::string unanswered_text(const std::string& user, const std::string& topic, c
            who_may_grant(role);
 }
 
-std::string advice_on_topic(std::string_view topic) {
-    if (topic.find_first_of(". ") == std::string_view::npos) return {};
-    return " Some brokers (NATS before 2.10) refuse topics with a dot or a space, such as " +
-           std::string(topic) + ": try a name without.";
-}
-
 bool is_version_refusal(int connack_code) {
     return connack_code == kV311BadVersion || connack_code == MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION;
 }

@@ -28,10 +28,6 @@ struct ConnectionEnd {
 /// The reason, in the words of libmosquitto, for what access rules deny.
 inline constexpr std::string_view kNotAuthorised = "Not authorized";
 
-/// Advice where a topic holds a dot or a space, which some brokers (NATS) refuse; else empty. Begins with a
-/// blank.
-std::string advice_on_topic(std::string_view topic);
-
 /// The text for a person whose message the broker denied: which user, which topic, and how to get the right.
 /// `role`: what `asipctl secure add` should make of the user. Empty `user`: none.
 std::string denied_text(const std::string& user, const std::string& topic, const std::string& reason,

@@ -55,8 +55,6 @@ struct Options {
     bool insecure = false;  ///< TLS that accepts any certificate of the broker
 
     Version version = Version::kBest;
-    /// The highest QoS that is used, 0 or 1. With 0 a message counts as published once it is handed over.
-    int qos = 1;
     /// At least 5 s.
     std::chrono::seconds keepalive{10};
     /// An attempt without a CONNACK after this long is given up: a dead host, or a broker that hangs.

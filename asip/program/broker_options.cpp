@@ -74,11 +74,6 @@ void Settings::add_broker_options(BrokerOptions& options) {
            {"best", "5", "3.1.1"})
         ->default_str("best")
         ->group(group);
-    one_of(setting(app.add_option("--qos", options.qos,
-                                  "Highest quality of service that is used; 0 is for clusters of NATS")),
-           {"0", "1"})
-        ->default_str("1")
-        ->group(group);
     setting(app.add_option("--topic-root", options.topic_root, "What all topics begin with"))
         ->type_name("TOPIC")
         ->default_str("asip")
@@ -115,7 +110,6 @@ Expected<std::string> take_credentials(BrokerOptions& options, const std::string
     replaced.credentials = path;
     replaced.credentials_dir = options.credentials_dir;
     replaced.mqtt_version = options.mqtt_version;
-    replaced.qos = options.qos;
     options = std::move(replaced);
     return read->name;
 }
@@ -160,7 +154,6 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
     made.version = options.mqtt_version == "5"       ? mqtt::Version::kV5
                    : options.mqtt_version == "3.1.1" ? mqtt::Version::kV311
                                                      : mqtt::Version::kBest;
-    made.qos = options.qos == "0" ? 0 : 1;
     made.random = system_random();
     made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
     made.own_topics =

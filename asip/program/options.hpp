@@ -31,7 +31,6 @@ struct BrokerOptions {
     std::string credentials;            ///< file of `asipctl secure`: broker, CA, user, password
     std::string credentials_dir;        ///< see credentials_in_dir()
     std::string mqtt_version = "best";  ///< best, 5, 3.1.1
-    std::string qos = "1";              ///< 0, 1
     std::string topic_root = "asip";
 };
 

@@ -43,7 +43,7 @@ struct Observations {
     std::optional<bool> open{};
     bool loopback = false;  ///< the broker's address is one of this machine alone
     std::optional<std::chrono::duration<double>> acknowledged{};  ///< a message out and back, median; QoS 1
-                                                                  ///< unless --qos 0
+                                                                  ///< unless the broker refuses QoS 1
 
     std::vector<Retained> retained{};
     bool home_assistant = false;            ///< it, or something that speaks to it, uses this broker

@@ -71,7 +71,6 @@ class Attempt {
         options.random = system_random();
         options.client_id = "asipctl-check-" + random_hex(options.random, 12);
         options.retry_max = 200ms;
-        options.qos = 1;  // its acknowledgements tell what was denied
         return options;
     }
     mqtt::Client::Handlers handlers() {

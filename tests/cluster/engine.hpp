@@ -13,7 +13,7 @@ class Network;
 
 /// The hosts of a network on which everything runs; without one all of it runs on 127.0.0.1.
 struct Hosts {
-    static constexpr std::size_t kPart = 2, kFirstNode = 3, kMaxNodes = 3;
+    static constexpr std::size_t kFirstNode = 3, kMaxNodes = 3;
     const Network* network = nullptr;
 
     std::string address(std::size_t host) const;
@@ -32,10 +32,6 @@ class Engine {
     virtual std::string name() const = 0;
     /// Where programs connect to. Not always the nodes.
     virtual std::vector<asip::mqtt::BrokerAddress> brokers() const = 0;
-    /// Certificates that brokers' must be signed by; empty: no TLS.
-    virtual std::string ca() const { return {}; }
-    /// Highest QoS that its clients use.
-    virtual int qos() const { return 1; }
     virtual std::size_t nodes() const = 0;
     /// What the programs must do without, in words.
     virtual std::vector<std::string> lacks() const { return {}; }
@@ -45,14 +41,9 @@ class Engine {
     virtual void stop(std::size_t node) = 0;   ///< SIGSTOP
     virtual void go_on(std::size_t node) = 0;  ///< SIGCONT
     virtual std::string log(std::size_t node) const = 0;
-
-    /// A part that is no node and can be killed, by what it is; empty: there is none.
-    virtual std::string part() const { return {}; }
-    virtual void kill_part() {}
-    virtual void start_part() {}
 };
 
-/// "mosquitto", "bridges", "haproxy", "nats", "rabbitmq"
+/// "mosquitto", "bridges", "rabbitmq"
 std::vector<std::string> engine_names();
 /// Started, with nodes that accept connections. Throws std::runtime_error: no such engine, or it does not
 /// start.

@@ -36,7 +36,7 @@ class RabbitMq final : public NodeEngine {
     explicit RabbitMq(const Hosts& hosts) : NodeEngine("rabbitmq", 3, hosts), inner_(free_ports(7)) {
         const auto names = std::to_string(inner_[6]);
         for (std::size_t i = 0; i < (networked() ? ports().size() : 1); ++i) {
-            add_helper(in_root({"epmd", "-address", address(i), "-port", names}), {}, Hosts::kFirstNode + i);
+            add_helper(in_root({"epmd", "-address", address(i), "-port", names}), i);
             wait_for_port(address(i), inner_[6], last_helper());
         }
         folder().write("enabled_plugins", "[rabbitmq_mqtt].\n");

@@ -11,11 +11,9 @@
 namespace cluster {
 namespace {
 
-const std::array<std::pair<const char*, std::unique_ptr<Engine> (*)(const Hosts&)>, 5> kEngines{{
+const std::array<std::pair<const char*, std::unique_ptr<Engine> (*)(const Hosts&)>, 3> kEngines{{
     {"mosquitto", make_mosquitto},
     {"bridges", make_bridged_mosquitto},
-    {"haproxy", make_haproxy},
-    {"nats", make_nats},
     {"rabbitmq", make_rabbitmq},
 }};
 

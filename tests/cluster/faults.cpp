@@ -16,20 +16,19 @@ using asip::test::Dice;
 
 constexpr Millis kShortestStop = 5000;
 
-const std::array<std::pair<Target, Action>, 25> kKinds{{
-    {Target::kLink, Action::kKill},      {Target::kAgent, Action::kKill},
-    {Target::kAgent, Action::kStop},     {Target::kRegistry, Action::kKill},
-    {Target::kRegistry, Action::kStop},  {Target::kNode, Action::kKill},
-    {Target::kNode, Action::kStop},      {Target::kCluster, Action::kKill},
-    {Target::kPart, Action::kKill},      {Target::kClock, Action::kStep},
-    {Target::kNode, Action::kCut},       {Target::kNode, Action::kCutIn},
-    {Target::kNode, Action::kCutOut},    {Target::kNode, Action::kFlap},
-    {Target::kNode, Action::kSlow},      {Target::kRegistry, Action::kCut},
-    {Target::kRegistry, Action::kCutIn}, {Target::kRegistry, Action::kCutOut},
-    {Target::kRegistry, Action::kFlap},  {Target::kRegistry, Action::kSlow},
-    {Target::kAgents, Action::kCut},     {Target::kAgents, Action::kCutIn},
-    {Target::kAgents, Action::kCutOut},  {Target::kAgents, Action::kFlap},
-    {Target::kAgents, Action::kSlow},
+const std::array<std::pair<Target, Action>, 24> kKinds{{
+    {Target::kLink, Action::kKill},       {Target::kAgent, Action::kKill},
+    {Target::kAgent, Action::kStop},      {Target::kRegistry, Action::kKill},
+    {Target::kRegistry, Action::kStop},   {Target::kNode, Action::kKill},
+    {Target::kNode, Action::kStop},       {Target::kCluster, Action::kKill},
+    {Target::kClock, Action::kStep},      {Target::kNode, Action::kCut},
+    {Target::kNode, Action::kCutIn},      {Target::kNode, Action::kCutOut},
+    {Target::kNode, Action::kFlap},       {Target::kNode, Action::kSlow},
+    {Target::kRegistry, Action::kCut},    {Target::kRegistry, Action::kCutIn},
+    {Target::kRegistry, Action::kCutOut}, {Target::kRegistry, Action::kFlap},
+    {Target::kRegistry, Action::kSlow},   {Target::kAgents, Action::kCut},
+    {Target::kAgents, Action::kCutIn},    {Target::kAgents, Action::kCutOut},
+    {Target::kAgents, Action::kFlap},     {Target::kAgents, Action::kSlow},
 }};
 
 std::size_t how_many(Target target, const Shape& shape) {
@@ -37,7 +36,6 @@ std::size_t how_many(Target target, const Shape& shape) {
         case Target::kNode:
             return shape.nodes;
         case Target::kCluster:
-        case Target::kPart:
         case Target::kClock:
             return 1;
         case Target::kAgents:
@@ -58,13 +56,12 @@ bool possible(std::pair<Target, Action> kind, const Shape& shape) {
     if (target == Target::kClock) return shape.clock;
     if (is_of_network(action)) return shape.shares > 0;
     if (!shape.processes) return false;
-    if (target == Target::kPart) return shape.part;
     return target == Target::kCluster ? shape.nodes > 1 : how_many(target, shape) > 0;
 }
 
 Fault draw(Dice& dice, std::pair<Target, Action> kind, const Shape& shape) {
     const auto [target, action] = kind;
-    const bool brief = action == Action::kKill && target != Target::kPart;
+    const bool brief = action == Action::kKill;
     return {.target = target,
             .action = action,
             .index = dice.below(how_many(target, shape)),
@@ -89,8 +86,8 @@ bool is_of_network(Action action) {
 }
 
 std::string name_of(const Fault& fault) {
-    static const std::array<const char*, 8> names{"broker", "cluster", "registry", "agent",
-                                                  "link",   "agents",  "part",     "clock"};
+    static const std::array<const char*, 7> names{"broker", "cluster", "registry", "agent",
+                                                  "link",   "agents",  "clock"};
     static const std::array<const char*, 8> actions{"kill",    "stop", "cut",  "cut in",
                                                     "cut out", "flap", "slow", "step"};
     return fmt::format("{} {}", names.at(static_cast<std::size_t>(fault.target)),

@@ -16,7 +16,6 @@ enum class Target {
     kAgent,
     kLink,    ///< the connection between a board and its agent
     kAgents,  ///< all agents of one host
-    kPart,    ///< what an engine needs and is no broker, such as a store
     kClock,   ///< the time of day of one registry and the agents of one host
 };
 enum class Action {
@@ -52,7 +51,6 @@ std::string name_of(const std::vector<Fault>& faults);
 struct Shape {
     std::size_t nodes = 1, registries = 3, boards = 12;
     std::size_t shares = 0;  ///< hosts of agents; none: no faults of the network
-    bool part = false;       ///< the engine has one that can be killed
     bool clock = false;
     bool processes = true;  ///< also faults of processes and links
     Millis longest_stop = 20'000;

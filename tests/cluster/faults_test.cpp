@@ -28,16 +28,15 @@ TEST(Faults, EachOnce_HasEveryKindAndTheClusterOnlyWhereThereIsOne) {
 TEST(Faults, WithHosts_EachTargetHasEachWeatherAndWithoutThemNone) {
     Shape shape = kThreeNodes;
     shape.shares = 3;
-    shape.part = true;
     shape.clock = true;
     std::set<std::string> names;
     for (const auto& faults : each_once(1, shape))
         names.insert(name_of(faults));
-    EXPECT_EQ(names.size(), 25u);
+    EXPECT_EQ(names.size(), 24u);
     for (const auto* const target : {"broker", "registry", "agents"})
         for (const auto* const weather : {" cut", " cut in", " cut out", " flap", " slow"})
             EXPECT_TRUE(names.contains(std::string(target) + weather)) << target << weather;
-    EXPECT_TRUE(names.contains("part kill") && names.contains("clock step"));
+    EXPECT_TRUE(names.contains("clock step"));
 
     shape.processes = shape.clock = false;
     for (const auto& faults : at_random(5, 500, shape))

@@ -75,7 +75,6 @@ Shape Fleet::shape() const {
             .registries = options_.registries,
             .boards = options_.boards,
             .shares = network_ != nullptr ? std::min(kShares, options_.boards) : 0,
-            .part = !engine_.part().empty(),
             .clock = options_.clock,
             .processes = options_.processes,
             .longest_stop = options_.longest_stop,
@@ -116,8 +115,6 @@ std::vector<std::string> Fleet::program(const std::string& name, std::size_t fir
         brokers += (brokers.empty() ? "" : ",") + broker.describe();
     std::vector<std::string> command{std::string(ASIP_PROGRAMS "/") + name, "--broker", brokers,
                                      "--log-level", options_.log_level};
-    if (engine_.qos() == 0) command.insert(command.end(), {"--qos", "0"});
-    if (!engine_.ca().empty()) more.insert(more.end(), {"--ca", engine_.ca()});
     command.insert(command.end(), more.begin(), more.end());
     return command;
 }
@@ -125,8 +122,6 @@ std::vector<std::string> Fleet::program(const std::string& name, std::size_t fir
 asip::mqtt::Options Fleet::connection(const std::string& id, std::size_t first_node) const {
     asip::mqtt::Options options;
     options.client_id = "cluster-" + id;
-    options.ca_file = engine_.ca();
-    options.qos = engine_.qos();
     options.brokers = engine_.brokers();
     const auto first = static_cast<std::ptrdiff_t>(first_node % options.brokers.size());
     std::rotate(options.brokers.begin(), options.brokers.begin() + first, options.brokers.end());
@@ -217,8 +212,6 @@ void Fleet::begin(const Fault& fault) {
     const bool kill = fault.action == Action::kKill;
     if (is_of_network(fault.action)) return weather(fault, true);
     switch (fault.target) {
-        case Target::kPart:
-            return engine_.kill_part();
         case Target::kClock:
             return step_clock(24h);
         case Target::kAgents:
@@ -238,8 +231,6 @@ void Fleet::end(const Fault& fault) {
     const bool kill = fault.action == Action::kKill;
     if (is_of_network(fault.action)) return weather(fault, false);
     switch (fault.target) {
-        case Target::kPart:
-            return engine_.start_part();
         case Target::kClock:
             return step_clock(0s);
         case Target::kAgents:

@@ -68,7 +68,7 @@ T median(std::vector<T> values) {
 }
 
 /// What commands took, beside something else that was measured in the same fail-overs. Of each the ratio is
-/// taken by itself: NATS needs 20 ms in one and 8 s in the next.
+/// taken by itself: an engine may need 20 ms in one and 8 s in the next.
 struct Beside {
     std::vector<Millis> times{};
     std::vector<double> ratios{};
@@ -127,7 +127,6 @@ int run(Settings settings) {
     if (settings.fail_overs > 0) settings.fleet.per_board = kOftenEnough;
     if (settings.faults == "network") settings.fleet.processes = false;
     const auto engine = make_engine(settings.engine, Hosts{network.get()});
-    if (!engine->part().empty()) fmt::print("{}: its part is the {}\n", engine->name(), engine->part());
     for (const auto& lack : engine->lacks())
         fmt::print("{}: {}\n", engine->name(), lack);
     Fleet fleet(io, *engine, network.get(), settings.fleet, history);

@@ -60,9 +60,9 @@ void NodeEngine::add_node(Command command, Environment environment) {
     nodes_.push_back(std::make_unique<Process>(std::move(command), std::move(environment)));
 }
 
-void NodeEngine::add_helper(Command command, Environment environment, std::size_t host) {
-    command = hosts_.inside(host, std::move(command));
-    helpers_.push_back(std::make_unique<Process>(std::move(command), std::move(environment)));
+void NodeEngine::add_helper(Command command, std::size_t node) {
+    command = hosts_.inside(Hosts::kFirstNode + node, std::move(command));
+    helpers_.push_back(std::make_unique<Process>(std::move(command), Environment{}));
 }
 
 void NodeEngine::wait_for_port(const std::string& address, std::uint16_t port, const Process& process) {

@@ -31,19 +31,17 @@ class NodeEngine : public Engine {
     /// With so many nodes, whose ports are chosen.
     NodeEngine(std::string name, std::size_t nodes, const Hosts& hosts);
     const std::vector<std::uint16_t>& ports() const { return ports_; }
-    /// Of a node, and of the host of what is no node.
+    /// The host of a node.
     std::string address(std::size_t node) const { return hosts_.address(Hosts::kFirstNode + node); }
-    std::string part_address() const { return hosts_.address(Hosts::kPart); }
     bool networked() const { return hosts_.network != nullptr; }
     const asip::test::TempDir& folder() const { return folder_; }
     /// The next node.
     void add_node(Command command, Environment environment = {});
-    /// On the host of what is no node, or with a node.
-    void add_helper(Command command, Environment environment = {}, std::size_t host = Hosts::kPart);
+    /// A process that runs on the host of a node, and is not killed with it.
+    void add_helper(Command command, std::size_t node);
     /// Until each node accepts connections. Throws std::runtime_error with the log of one that does not.
     void wait_for_nodes() const;
     static void wait_for_port(const std::string& address, std::uint16_t port, const Process& process);
-    Process& helper(std::size_t index) { return *helpers_.at(index); }
     const Process& last_helper() const { return *helpers_.back(); }
 
   private:
@@ -60,8 +58,6 @@ std::vector<std::uint16_t> free_ports(std::size_t count);
 
 std::unique_ptr<Engine> make_mosquitto(const Hosts& hosts);
 std::unique_ptr<Engine> make_bridged_mosquitto(const Hosts& hosts);
-std::unique_ptr<Engine> make_haproxy(const Hosts& hosts);
-std::unique_ptr<Engine> make_nats(const Hosts& hosts);
 std::unique_ptr<Engine> make_rabbitmq(const Hosts& hosts);
 
 }  // namespace cluster

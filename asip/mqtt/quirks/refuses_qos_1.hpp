@@ -7,11 +7,8 @@ namespace asip::mqtt {
 /// A broker that refuses QoS 1: which QoS is used in its place. Pure.
 class QosLimit {
   public:
-    /// `highest`: what the user allows.
-    explicit QosLimit(int highest) : highest_(highest) {}
-
     /// The QoS of a message or a will that wants `wanted`.
-    int of(int wanted) const { return std::min({wanted, highest_, allowed_}); }
+    int of(int wanted) const { return std::min(wanted, allowed_); }
 
     /// The broker of this connection allows so much (MQTT 5). True: that is less than was used.
     bool broker_allows(int highest) {
@@ -25,7 +22,6 @@ class QosLimit {
     int of_subscription(int wanted, bool was_refused) const { return was_refused ? 0 : of(wanted); }
 
   private:
-    int highest_;
     int allowed_ = 1;
 };
 

@@ -237,18 +237,6 @@ TEST(Publishing, BrokerAllowsQos0Only_IsUsedWithQos0) {
     EXPECT_THAT(bus.published, ElementsAre("out")) << "handed over";
 }
 
-TEST(Publishing, Qos0AsAnOption_IsUsedForAll) {
-    mqtt::Options options;
-    options.qos = 0;
-    SimulatedBus bus(1, options);
-    bus.subscribe("in");
-    ASSERT_TRUE(bus.connect());
-    bus.publish("out", "on", 1);
-    EXPECT_EQ(bus.broker().subscriptions.at(0).options.qos, 0);
-    EXPECT_EQ(with_qos_1(bus.broker()), 0);
-    EXPECT_THAT(bus.published, ElementsAre("out"));
-}
-
 TEST(Publishing, Qos1MessageThatCouldNotBeSentWithQos0_KeepsItsQos) {
     SimulatedBus bus(2);
     bus.brokers[0].max_qos = 0;

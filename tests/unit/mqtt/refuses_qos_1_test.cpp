@@ -7,7 +7,7 @@ namespace asip::mqtt {
 namespace {
 
 TEST(QosLimit, BrokerAllowsLess_IsThatUntilAnotherAllowsMore) {
-    QosLimit qos(1);
+    QosLimit qos;
     EXPECT_FALSE(qos.broker_allows(2));
     EXPECT_TRUE(qos.broker_allows(0));
     EXPECT_EQ(qos.of(1), 0);
@@ -16,15 +16,8 @@ TEST(QosLimit, BrokerAllowsLess_IsThatUntilAnotherAllowsMore) {
     EXPECT_EQ(qos.of(1), 1);
 }
 
-TEST(QosLimit, ZeroByTheUser_IsZero) {
-    QosLimit qos(0);
-    qos.broker_allows(2);
-    EXPECT_EQ(qos.of(1), 0);
-    EXPECT_EQ(qos.of_subscription(1, false), 0);
-}
-
 TEST(QosLimit, SubscriptionWasRefused_IsAskedForWithQos0) {
-    const QosLimit qos(1);
+    QosLimit qos;
     EXPECT_EQ(qos.of_subscription(1, false), 1);
     EXPECT_EQ(qos.of_subscription(1, true), 0);
 }

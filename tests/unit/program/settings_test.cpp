@@ -172,13 +172,11 @@ TEST(MqttOptions, BrokerOptions_AreTranslated) {
     options.user = "ada";
     options.password = "pw";
     options.mqtt_version = "3.1.1";
-    options.qos = "0";
     const auto made = mqtt_options(options, "asip-test");
     ASSERT_TRUE(made) << made.error();
     EXPECT_THAT(made->brokers,
                 ElementsAre(mqtt::BrokerAddress{"a", 1, false}, mqtt::BrokerAddress{"b", 8883, true}));
     EXPECT_EQ(made->version, mqtt::Version::kV311);
-    EXPECT_EQ(made->qos, 0);
     EXPECT_THAT(made->client_id, testing::StartsWith("asip-test-"));
     EXPECT_NE(made->client_id, mqtt_options(options, "asip-test")->client_id);
     EXPECT_EQ(made->own_topics, "asip/reply/ada/$self");
