@@ -86,7 +86,6 @@ Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options
         if (!files) notes.push_back(std::string("no ") + what + " can be made of it: " + files.error());
     };
     made("firmware", generate::firmware(model, generate::sketch_name(model), elements_of(options, model)));
-    made("Python client", generate::python_client(model));
     made("C++ client", generate::cpp_client(model));
     for (const auto& note : notes)
         environment.out << "note: " << note << '\n';
@@ -123,8 +122,7 @@ Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, 
 }
 
 Outcome<void> make_client(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
-    const auto files =
-        options.action == "python" ? generate::python_client(model) : generate::cpp_client(model);
+    const auto files = generate::cpp_client(model);
     if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
     return write_all(*files, options.output.empty() ? "." : options.output, options, environment);
 }
@@ -156,10 +154,10 @@ int run_model(const ModelOptions& options, Environment& environment) {
 
 Run declare_model(Declaration& verb) {
     auto options = std::make_shared<ModelOptions>();
-    verb.argument("check|firmware|part|python|cpp|docs", options->action, "What to do");
+    verb.argument("check|firmware|part|cpp|docs", options->action, "What to do");
     verb.argument("FILE", options->file, "The service model, a JSON file");
     verb.option("--into", "FILE", options->output,
-                "Where to: a folder for firmware, python and cpp, a file for part and docs");
+                "Where to: a folder for firmware and cpp, a file for part and docs");
     verb.option("--elements", "COUNT", options->elements,
                 "How many elements the board has; default: as many as the examples show");
     verb.option("--image", "FILE", options->image, "Firmware image that the simulated board runs");
@@ -175,8 +173,7 @@ Verb model_verb() {
             "check     its form, its examples, and clashes with the models that are known\n"
             "firmware  an Arduino sketch: the class of the service, and a file for your code\n"
             "part      a board for asip-sim that runs the sketch, with a part in the place of the hardware\n"
-            "python    classes for the package asip, and tests made of the examples\n"
-            "cpp       the same on the C++ library\n"
+            "cpp       a client on the C++ library, and tests made of the examples\n"
             "docs      the reference page\n"
             "No broker is asked. docs/add-a-service.md goes all the way.\n"
             "Examples:\n"

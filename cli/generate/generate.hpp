@@ -29,7 +29,6 @@ Files firmware(const model::ServiceModel& model, const std::string& sketch, std:
 Files simulated_part(const model::ServiceModel& model, const std::string& image, std::size_t elements);
 
 /// A typed client of the service over the bus, and tests made from the examples.
-Files python_client(const model::ServiceModel& model);
 Files cpp_client(const model::ServiceModel& model);
 
 /// The usual name of the sketch: "Fan".

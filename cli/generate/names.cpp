@@ -115,12 +115,6 @@ constexpr std::array kCppWords{"alignas",
                                "xor",
                                "xor_eq"};
 
-constexpr std::array kPythonWords{"and",      "as",       "assert", "async", "await",  "break",  "class",
-                                  "continue", "def",      "del",    "elif",  "else",   "except", "finally",
-                                  "for",      "from",     "global", "if",    "import", "in",     "is",
-                                  "lambda",   "nonlocal", "not",    "or",    "pass",   "raise",  "return",
-                                  "self",     "try",      "while",  "with",  "yield"};
-
 // What generated firmware calls by these names where arguments stand.
 constexpr std::array kFirmwareWords{"request", "index", "error", "asip", "item", "pin"};
 
@@ -184,11 +178,6 @@ std::string cpp_name(std::string_view name) {
     return is_one_of(kCppWords, result) || is_one_of(kClientWords, result) ? result + '_' : result;
 }
 
-std::string python_name(std::string_view name) {
-    auto result = snake_case(name);
-    return is_one_of(kPythonWords, result) ? result + '_' : result;
-}
-
 void Scope::add(const std::string& name, const std::string& origin) {
     const auto [place, added] = origins_.emplace(name, origin);
     if (added || !fault_.empty()) return;
@@ -202,15 +191,6 @@ std::string comment(std::string_view text) {
         result.erase(at, 1);
     while (!result.empty() && (result.back() == '\\' || result.back() == ' '))
         result.pop_back();
-    return result;
-}
-
-std::string docstring(std::string_view text) {
-    std::string result;
-    for (const char c : visible(text)) {
-        if (c == '\\' || c == '"') result += '\\';
-        result += c;
-    }
     return result;
 }
 

@@ -17,7 +17,6 @@ from .pin import Pin
 from .service import Service, class_of
 
 if TYPE_CHECKING:
-    from . import _standard
     from ._engine import Engine
     from .bus import Bus
 
@@ -56,24 +55,6 @@ class Board:
 
     Get one by `bus.board("desk")`. Its state is followed from then on.
     """
-
-    if TYPE_CHECKING:  # the standard services, for editors and type checkers
-        acceleration: _standard.Acceleration
-        bump: _standard.Bump
-        distance: _standard.Distance
-        encoders: _standard.Encoders
-        gyroscope: _standard.Gyroscope
-        heading: _standard.Heading
-        humidity: _standard.Humidity
-        io: _standard.Io
-        lcd: _standard.Lcd
-        motors: _standard.Motors
-        neopixels: _standard.Neopixels
-        pixels: _standard.Pixels
-        pressure: _standard.Pressure
-        reflectance: _standard.Reflectance
-        servo: _standard.Servo
-        tone: _standard.Tone
 
     def __init__(self, bus: "Bus", name: str):
         self.name = name
@@ -277,14 +258,13 @@ class Board:
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *(_model.identifier(name) for name in self.services)})
 
-    if not TYPE_CHECKING:
-        def __getattr__(self, name: str) -> Any:
-            if name.startswith("_"):
-                raise AttributeError(name)
-            try:
-                return self[name]
-            except errors.NotThere as fault:
-                raise AttributeError(str(fault)) from None
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except errors.NotThere as fault:
+            raise AttributeError(str(fault)) from None
 
 
 def _told(model: _model.Model | None) -> tuple[str, str]:

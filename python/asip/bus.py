@@ -66,7 +66,7 @@ class Bus:
 
     def board(self, name: str, kind: type[Any] = Board, *, timeout: float | None = None) -> Any:
         """The board of this name, when it is online. NotThere where it is not within `timeout`, with the reason or the nearest
-        name. `kind`: a subclass of Board, as `asipctl model python` makes them."""
+        name. `kind`: a subclass of Board, as `python3 -m asip.stubs` writes one."""
         if not valid_board(name):
             raise errors.Invalid(f"{name!r} cannot be the name of a board: 1 to 64 of A-Z a-z 0-9 . _ -", board=name)
         seconds = self._seconds(timeout)

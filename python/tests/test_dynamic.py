@@ -3,6 +3,8 @@
 import copy
 import importlib.util
 import inspect
+import json
+import pathlib
 import pydoc
 import sys
 import threading
@@ -12,8 +14,12 @@ import unittest.mock
 
 import asip
 from asip import aio
-from asip.service import class_of
+from asip import _model
+from asip.service import class_of, identifier_of_class
+from asip.stubs import module_text as stubs_text
 from memory_rig import Memory
+
+MODELS = pathlib.Path(asip.__file__).parent / "models"
 
 
 class Dynamic(Memory):
@@ -35,13 +41,16 @@ class Dynamic(Memory):
         self.assertEqual(str(inspect.signature(self.desk.servo.write)), "(servo: 'int', angle: 'int', *, timeout: 'float | None' = None)")
         self.assertIn("0 to 180 degrees", self.desk.servo.write.__doc__)
 
-    def test_static_classes_are_those_made_at_run_time(self):
-        from asip import _standard
-        from asip.board import standard_model
-        for name, static in inspect.getmembers(_standard, inspect.isclass):
-            if static.__module__ != _standard.__name__:
-                continue
-            dynamic = class_of(standard_model(name.lower()))
+    def test_stubs_are_the_classes_made_at_run_time(self):
+        hostile = {"name": "class.new-int", "version": 1, "id": "Y", "title": 'quotes """ and \\ ends', "commands": {
+            "read": {"tag": "R"}, "import": {"tag": "I", "args": [{"name": "lambda", "type": "text"}]}}}
+        models = [*(_model.Model(json.loads(file.read_text())) for file in MODELS.glob("*.json") if file.stem != "schema"), _model.Model(hostile)]
+        stubs = {"__name__": "lab"}
+        exec(stubs_text(models), stubs)
+        self.assertEqual(stubs["Board"].__annotations__["servo"], "Servo")
+        self.assertGreater(len(models), 15)
+        for model in models:
+            static, dynamic = stubs[identifier_of_class(model.name)], class_of(model)
             own = {attribute for attribute in vars(static) if not attribute.startswith("_")}
             self.assertEqual(own, {attribute for attribute in vars(dynamic) if not attribute.startswith("_") and attribute != "model"})
             for attribute in own:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # mypy --strict finds nothing here.
 import asip
+from lab import Board
 
 with asip.connect() as bus:
-    desk = bus.board("desk")
+    bus.board("desk").servo.write(0, 90)
+    desk = bus.board("desk", Board)
     desk.servo.write(0, angle=90)
     desk.io.mode(13, "output")
     desk.pin(13).on(timeout=1.0)

@@ -21,9 +21,9 @@ using Words = std::vector<std::string>;
 
 constexpr const char* kControl = ASIP_PROGRAMS "/asipctl";
 
-/// Python code that knows the generated modules.
+/// Python code that knows the package.
 Finished run_python(const std::string& code, std::map<std::string, std::string> environment) {
-    environment["PYTHONPATH"] = ASIP_GENERATED "/python:" ASIP_TEST_SOURCE "/python";
+    environment["PYTHONPATH"] = ASIP_TEST_SOURCE "/python";
     return run({ASIP_PYTHON, "-W", "error", "-c", code}, environment);
 }
 
@@ -43,7 +43,7 @@ class GeneratedBoard {
         words.insert(words.begin(), kControl);
         return run(std::move(words), {{"ASIP_BROKER", broker_.url()}, {"HOME", folder_.path().string()}});
     }
-    /// Python code that knows the generated modules and `port` of the broker.
+    /// Python code that knows the package and `port` of the broker.
     Finished python(const std::string& code) const {
         return run_python("port = " + std::to_string(broker_.port()) + "\n" + code,
                           {{"ASIP_BROKER", broker_.url()}});
@@ -101,17 +101,16 @@ TEST(GeneratedOnTheBus, Fan_IsListedReadAndCommanded) {
     EXPECT_EQ(json::parse(*measured)["answer"], json::parse(R"({"speed":[1500,0]})"));
 }
 
-TEST(GeneratedOnTheBus, PythonClient_CommandsReadsAndIsToldOfEvents) {
+TEST(GeneratedOnTheBus, PythonPackage_CommandsReadsAndIsToldOfEvents) {
     GeneratedBoard board(ASIP_TEST_SOURCE "/tests/generated/models/fan.json", "fan");
     board.tell("set fan speed0=1500,speed1=5000");
     ASSERT_TRUE(board.shows("speed1=5000"));
     const auto ran = board.python(R"(
 import queue
 import asip
-from fan_service import FanBoard
 events = queue.Queue()
 with asip.connect(f"127.0.0.1:{port}", timeout=20) as bus:
-    fan = bus.board("uno1", FanBoard).fan
+    fan = bus.board("uno1").fan
     fan.power(0, 100)
     print(fan.measure())
     try:

@@ -50,11 +50,11 @@ TEST_F(ModelVerb, CodeOfAPerson_IsNeverWrittenOver) {
 }
 
 TEST_F(ModelVerb, OneFileThatIsThere_KeepsAllFromBeingWritten) {
-    folder_.write("test_fan_service.py", "mine");
-    const auto refused = model({"python", fan_, "--into", folder_.path().string()});
+    folder_.write("fan_service_test.cpp", "mine");
+    const auto refused = model({"cpp", fan_, "--into", folder_.path().string()});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_EQ(read("test_fan_service.py"), "mine");
-    EXPECT_FALSE(std::filesystem::exists(folder_.file("fan_service.py")));
+    EXPECT_EQ(read("fan_service_test.cpp"), "mine");
+    EXPECT_FALSE(std::filesystem::exists(folder_.file("fan_service.hpp")));
 }
 
 TEST_F(ModelVerb, Check_NamesFileAndPlace) {

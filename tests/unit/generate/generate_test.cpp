@@ -80,8 +80,6 @@ TEST(Firmware, WhatItCannotExpress_IsRefusedWithItsPlace) {
 TEST(Firmware, NamesThatBecomeOne_AreRefused) {
     const auto model = model_with(R"("commands":{"a-b":{"tag":"X"},"a_b":{"tag":"Y"}})");
     EXPECT_EQ(firmware_fault(model), "command a-b and command a_b both become doAB in C++: rename one");
-    EXPECT_EQ(python_client(model).error(),
-              "command a-b and command a_b both become a_b in Python: rename one");
     EXPECT_EQ(cpp_client(model).error(), "command a-b and command a_b both become a_b in C++: rename one");
     EXPECT_THAT(
         firmware_fault(model_with(R"("commands":{"a":{"tag":"X","args":[)"

@@ -18,9 +18,6 @@ TEST(GeneratedNames, WordsOfTheLanguage_GetAnUnderscore) {
     EXPECT_EQ(camel_case("and"), "and_");
     EXPECT_EQ(cpp_name("linux"), "linux_");
     EXPECT_EQ(cpp_name("lambda"), "lambda");
-    EXPECT_EQ(python_name("lambda"), "lambda_");
-    EXPECT_EQ(python_name("self"), "self_");
-    EXPECT_EQ(python_name("new"), "new");
 }
 
 TEST(GeneratedNames, TwoThatBecameOne_AreReportedWithBothOrigins) {
@@ -42,10 +39,6 @@ TEST(GeneratedNames, TextInAComment_NeitherEndsItNorGoesOnInTheNextLine) {
                       "d\xef\xbb\xbf"
                       "\xc3\xa9"),
               "a?b?c?d?\xc3\xa9");
-}
-
-TEST(GeneratedNames, TextInADocstring_DoesNotEndIt) {
-    EXPECT_EQ(docstring("\"\"\" \\"), "\\\"\\\"\\\" \\\\");
 }
 
 TEST(GeneratedNames, Literals_AreEscaped) {
