@@ -32,14 +32,6 @@ void leave_out_invalid_names(bus::Answer& answer) {
         std::erase_if(board.services, [](const auto& service) { return !model::valid_name(service.name); });
 }
 
-Expected<bus::Answer> read_answer(std::string_view payload, std::string* lines) {
-    if (lines == nullptr) return bus::parse_answer(payload);
-    auto read = bus::parse_answer_lines(payload);
-    if (!read) return tl::unexpected(read.error());
-    *lines += read->lines;
-    return std::move(read->answer);
-}
-
 }  // namespace
 
 std::vector<std::string> KnownBoard::service_names() const {
@@ -68,15 +60,15 @@ BoardSource::BoardSource(const Environment& environment, BusSession& session)
         }));
 }
 
-Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* lines) {
+Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
     const auto topic = registry_.empty() ? environment_.topics.any_registry_query()
                                          : environment_.topics.registry_query(registry_);
     std::optional<Expected<bus::Answer>> answer;
     const auto request = session_.ask(topic, bus::encode(bus::RegistryRequest{query, {}, {}}),
-                                      [this, &answer, lines](const mqtt::Message& message) {
+                                      [this, &answer](const mqtt::Message& message) {
                                           if (answer) return;
                                           answered_bytes_ += message.payload.size();
-                                          answer = read_answer(message.payload, lines);
+                                          answer = bus::parse_answer(message.payload);
                                       });
     const auto asked = Clock::now();
     const auto answered = [&answer] { return answer.has_value(); };
@@ -103,24 +95,22 @@ Outcome<bus::Answer> BoardSource::ask(const bus::Query& query, std::string* line
     return std::move(**answer);
 }
 
-Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query, std::string* lines) {
+Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query) {
     query.limit = bus::Query::kMaxPage;
     const auto patience = Clock::now() + environment_.timeout;
-    auto all = ask(query, lines);
+    auto all = ask(query);
     while (all && all->settling && Clock::now() < patience && !session_.stopped()) {
         session_.run_for(std::chrono::milliseconds(100));
-        if (lines != nullptr) lines->clear();
-        all = ask(query, lines);
+        all = ask(query);
     }
     if (!all) return all;
     answered_bytes_ = 0;
     for (std::size_t pages = 1; !all->cursor.empty(); ++pages) {
         query.cursor = all->cursor;
-        const auto lines_before = lines != nullptr ? lines->size() : 0;
-        auto page = ask(query, lines);
+        auto page = ask(query);
         if (!page) return page;
-        const bool empty = holds_nothing(*page) && (lines == nullptr || lines->size() == lines_before);
-        if (pages > kMaxPages || goes_on_for_ever(*page, query.cursor, empty)) return without_end();
+        if (pages > kMaxPages || goes_on_for_ever(*page, query.cursor, holds_nothing(*page)))
+            return without_end();
         std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
         if (all->brief && page->brief) {
             for (const auto& row : page->brief->rows())
@@ -216,33 +206,6 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     read_bus(true);
     if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
     return view_.services(std::move(query), catalogue::instant_now());
-}
-
-Outcome<std::string> BoardSource::json_lines(bus::Query query) {
-    if (asks_registry()) {
-        std::string lines;
-        const auto answer = ask_all_pages(query, &lines);
-        if (answer) return text::escape_json(std::move(lines));
-        if (answer.error().status != program::kExitNoAnswer) return tl::unexpected(answer.error());
-        without_registry(answer.error().text);
-    }
-    std::string lines;
-    const auto append = [&lines](const auto& items) {
-        for (const auto& item : items) {
-            bus::append_json(lines, item);
-            lines += '\n';
-        }
-    };
-    if (query.find == bus::Find::kServices) {
-        const auto found = services(std::move(query));
-        if (!found) return tl::unexpected(found.error());
-        append(*found);
-    } else {
-        const auto found = boards(std::move(query));
-        if (!found) return tl::unexpected(found.error());
-        append(*found);
-    }
-    return text::escape_json(std::move(lines));
 }
 
 Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,

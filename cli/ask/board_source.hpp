@@ -49,8 +49,6 @@ class BoardSource {
     /// The same boards as `boards`, as far as a table needs them: in a small part of the time where they are
     /// many.
     Outcome<bus::BriefRows> brief_boards(bus::Query query);
-    /// The same boards or services as JSON, one a line: as a registry wrote them, or as it would have.
-    Outcome<std::string> json_lines(bus::Query query);
 
     /// Changes that a registry has kept, the newest first, at most `count`, none older than `since`. Fails
     /// with kExitFailure where none keeps a history, and with kExitNoAnswer where there is no registry.
@@ -82,9 +80,8 @@ class BoardSource {
     }
 
   private:
-    /// With `lines`, boards and services are appended there, and are not in the answer.
-    Outcome<bus::Answer> ask(const bus::Query& query, std::string* lines = nullptr);
-    Outcome<bus::Answer> ask_all_pages(bus::Query query, std::string* lines = nullptr);
+    Outcome<bus::Answer> ask(const bus::Query& query);
+    Outcome<bus::Answer> ask_all_pages(bus::Query query);
     /// Whether more pages are said to follow a `page`, asked for by `cursor`, behind which none can.
     bool goes_on_for_ever(const bus::Answer& page, const std::string& cursor, bool empty) const;
     tl::unexpected<Failure> without_end() const;

@@ -81,13 +81,11 @@ void sort_items(std::vector<Item>& items, const std::string& by, bool reverse) {
 }
 
 template <class Item, class Text>
-int print_list(Outcome<std::vector<Item>> found, const ListOptions& options,
-               const std::optional<Where>& where, Environment& environment, BusSession& session,
-               const char* nothing, Text text) {
+int print_list(Outcome<std::vector<Item>> found, const ListOptions& options, Environment& environment,
+               BusSession& session, const char* nothing, Text text) {
     const auto& output = options.output;
     if (!found) return environment.fail_with(found.error());
     session.leave();
-    std::erase_if(*found, [&where](const Item& item) { return !where_holds(where, item); });
     // They come sorted by name.
     if (options.sort != "name" || options.reverse) sort_list(*found, options.sort, options.reverse);
     if (!output.for_people()) {
@@ -111,33 +109,14 @@ int print_brief(Outcome<bus::BriefRows> found, const ListOptions& options, Envir
     return program::kExitOk;
 }
 
-/// Nothing that was answered is judged or put in another order.
-bool passes_on(const ListOptions& options, const std::optional<Where>& where) {
-    return options.output.form == Output::kJsonLines && options.output.format.empty() && !where &&
-           options.sort == "name" && !options.reverse;
-}
-
-int pass_on(const ListOptions& options, Environment& environment, BusSession& session, BoardSource& source) {
-    auto query = options.query;
-    query.find = options.services() ? bus::Find::kServices : bus::Find::kBoards;
-    const auto lines = source.json_lines(std::move(query));
-    if (!lines) return environment.fail_with(lines.error());
-    session.leave();
-    environment.out << *lines << std::flush;
-    return program::kExitOk;
-}
-
-int show_all(const ListOptions& options, const std::optional<Where>& where, Environment& environment,
-             BusSession& session, BoardSource& source) {
+int show_all(const ListOptions& options, Environment& environment, BusSession& session, BoardSource& source) {
     const auto& output = options.output;
-    if (passes_on(options, where)) return pass_on(options, environment, session, source);
     if (options.services())
-        return print_list(source.services(options.query), options, where, environment, session,
-                          "no service matches", services_text);
+        return print_list(source.services(options.query), options, environment, session, "no service matches",
+                          services_text);
     constexpr auto* kNone = "no board matches";
-    if (where || output.form == Output::kWide || !output.for_people())
-        return print_list(source.boards(options.query), options, where, environment, session, kNone,
-                          boards_text);
+    if (output.form == Output::kWide || !output.for_people())
+        return print_list(source.boards(options.query), options, environment, session, kNone, boards_text);
     return print_brief(source.brief_boards(options.query), options, environment, session, kNone);
 }
 
@@ -270,32 +249,7 @@ void sort_list(std::vector<bus::ServiceItem>& services, const std::string& by, b
     sort_items(services, by, reverse);
 }
 
-Outcome<std::optional<Where>> parse_where(const ListOptions& options) {
-    if (options.where.empty()) return std::optional<Where>();
-    auto where = Where::parse(options.where, kListFields);
-    if (!where) return failure(program::kExitUsage, where.error());
-    return std::optional(std::move(*where));
-}
-
-bool where_holds(const std::optional<Where>& where, const bus::ServiceItem& service) {
-    if (!where) return true;
-    auto record = bus::to_json(service);
-    record["kind"] = service.kind;
-    return where->holds(record);
-}
-
-bool where_holds(const std::optional<Where>& where, const bus::BoardItem& board) {
-    if (!where) return true;
-    auto record = bus::to_json(board);
-    // On the wire left out where it is the name.
-    for (std::size_t i = 0; i < board.services.size(); ++i)
-        record["services"][i]["kind"] = board.services[i].kind;
-    return where->holds(record);
-}
-
 int run_list(const ListOptions& given, Environment& environment) {
-    const auto where = parse_where(given);
-    if (!where) return environment.fail_with(where.error());
     auto selector = parse_selector(given.selector);
     if (!selector) return environment.fail_with(selector.error());
     ListOptions options = given;
@@ -304,7 +258,7 @@ int run_list(const ListOptions& given, Environment& environment) {
     BusSession session(environment);
     BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
-    return show_all(options, *where, environment, session, source);
+    return show_all(options, environment, session, source);
 }
 
 namespace {
@@ -322,7 +276,6 @@ Run declare_list(Declaration& verb) {
     verb.option("--sketch", "SKETCH", query.sketch, "Only with this sketch; * and ? as in a shell");
     verb.option("--capability", "digital|analog|pwm", query.capability, "Only with a pin that can do this");
     declare_selector(verb, options->selector);
-    verb.option("--where", "CONDITION", options->where, "Only what this holds for, as below");
     verb.option("--sort", "name|state|chip|sketch|kind|announced", options->sort,
                 "What the list is sorted by");
     verb.flag("-r,--reverse", options->reverse, "Sort the other way round");
@@ -336,13 +289,8 @@ Run declare_list(Declaration& verb) {
 Verb list_verb() {
     return {"list", "Boards or services on the bus",
             "ANNOUNCED is how long ago the board's agent last announced it (about each third of the lease).\n"
-            "--where compares members of the records (asipctl list -o json) by = != < <= > >=, by ~ and !~ "
-            "with a\n"
-            "pattern, and joins with and, or, not and parentheses; a name alone: it is there.\n"
             "Examples:\n"
             "  asipctl list\n"
-            "  asipctl list --where 'chip ~ ATmega* and services.name=servo and not state=online'\n"
-            "  asipctl list services --where 'period < 100' -o wide\n"
             "  asipctl list services --kind distance,servo\n"
             "  asipctl list -l room=lab,!old -o wide\n"
             "  asipctl list --state lost -o name\n"

@@ -11,7 +11,6 @@
 #include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 #include "cli/text/table.hpp"
-#include "cli/text/where.hpp"
 
 namespace asip::cli {
 
@@ -22,17 +21,10 @@ struct ListOptions {
     std::string sort = "name";  ///< name, state, chip, sketch, kind or announced
     bool reverse = false;
     bool watch = false;
-    std::string where{};  ///< a condition on the record; empty: none
     OutputOptions output{Output::kTable, {}};
 
     bool services() const { return what == "services"; }
 };
-
-/// The condition of ListOptions::where; nothing where there is none. Fails with kExitUsage.
-Outcome<std::optional<Where>> parse_where(const ListOptions& options);
-/// Whether it holds for a board or a service; always where there is none.
-bool where_holds(const std::optional<Where>& where, const bus::BoardItem& board);
-bool where_holds(const std::optional<Where>& where, const bus::ServiceItem& service);
 
 /// `asipctl list`: boards or services, once or until Ctrl-C.
 int run_list(const ListOptions& options, Environment& environment);

@@ -63,7 +63,6 @@ class RegistryWatch {
 
 bool wanted(const ListOptions& options, const bus::BoardItem& board, const Environment& environment) {
     // Of services each is judged when it is printed.
-    if (!options.services() && !where_holds(*parse_where(options), board)) return false;
     std::optional<model::Description> description;
     if (!board.description.empty()) {
         if (auto parsed = model::parse_description(board.description)) description = std::move(*parsed);
@@ -151,7 +150,6 @@ std::optional<std::string> registry_here(Environment& environment, int& status) 
 
 ChangePrinter::ChangePrinter(const ListOptions& options, std::size_t width, bool colour)
     : options_(options),
-      where_(parse_where(options).value_or(std::nullopt)),
       width_(options.output.form == Output::kWide ? 0 : width),
       colour_(colour),
       table_(options.services() ? service_table(options.output.form == Output::kWide)
@@ -193,8 +191,6 @@ std::string ChangePrinter::changed(const bus::BoardItem& seen) {
     if (!model::valid_name(seen.board)) return {};  // it is not shown as text
     auto board = seen;
     std::erase_if(board.services, [](const auto& service) { return !model::valid_name(service.name); });
-    if (options_.services())
-        std::erase_if(board.services, [this](const auto& one) { return !where_holds(where_, one); });
     auto essence = board;
     essence.age = 0;
     essence.seq = 0;

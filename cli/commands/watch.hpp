@@ -27,7 +27,6 @@ class ChangePrinter {
     std::string names(const bus::BoardItem& board) const;
 
     const ListOptions& options_;
-    std::optional<Where> where_;
     std::size_t width_;
     bool colour_;
     Table table_;

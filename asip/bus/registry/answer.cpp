@@ -14,11 +14,6 @@ namespace {
 using namespace members;
 using nlohmann::json;
 
-struct LinesSplit {
-    std::string envelope;
-    std::string lines;
-};
-
 // The rows of a large catalogue are written and read straight from and into text; a JSON tree costs ten times
 // as much.
 std::string encode_brief(json& envelope, const BriefRows& boards) {
@@ -54,49 +49,6 @@ std::string encode_models(const json& envelope, const std::vector<std::string>& 
     }
     text += "]}";
     return text;
-}
-
-/// One line, whatever program wrote it.
-bool append_line(std::string_view object, std::string& lines) {
-    if (object.front() != '{') return false;
-    const bool one_line = object.find('\n') == object.npos && object.find('\r') == object.npos;
-    if (one_line) {
-        lines += object;
-    } else {
-        lines += model::dump_json(json::parse(object, nullptr, false));
-    }
-    lines += '\n';
-    return true;
-}
-
-/// An answer whose items are taken out as lines; nothing where it has none that could be.
-std::optional<LinesSplit> split_lines(std::string_view payload) {
-    if (payload.size() > kMaxPayload) return std::nullopt;
-    JsonScanner in(payload);
-    if (!in.enter_object()) return std::nullopt;
-    LinesSplit split;
-    std::string_view key;
-    std::string_view value;
-    bool found = false;
-    while (in.next_member(key)) {
-        if (key != "items") {
-            if (!in.value(value)) return std::nullopt;
-            split.envelope.append(split.envelope.empty() ? "{\"" : ",\"")
-                .append(in.raw_key())
-                .append("\":")
-                .append(value);
-            continue;
-        }
-        if (std::exchange(found, true) || !in.enter_array()) return std::nullopt;
-        split.lines.reserve(payload.size() + 1000);
-        while (in.next_element()) {
-            if (!in.value(value) || !append_line(value, split.lines)) return std::nullopt;
-        }
-        if (!in.left()) return std::nullopt;
-    }
-    if (!in.left() || !in.at_end() || !found) return std::nullopt;
-    split.envelope += split.envelope.empty() ? "{\"items\":[]}" : ",\"items\":[]}";
-    return split;
 }
 
 }  // namespace
@@ -171,25 +123,6 @@ Expected<Answer> parse_answer(std::string_view payload) {
         }
     }
     return answer;
-}
-
-Expected<AnswerLines> parse_answer_lines(std::string_view payload) {
-    AnswerLines result;
-    auto split = split_lines(payload);
-    auto answer = parse_answer(split ? split->envelope : payload);
-    if (!answer) return Unexpected<std::string>(answer.error());
-    if (split) result.lines = std::move(split->lines);
-    const auto append = [&result](const auto& items) {
-        for (const auto& item : items) {
-            append_json(result.lines, item);
-            result.lines += '\n';
-        }
-    };
-    // What only a parser of whole documents takes apart.
-    append(std::exchange(answer->boards, {}));
-    append(std::exchange(answer->services, {}));
-    result.answer = std::move(*answer);
-    return result;
 }
 
 }  // namespace asip::bus

@@ -50,12 +50,4 @@ std::string encode(const Answer& answer);
 /// its rows are not those of a brief answer.
 Expected<Answer> parse_answer(std::string_view payload);
 
-/// An answer whose boards or services stay text, for a program that passes them on: in a tenth of the time.
-struct AnswerLines {
-    Answer answer;      ///< without them
-    std::string lines;  ///< each a JSON object on a line of its own, as it was written
-};
-/// Reads what encode() wrote, as parse_answer() does; of items it is checked that they are JSON objects.
-Expected<AnswerLines> parse_answer_lines(std::string_view payload);
-
 }  // namespace asip::bus

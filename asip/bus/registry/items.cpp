@@ -17,42 +17,6 @@ using nlohmann::json;
 
 namespace {
 
-/// The members of an object become those of a tree. What is empty is left out.
-class TreeMembers {
-  public:
-    explicit TreeMembers(json& object) : object_(object) {}
-
-    void text(const char* key, const std::string& value) { put(object_, key, value); }
-    void time(const char* key, text::WallTime value) { put(object_, key, value); }
-    void needed(const char* key, const std::string& value) { object_[key] = value; }
-    template <class Number>
-    void number(const char* key, Number value) {
-        object_[key] = value;
-    }
-    void seconds(const char* key, double value) {
-        object_[key] = static_cast<double>(static_cast<std::int64_t>(value * 1000)) / 1000;
-    }
-    void yes(const char* key) { object_[key] = true; }
-    void labels(const model::Labels& labels) { model::put_labels(object_, labels); }
-    void names(const model::Labels&) {}  // written with the labels
-    template <class Write>
-    void object(const char* key, Write write) {
-        TreeMembers inside(object_[key] = json::object());
-        write(inside);
-    }
-    template <class Item, class Write>
-    void array(const char* key, const std::vector<Item>& items, Write write) {
-        json& array = object_[key] = json::array();
-        for (const Item& item : items) {
-            TreeMembers inside(array.emplace_back(json::object()));
-            write(inside, item);
-        }
-    }
-
-  private:
-    json& object_;
-};
-
 /// The members of an object become text, in the order in which they are written.
 class TextMembers {
   public:
@@ -109,8 +73,7 @@ class TextMembers {
 };
 
 // Members are written in the order of their names, as those of a tree are.
-template <class Members>
-void write(Members& members, const ServiceItem& item, bool with_board) {
+void write(TextMembers& members, const ServiceItem& item, bool with_board) {
     if (with_board) members.needed("board", item.board);
     if (item.count) members.number("count", *item.count);
     members.text("id", item.id);
@@ -123,15 +86,14 @@ void write(Members& members, const ServiceItem& item, bool with_board) {
     members.text("title", item.title);
 }
 
-template <class Members>
-void write(Members& members, const BoardItem& item) {
+void write(TextMembers& members, const BoardItem& item) {
     const bool heard = item.last_seen != text::WallTime{};
     if (heard) members.seconds("age", item.age);
     members.text("agent", item.agent);
     members.needed("board", item.board);
     members.text("chip", item.chip);
     if (item.conflict) {
-        members.object("conflict", [&item](Members& conflict) {
+        members.object("conflict", [&item](TextMembers& conflict) {
             conflict.needed("holder", item.conflict->holder);
             conflict.needed("other", item.conflict->other);
             conflict.text("other_agent", item.conflict->other_agent);
@@ -149,7 +111,7 @@ void write(Members& members, const BoardItem& item) {
     if (item.reported != item.state) members.text("reported", item.reported);
     if (!item.session.empty()) members.number("seq", item.seq);
     members.array("services", item.services,
-                  [](Members& service, const ServiceItem& each) { write(service, each, false); });
+                  [](TextMembers& service, const ServiceItem& each) { write(service, each, false); });
     members.text("session", item.session);
     members.time("since", item.since);
     members.text("sketch", item.sketch);
@@ -157,8 +119,7 @@ void write(Members& members, const BoardItem& item) {
     if (item.state_age >= 0) members.seconds("state_age", item.state_age);
 }
 
-template <class Members>
-void write(Members& members, const HistoryItem& item) {
+void write(TextMembers& members, const HistoryItem& item) {
     members.time("at", item.at);
     members.text("board", item.board);
     members.text("by", item.by);
@@ -247,26 +208,20 @@ HistoryItem read_history_item(const json& object) {
     return item;
 }
 
-json to_json(const ServiceItem& item, bool with_board) {
-    json object = json::object();
-    TreeMembers members(object);
-    write(members, item, with_board);
-    return object;
+namespace {
+
+template <class Item>
+json tree_of(const Item& item) {
+    std::string text;
+    append_json(text, item);
+    return json::parse(text);
 }
+
+}  // namespace
 
 void append_json(std::string& out, const ServiceItem& item) {
     TextMembers members(out);
     write(members, item, true);
-}
-
-json to_json(const BoardItem& item) {
-    json object = json::object();
-    TreeMembers members(object);
-    write(members, item);
-    if (item.description.empty()) return object;
-    if (auto description = model::parse_json(item.description, {.max_bytes = 1u << 20, .max_depth = 40}))
-        object["description"] = std::move(*description);
-    return object;
 }
 
 /// A description is JSON already, and most of a full answer: where it is well-formed, it is not taken apart.
@@ -288,16 +243,30 @@ void append_json(std::string& out, const BoardItem& item) {
     out.append("\"description\":").append(item.description).append(1, '}');
 }
 
-json to_json(const HistoryItem& item) {
-    json object = json::object();
-    TreeMembers members(object);
-    write(members, item);
-    return object;
-}
-
 void append_json(std::string& out, const HistoryItem& item) {
     TextMembers members(out);
     write(members, item);
+}
+
+json to_json(const ServiceItem& item) {
+    return tree_of(item);
+}
+
+json to_json(const BoardItem& item) {
+    std::string text;
+    {
+        TextMembers members(text);
+        write(members, item);
+    }
+    auto object = json::parse(text);
+    if (item.description.empty()) return object;
+    if (auto description = model::parse_json(item.description, {.max_bytes = 1u << 20, .max_depth = 40}))
+        object["description"] = std::move(*description);
+    return object;
+}
+
+json to_json(const HistoryItem& item) {
+    return tree_of(item);
 }
 
 BriefRows brief_of(std::span<const BoardItem> boards) {

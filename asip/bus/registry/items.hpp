@@ -96,9 +96,9 @@ BriefRows brief_of(std::span<const BoardItem> boards);
 
 /// What stands in "items" of an answer.
 nlohmann::json to_json(const BoardItem& item);
-nlohmann::json to_json(const ServiceItem& item, bool with_board = true);
+nlohmann::json to_json(const ServiceItem& item);
 nlohmann::json to_json(const HistoryItem& item);
-/// The same as text, appended: in a small part of the time.
+/// The same as text, appended.
 void append_json(std::string& out, const BoardItem& item);
 void append_json(std::string& out, const ServiceItem& item);
 void append_json(std::string& out, const HistoryItem& item);

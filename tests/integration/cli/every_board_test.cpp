@@ -117,7 +117,7 @@ TEST_P(EveryBoardTest, IsReadAndFollowed) {
               42);
     EXPECT_EQ(json({"wait", "desk", "--for", "online"})["state"], "online");
     EXPECT_EQ(json({"wait", "desk/distance", "--for", "distance"})["service"], "distance");
-    EXPECT_EQ(json({"list", "--where", "services.name=distance", "--sort", "chip"})["board"], "desk");
+    EXPECT_EQ(json({"list", "--kind", "distance", "--sort", "chip"})["board"], "desk");
     EXPECT_EQ(json({"list", "services", "--unit", "cm"})["name"], "distance");
     EXPECT_EQ(json({"show", "desk/distance"})["board"], "desk");
     EXPECT_EQ(json({"top", "desk", "-n", "1", "--no-ping"})["board"], "desk");

@@ -97,28 +97,6 @@ TEST_F(ValuesTest, Header_StandsOnceAndOnlyOnATerminal) {
                 StartsWith("SERVICE  VALUE\r\nuno1/distance  distance 42 cm\r\nuno1/dist"));
 }
 
-TEST_F(ValuesTest, ListWhere_ShowsWhatTheConditionHoldsFor) {
-    announce("uno1");
-    announce("uno2", "lost");
-    const auto where = [this](const std::string& condition, Words more = {}) {
-        Words words{"list", "--from-bus", "-o", "name", "--where", condition};
-        words.insert(words.end(), more.begin(), more.end());
-        return asipctl(words).output;
-    };
-    EXPECT_EQ(where("state=lost"), "uno2\n");
-    EXPECT_EQ(where("services.kind=distance and not state=lost"), "uno1\n");
-    EXPECT_EQ(where("chip ~ ATtiny*"), "");
-    EXPECT_EQ(where("period <= 100", {"services"}), "uno1/distance\nuno2/distance\n");
-    const auto wrong = asipctl({"list", "--where", "sate=lost"});
-    EXPECT_EQ(wrong.status, 2);
-    EXPECT_THAT(wrong.errors, HasSubstr("did you mean \"state\""));
-    ChildProcess watch(program({"list", "-w", "--from-bus", "-o", "name", "--where", "state=lost"}),
-                       environment());
-    ASSERT_TRUE(watch.wait_for_output("^uno2$"));
-    announce("uno1", "lost");
-    EXPECT_TRUE(watch.wait_for_output("^uno1$"));
-}
-
 TEST_F(ValuesTest, EventsSince_BeginWithWhatWasKeptAndContinue) {
     announce("old");
     ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1", "--history", folder_.file("h.db")},

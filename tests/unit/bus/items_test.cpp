@@ -124,57 +124,5 @@ TEST(ItemText, SecondsOfAForger_AreCut) {
     EXPECT_EQ(read_board_item(json::parse(R"({"board":"x","age":-1e308})")).age, -kMostSeconds);
 }
 
-std::string lines_of(const std::string& payload) {
-    const auto read = parse_answer_lines(payload);
-    if (!read) return "fault: " + read.error();
-    EXPECT_TRUE(read->answer.boards.empty() && read->answer.services.empty());
-    return read->lines;
-}
-
-TEST(AnswerLines, AreTheItemsAsTheyWereWritten) {
-    Answer answer;
-    answer.registry = "r1";
-    answer.epoch = "e-1";
-    answer.seq = 7;
-    answer.cursor = "next";
-    answer.boards = {full_board(), full_board()};
-    std::string text;
-    append_json(text, full_board());
-    const auto read = parse_answer_lines(encode(answer));
-    ASSERT_TRUE(read) << read.error();
-    EXPECT_EQ(read->lines, text + "\n" + text + "\n");
-    answer.boards.clear();
-    EXPECT_EQ(read->answer, answer);
-}
-
-TEST(AnswerLines, OfAnotherHand_AreOneLineEach) {
-    EXPECT_EQ(lines_of("{ \"items\" : [ {\"board\":\"a\",\r\n \"new\":1} , {} ] , \"find\":\"boards\"\n}"),
-              "{\"board\":\"a\",\"new\":1}\n{}\n");
-    EXPECT_EQ(lines_of(R"({"items":[]})"), "");
-    EXPECT_EQ(lines_of(R"({"items":[{"a":1}]})"), "{\"a\":1}\n");
-}
-
-TEST(AnswerLines, WhatOnlyAParserOfWholeDocumentsReads_IsReadByIt) {
-    std::string deep;
-    for (int i = 0; i < 34; ++i)
-        deep += R"({"a":)";
-    deep += "1" + std::string(34, '}');
-    EXPECT_THAT(lines_of(R"({"items":[{"board":"uno1","description":)" + deep + "}]}"), HasSubstr("uno1"));
-}
-
-TEST(AnswerLines, Refusals_AreRead) {
-    const auto read = parse_answer_lines(R"({"registry":"r1","refused":"invalid","error":"why"})");
-    ASSERT_TRUE(read);
-    EXPECT_EQ(read->answer.refused, "invalid");
-    EXPECT_EQ(read->answer.error, "why");
-    EXPECT_EQ(read->lines, "");
-}
-
-TEST(AnswerLines, WhatIsNone_Fails) {
-    for (const auto* payload : {"", "[]", "{}", R"({"items":7})", R"({"items":[7]})", R"({"items":[{"a":1})",
-                                R"({"items":[{}]} x)", R"({"items":[[]]})"})
-        EXPECT_FALSE(parse_answer_lines(payload)) << payload;
-}
-
 }  // namespace
 }  // namespace asip::bus

@@ -89,7 +89,6 @@ TEST(CommandLine, EmptyNames_AreRefused) {
 TEST(CommandLine, EmptyValueOfAnOption_IsRefusedWithWhatToGive) {
     const std::vector<std::pair<Words, std::string>> cases{
         {{"events", "--since", ""}, "--since: is empty; give WHEN"},
-        {{"list", "--where", ""}, "--where: is empty; give CONDITION"},
         {{"list", "--board", ""}, "--board: is empty; give PATTERN"},
         {{"list", "--kind", ""}, "--kind: is empty; give KIND"},
         {{"list", "--format", ""}, "--format: is empty; give TEMPLATE"},
