@@ -13,7 +13,7 @@ endfunction()
 
 must(${CMAKE_COMMAND} --install "${BUILD}" --component library --prefix "${place}/prefix")
 must(${CMAKE_COMMAND} -S "${SOURCE}/tests/integration/client/installed" -B "${place}/build" -G Ninja
-     "-DCMAKE_PREFIX_PATH=${place}/prefix" "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DASIP_EXAMPLES=${SOURCE}/examples")
+     "-DCMAKE_PREFIX_PATH=${place}/prefix" "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DASIP_EXAMPLES=${SOURCE}/examples" "-DASIP_INCLUDE=${place}/prefix/include")
 must(${CMAKE_COMMAND} --build "${place}/build")
 
 execute_process(COMMAND "${place}/build/blink" /dev/asip-no-such-port RESULT_VARIABLE status ERROR_VARIABLE errors)
