@@ -172,7 +172,7 @@ void BoardAgent::perform(Effects& effects) {
 
 void BoardAgent::load(Effects::Load wanted) {
     const auto usb = link::usb_port_of(wanted.path);
-    auto loaders = boot_loaders(wanted.board, usb.vendor, usb.product);
+    auto loaders = link::boot_loaders(wanted.board, usb.vendor, usb.product);
     auto done = [this](const Expected<void>& result) {
         with_bridge([&](Time now, Effects& out) { bridge_.loaded(result, now, out); });
     };

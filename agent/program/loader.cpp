@@ -36,16 +36,18 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
         : order_(std::move(order)), handlers_(std::move(handlers)), pipe_(io), limit_(io), wait_(io) {}
 
     void next() {
-        output_ = AvrdudeOutput();
+        output_ = link::AvrdudeOutput();
         const auto& loader = order_.loaders[attempt_];
         const auto image = (std::filesystem::path(order_.folder) /
                             (order_.firmware + "-" + std::string(loader.image) + ".hex"))
                                .string();
         std::error_code error;
         if (!std::filesystem::is_regular_file(image, error))
-            return done(fail("the machine of the board has no firmware " + image +
-                             "; it comes with the package asip-agent, or by --firmware-dir"));
-        if (const auto started = start(avrdude_call(loader, order_.avrdude, order_.port, image)); !started)
+            return done(
+                fail("the machine of the board has no firmware " + image +
+                     "; it comes with the package asip-agent, or by firmware-dir of the configuration"));
+        if (const auto started = start(link::avrdude_call(loader, order_.avrdude, order_.port, image));
+            !started)
             return done(fail(started.error()));
         tell();
         read();
@@ -146,7 +148,7 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
     Handlers handlers_;
     std::size_t attempt_ = 0;
     pid_t pid_ = 0;
-    AvrdudeOutput output_;
+    link::AvrdudeOutput output_;
     std::optional<std::pair<std::string_view, int>> told_;
     boost::asio::posix::stream_descriptor pipe_;
     boost::asio::steady_timer limit_;

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "agent/port/boot_loader.hpp"
 #include "asip/expected.hpp"
+#include "asip/link/boot_loader.hpp"
 
 namespace asip::agent {
 
@@ -21,7 +21,7 @@ class Loader {
         std::string avrdude;  ///< looked up in PATH
         std::string folder;   ///< of the images: FIRMWARE-uno.hex, FIRMWARE-mega.hex
         std::string firmware;
-        std::vector<BootLoader> loaders;
+        std::vector<link::BootLoader> loaders;
     };
     /// Called on the event loop.
     struct Handlers {

@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -15,24 +14,12 @@
 #include <fstream>
 #include <utility>
 
+#include "asip/link/boot_loader.hpp"
+
 extern char** environ;
 
 namespace asip::cli {
 namespace {
-
-/// What the boot loaders of Arduino boards are spoken to by.
-struct ChipProgramming {
-    std::string_view chip;
-    std::string_view part;
-    std::string_view method;
-    std::size_t baud;
-};
-constexpr std::array kChipProgramming{
-    ChipProgramming{"ATmega328P", "m328p", "arduino", 115'200},
-    ChipProgramming{"ATmega168", "m168", "arduino", 19'200},
-    ChipProgramming{"ATmega1280", "m1280", "arduino", 57'600},
-    ChipProgramming{"ATmega2560", "m2560", "wiring", 115'200},
-};
 
 /// `i` for Intel .hex, `e` for .elf, by the first byte; 0 for anything else.
 char image_format(const std::string& file) {
@@ -45,31 +32,19 @@ char image_format(const std::string& file) {
 Expected<std::vector<std::string>> avrdude_call(const Programming& what) {
     const char format = image_format(what.image);
     if (format == '\0') return fail(what.image + " cannot be read, or is neither a .hex nor an .elf file");
-    Programming complete = what;
-    for (const auto& known : kChipProgramming) {
-        if (known.chip != what.chip) continue;
-        if (what.part.empty()) complete.part = known.part;
-        if (what.method.empty()) complete.method = known.method;
-        if (what.baud == 0) complete.baud = known.baud;
-    }
-    if (complete.part.empty() || complete.method.empty() || complete.baud == 0)
+    const auto known = link::boot_loader_of_chip(what.chip).value_or(link::BootLoader{});
+    const std::string baud = what.baud == 0 ? std::string(known.baud) : std::to_string(what.baud);
+    link::BootLoader loader = known;
+    if (!what.part.empty()) loader.part = what.part;
+    if (!what.method.empty()) loader.method = what.method;
+    loader.baud = baud;
+    if (loader.part.empty() || loader.method.empty() || loader.baud.empty())
         return fail(
             "no boot loader is known for the chip \"" + what.chip +
             "\"; give --part, --programmer and --baud, or use asipctl release and a tool of your own");
-    // -D: boot loaders cannot erase the chip, and need not.
-    return std::vector<std::string>{complete.avrdude,
-                                    "-q",
-                                    "-D",
-                                    "-p",
-                                    complete.part,
-                                    "-c",
-                                    complete.method,
-                                    "-P",
-                                    complete.path,
-                                    "-b",
-                                    std::to_string(complete.baud),
-                                    "-U",
-                                    "flash:w:" + complete.image + ":" + format};
+    auto call = link::avrdude_call(loader, what.avrdude, what.path, what.image, format);
+    call.insert(call.begin() + 1, "-q");
+    return call;
 }
 
 std::vector<std::string> simulator_call(const std::string& board, const std::string& image,

@@ -22,7 +22,7 @@ class ProgrammerTest : public ::testing::Test {
 TEST_F(ProgrammerTest, KnownChips_AreSpokenToAsTheirBootLoaderExpects) {
     EXPECT_THAT(*avrdude_call({.image = hex_, .path = "/dev/ttyACM0", .chip = "ATmega328P"}),
                 ElementsAre("avrdude", "-q", "-D", "-p", "m328p", "-c", "arduino", "-P", "/dev/ttyACM0", "-b",
-                            "115200", "-U", "flash:w:" + hex_ + ":i"));
+                            "115200", "-U", "flash:w:" + hex_ + ":i", "-x", "attempts=3"));
     EXPECT_THAT(*avrdude_call({.image = folder_.write("a.elf",
                                                       "\x7f"
                                                       "ELF"),

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/port/boot_loader.hpp"
+#include "asip/link/boot_loader.hpp"
 
 #include <gmock/gmock.h>
 
-namespace asip::agent {
+namespace asip::link {
 namespace {
 
 using testing::ElementsAre;
@@ -16,6 +16,13 @@ std::vector<std::string> boards_of(std::string_view board, std::string_view vend
     for (const auto& loader : loaders.value_or(std::vector<BootLoader>{}))
         names.emplace_back(loader.board);
     return names;
+}
+
+TEST(BootLoaders, OfAChip_IsTheFirstOfIt) {
+    EXPECT_EQ(boot_loader_of_chip("ATmega328P")->baud, "115200");
+    EXPECT_EQ(boot_loader_of_chip("ATmega168")->part, "m168");
+    EXPECT_FALSE(boot_loader_of_chip("ATmega32U4"));
+    EXPECT_FALSE(boot_loader_of_chip(""));
 }
 
 TEST(BootLoaders, UsbNumbers_SayWhichBoardItIs) {
@@ -97,4 +104,4 @@ TEST(AvrdudeOutput, AnotherBootLoader_IsTriedOnlyBeforeAnythingWasWritten) {
 }
 
 }  // namespace
-}  // namespace asip::agent
+}  // namespace asip::link

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/port/boot_loader.hpp"
+#include "asip/link/boot_loader.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include "asip/text/printable.hpp"
 
-namespace asip::agent {
+namespace asip::link {
 namespace {
 
 constexpr std::array kBootLoaders{
-    BootLoader{"uno", "uno", "m328p", "arduino", "115200"},
-    BootLoader{"nano", "uno", "m328p", "arduino", "115200"},
-    BootLoader{"nano-old", "uno", "m328p", "arduino", "57600"},
-    BootLoader{"mega", "mega", "m2560", "wiring", "115200"},
+    BootLoader{"uno", "uno", "ATmega328P", "m328p", "arduino", "115200"},
+    BootLoader{"nano", "uno", "ATmega328P", "m328p", "arduino", "115200"},
+    BootLoader{"nano-old", "uno", "ATmega328P", "m328p", "arduino", "57600"},
+    BootLoader{"mega", "mega", "ATmega2560", "m2560", "wiring", "115200"},
+    BootLoader{"", "", "ATmega168", "m168", "arduino", "19200"},
+    BootLoader{"", "", "ATmega1280", "m1280", "arduino", "57600"},
 };
 constexpr std::array<std::string_view, 4> kUno{"0001", "0043", "0243", "006a"};
 constexpr std::array<std::string_view, 6> kMega{"0010", "0042", "0044", "003f", "0210", "0242"};
@@ -31,11 +33,18 @@ bool contains(const List& list, std::string_view text) {
 
 }  // namespace
 
+std::optional<BootLoader> boot_loader_of_chip(std::string_view chip) {
+    const auto found = std::find_if(kBootLoaders.begin(), kBootLoaders.end(),
+                                    [chip](const BootLoader& loader) { return loader.chip == chip; });
+    return found == kBootLoaders.end() ? std::nullopt : std::optional(*found);
+}
+
 Expected<std::vector<BootLoader>> boot_loaders(std::string_view board, std::string_view vendor,
                                                std::string_view product) {
-    const auto& [uno, nano, nano_old, mega] = kBootLoaders;
+    const auto &uno = kBootLoaders[0], &nano = kBootLoaders[1], &nano_old = kBootLoaders[2],
+               &mega = kBootLoaders[3];
     for (const auto& loader : kBootLoaders)
-        if (loader.board == board) return std::vector{loader};
+        if (!board.empty() && loader.board == board) return std::vector{loader};
     if (!board.empty())
         return fail("\"" + text::printable(board) + "\" is none of uno, nano, nano-old, mega");
     const bool arduino = vendor == "2341" || vendor == "2a03";
@@ -52,11 +61,11 @@ Expected<std::vector<BootLoader>> boot_loaders(std::string_view board, std::stri
 }
 
 std::vector<std::string> avrdude_call(const BootLoader& loader, const std::string& avrdude,
-                                      const std::string& port, const std::string& image) {
+                                      const std::string& port, const std::string& image, char format) {
     // -D: boot loaders cannot erase the chip, and need not.
     std::vector<std::string> call{
         avrdude, "-D", "-p", std::string(loader.part), "-c", std::string(loader.method),
-        "-P",    port, "-b", std::string(loader.baud), "-U", "flash:w:" + image + ":i"};
+        "-P",    port, "-b", std::string(loader.baud), "-U", "flash:w:" + image + ":" + format};
     // Another one may be there. Ten attempts, as it makes by itself, take a minute.
     if (loader.method == "arduino") call.insert(call.end(), {"-x", "attempts=3"});
     return call;
@@ -120,4 +129,4 @@ std::string AvrdudeOutput::failure(int status, std::string_view port, const std:
            (last_.empty() ? std::string() : ": " + text::printable(last_));
 }
 
-}  // namespace asip::agent
+}  // namespace asip::link
