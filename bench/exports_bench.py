@@ -22,7 +22,7 @@ import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "support"))
-from bus import Bus, paho_client  # noqa: E402
+from bus import Bus, paho_client, settings_file  # noqa: E402
 from scripted_board import ScriptedBoard  # noqa: E402
 import sparkplug_values  # noqa: E402
 
@@ -145,7 +145,7 @@ def start(boards):
 
 def memory(boards):
     sizes = []
-    for options in (("--no-page",), ALL):
+    for options in (("--config", settings_file("no-page = true\n"),), ALL):
         bus = Exporting(boards=())
         try:
             bus.announce(boards)
@@ -231,7 +231,7 @@ def say_distances(all_of_it):
 def one_latency(*options):
     """ms of the own topic, and of each of these dialects, all values, sorted."""
     words = [word for option in options for word in option.split()]
-    with BoardAndExports(*DISTANCES, "--export-hz", "100", dialects=words) as all_of_it:
+    with BoardAndExports(*DISTANCES, "--config", settings_file("export-hz = 100\n"), dialects=words) as all_of_it:
         said, ms_after = say_distances(all_of_it)
         took = {}
         for option in options:

@@ -51,7 +51,7 @@ class Uno {
 struct Bus {
     // As packaged: no line of a log for each message.
     MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0", "log_type none"}}};
-    RunningGateway gateway{broker.address(), {"--commands-per-second", "100000"}};
+    RunningGateway gateway{broker.address(), {"--config", settings_file("commands-per-second = 100000\n")}};
 
     void wait_online(Agent& agent) {
         // A simulated board that shares its processor with others may need several attempts at a line rate.

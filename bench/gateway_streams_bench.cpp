@@ -15,6 +15,7 @@
 #include "bench/http_load.hpp"
 #include "bench/mqtt_client.hpp"
 #include "tests/integration/gateway/running_gateway.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace {
 
@@ -108,9 +109,11 @@ struct Outcome {
 /// So many clients of one service that has so many values a second.
 Outcome measure(int clients, int per_second, std::chrono::seconds time) {
     MosquittoBroker broker({.extra_lines = {"max_queued_messages 0"}});
-    RunningGateway gateway(broker.address(),
-                           {"--max-streams", "20000", "--max-connections", "20000",
-                            "--max-connections-per-address", "20000", "--max-client-bytes", "4294967296"});
+    RunningGateway gateway(
+        broker.address(),
+        {"--config",
+         settings_file("max-streams = 20000\nmax-connections = 20000\nmax-connections-per-address = "
+                       "20000\nmax-client-bytes = 4294967296\n")});
     BusProbe probe(broker.port(), {});
     probe.publish("asip/servicebus/uno1/$description", described("uno1"), true);
     probe.publish("asip/servicebus/uno1/$state", "online", true);

@@ -90,7 +90,7 @@ bool measure_file(registry::History& history) {
 bool measure_loop(const std::string& file) {
     MosquittoBroker broker;
     ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--broker", broker.address(), "--id", "bench",
-                           "--history", file, "--history-size", "9000000000"});
+                           "--history", file, "--config", settings_file("history-size = 9000000000\n")});
     if (!registry.wait_for_errors("catalogue is complete")) return false;
     std::stringstream in, out;
     cli::Environment environment{in, out, out};

@@ -67,7 +67,7 @@ Expected<void> home_assistant_of(ExportOptions& raw, bool enabled, ProgramOption
     if (home.prefix == options.gateway.topic_root)
         return fail("--home-assistant: must differ from --topic-root");
     if (!enabled && (home.read_only || home.entity_ids))
-        return fail("--home-assistant-read-only and --home-assistant-entity-ids need --home-assistant");
+        return fail("home-assistant-read-only and home-assistant-entity-ids need --home-assistant");
     options.home_assistant = enabled;
     add_export(raw, enabled, std::make_shared<exports::HomeAssistant>(home), options);
     return {};
@@ -80,7 +80,7 @@ Expected<void> homie_of(ExportOptions& raw, bool enabled, ProgramOptions& option
     if (!exports::Homie::valid_domain(homie.domain))
         return fail("--homie: \"" + text::printable(homie.domain) + "\": allowed are a-z, 0-9 and -");
     if (homie.domain == options.gateway.topic_root) return fail("--homie: must differ from --topic-root");
-    if (!enabled && homie.read_only) return fail("--homie-read-only needs --homie");
+    if (!enabled && homie.read_only) return fail("homie-read-only needs --homie");
     add_export(raw, enabled, std::make_shared<exports::Homie>(homie), options);
     return {};
 }
@@ -97,9 +97,9 @@ Expected<void> sparkplug_of(ExportOptions& raw, bool enabled, ProgramOptions& op
         return fail("--sparkplug: \"" + text::printable(raw.sparkplug_group) +
                     "\" must be GROUP or GROUP/EDGE, without spaces, + and #");
     if (!node.host.empty() && !exports::Sparkplug::valid_id(node.host))
-        return fail("--sparkplug-host: \"" + text::printable(node.host) + "\" is no name of a host");
+        return fail("sparkplug-host: \"" + text::printable(node.host) + "\" is no name of a host");
     if (!enabled && (node.read_only || !node.host.empty()))
-        return fail("--sparkplug-read-only and --sparkplug-host need --sparkplug");
+        return fail("sparkplug-read-only and sparkplug-host need --sparkplug");
     auto made = export_of<exports::SparkplugNode::Options>(raw, options, enabled);
     if (!is_meant(raw, "sparkplug")) return {};
     made.dialect = node;
@@ -120,8 +120,8 @@ Expected<void> web_of_things_of(ExportOptions& raw, bool mqtt, ProgramOptions& o
     raw.wot.root = options.gateway.topic_root;
     auto& things = options.gateway.things;
     things.enabled = !raw.no_wot;
-    if (raw.no_wot && mqtt) return fail("--wot-mqtt: its forms are in descriptions that --no-wot leaves out");
-    if (!mqtt && raw.wot.read_only) return fail("--wot-mqtt-read-only needs --wot-mqtt");
+    if (raw.no_wot && mqtt) return fail("--wot-mqtt: its forms are in descriptions that no-wot leaves out");
+    if (!mqtt && raw.wot.read_only) return fail("wot-mqtt-read-only needs --wot-mqtt");
     things.dialect = raw.wot;
     things.broker_password = !options.mqtt.user.empty();
     if (mqtt) {

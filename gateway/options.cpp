@@ -141,6 +141,38 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
+    settings.arrange({"http", "tokens", "anonymous", "http-cert", "http-key", "home-assistant", "homie",
+                      "broker", "credentials", "log-level"},
+                     {"forget-after",
+                      "no-page",
+                      "no-metrics",
+                      "home-assistant-read-only",
+                      "home-assistant-entity-ids",
+                      "homie-read-only",
+                      "sparkplug-host",
+                      "sparkplug-read-only",
+                      "no-wot",
+                      "wot-mqtt-read-only",
+                      "export-hz",
+                      "loopback",
+                      "max-header-bytes",
+                      "max-body-bytes",
+                      "max-message-bytes",
+                      "max-connections",
+                      "max-connections-per-address",
+                      "header-time",
+                      "body-time",
+                      "idle-time",
+                      "max-streams",
+                      "max-subscriptions",
+                      "max-client-bytes",
+                      "stream-bytes",
+                      "commands-per-second",
+                      "value-bytes",
+                      "value-age",
+                      "mqtt-version",
+                      "credentials-dir",
+                      "log-format"});
 }
 
 Unexpected<int> usage(const std::string& text) {
@@ -189,9 +221,9 @@ Expected<void> check_access(ProgramOptions& options, const std::string& anonymou
     const std::string role = loopback.empty() ? (closed ? "none" : "admin") : loopback;
     if (role != "none") {
         auto rights = parse_role(role);
-        if (!rights) return fail("--loopback: " + rights.error());
+        if (!rights) return fail("loopback: " + rights.error());
         if (behind_proxy)
-            return fail("--loopback: behind a proxy everybody seems to be on this machine; leave it out");
+            return fail("loopback: behind a proxy everybody seems to be on this machine; leave it out");
         gate.loopback = std::move(*rights);
         gate.loopback.name = "loopback";
     }
@@ -248,11 +280,11 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     options.http_key = raw.key;
     if (raw.cert.empty() != raw.key.empty()) return usage("--http-cert and --http-key belong together");
     std::string error;
-    if (!read_time(raw.forget_after, options.gateway.forget_after, error, "--forget-after") ||
-        !read_time(raw.idle, options.limits.idle_time, error, "--idle-time") ||
-        !read_time(raw.header, options.limits.head_time, error, "--header-time") ||
-        !read_time(raw.body, options.limits.body_time, error, "--body-time") ||
-        !read_time(raw.value_age, options.gateway.values.age, error, "--value-age")) {
+    if (!read_time(raw.forget_after, options.gateway.forget_after, error, "forget-after") ||
+        !read_time(raw.idle, options.limits.idle_time, error, "idle-time") ||
+        !read_time(raw.header, options.limits.head_time, error, "header-time") ||
+        !read_time(raw.body, options.limits.body_time, error, "body-time") ||
+        !read_time(raw.value_age, options.gateway.values.age, error, "value-age")) {
         return usage(error);
     }
     options.gateway.values.bytes = raw.value_bytes;

@@ -27,8 +27,8 @@ constexpr const char* kExamples =
     "      For the broker on this machine.\n"
     "  asip-registry --broker broker.local,backup.local --id hall-2\n"
     "      Two brokers: the second is used while the first does not answer.\n"
-    "  asip-registry --history /var/lib/asip/history.db --forget-after 30d\n"
-    "      Keeps what changed when; lost boards stay in the catalogue for 30 days.\n"
+    "  asip-registry --history /var/lib/asip/history.db\n"
+    "      Keeps what changed when.\n"
     "  asip-registry --notify https://hooks.example/lab\n"
     "      Tells it when boards are lost and back.\n"
     "  asipctl list\n"
@@ -127,13 +127,17 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
+    settings.arrange({"id", "services", "history", "notify", "broker", "credentials", "user", "password-file",
+                      "ca", "log-level"},
+                     {"forget-after", "max-boards", "stats-interval", "history-age", "history-size",
+                      "mqtt-version", "credentials-dir", "log-format"});
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
     const Unexpected<int> usage(program::kExitUsage);
     RegistryOptions options;
-    if (!convert("--forget-after", raw.forget_after, parse_period, options.forget_after) ||
-        !convert("--stats-interval", raw.stats_interval, parse_period, options.stats_interval) ||
-        !convert("--history-age", raw.history_age, parse_period, options.history_age)) {
+    if (!convert("forget-after", raw.forget_after, parse_period, options.forget_after) ||
+        !convert("stats-interval", raw.stats_interval, parse_period, options.stats_interval) ||
+        !convert("history-age", raw.history_age, parse_period, options.history_age)) {
         return usage;
     }
     options.history_bytes = static_cast<std::size_t>(raw.history_bytes);

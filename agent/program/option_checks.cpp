@@ -51,8 +51,8 @@ Expected<ReportOptions> report_options(const RawOptions& raw) {
     options.on_demand = raw.reports != "always";
     options.shared = raw.reports == "shared";
     for (const auto& [name, text, least, period] :
-         {std::tuple{"--resting-period", &raw.resting_period, milliseconds{0}, &options.resting},
-          std::tuple{"--fastest-period", &raw.fastest_period, milliseconds{1}, &options.fastest}}) {
+         {std::tuple{"resting-period", &raw.resting_period, milliseconds{0}, &options.resting},
+          std::tuple{"fastest-period", &raw.fastest_period, milliseconds{1}, &options.fastest}}) {
         const auto given = text::parse_duration(*text);
         if (!given) return fail(std::string(name) + ": " + given.error());
         *period = std::chrono::duration_cast<milliseconds>(*given);
@@ -118,10 +118,10 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
         options.listen.push_back(std::move(*listen));
     }
     const auto silence = text::parse_duration(raw.listen_silence);
-    if (!silence) return fail("--listen-silence: " + silence.error());
+    if (!silence) return fail("listen-silence: " + silence.error());
     options.listen_silence = *silence;
     const auto statistics = text::parse_duration(raw.statistics);
-    if (!statistics) return fail("--statistics: " + statistics.error());
+    if (!statistics) return fail("statistics: " + statistics.error());
     options.statistics = *statistics;
     const auto reports = report_options(raw);
     if (!reports) return fail(reports.error());

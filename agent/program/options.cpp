@@ -82,12 +82,12 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
         app.add_option("--reports", raw.reports,
                        "shared: services report faster while subscribers demand it, and then as before. "
                        "on-demand: only what subscribers demand; plain MQTT clients demand nothing: see "
-                       "--resting-period. always: demands count for nothing")
+                       "resting-period. always: demands count for nothing")
             ->check(CLI::IsMember({"always", "shared", "on-demand"}))
             ->capture_default_str()
             ->group("Bus"));
     settings.setting(app.add_option("--resting-period", raw.resting_period,
-                                    "With --reports on-demand: period while no program demands reports; "
+                                    "With reports = on-demand: period while no program demands reports; "
                                     "0s: no reports")
                          ->capture_default_str()
                          ->group("Bus"));
@@ -105,7 +105,7 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
             ->group("Bus"));
     settings.setting(
         app.add_option("--line-terminator", raw.terminator,
-                       "What ends each raw line: none, or lf with --topics client-side, unless given")
+                       "What ends each raw line: none, or lf with topics = client-side, unless given")
             ->check(CLI::IsMember({"none", "lf", "crlf"}))
             ->group("Bus"));
     settings.setting(
@@ -127,6 +127,11 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
+    settings.arrange({"serial", "tcp", "name", "label", "services", "reports", "listen", "broker",
+                      "credentials", "log-level"},
+                     {"firmware-dir", "avrdude", "reset", "max-baud", "checksum", "topics", "statistics",
+                      "resting-period", "fastest-period", "line-terminator", "retain-values",
+                      "listen-silence", "mqtt-version", "credentials-dir", "log-format"});
 }
 
 }  // namespace asip::agent

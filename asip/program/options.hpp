@@ -14,6 +14,7 @@
 namespace CLI {
 class App;
 class Option;
+class Success;
 }  // namespace CLI
 
 namespace asip::program {
@@ -64,6 +65,12 @@ class Settings {
     /// Returns it.
     CLI::Option* setting(CLI::Option* option);
 
+    /// For a program with many settings, once all are declared, by their long names. `shown`: the options
+    /// that
+    /// --help shows; --help-all shows the others, too. `file_only`: those that are no options of the command
+    /// line: file and environment set them. --help-all tells them at its end.
+    void arrange(std::vector<std::string> shown, std::vector<std::string> file_only);
+
     void add_broker_options(BrokerOptions& options);
     /// `--credentials-dir`, for a program that runs as a service: after add_broker_options(). A program
     /// asip-NAME takes NAME.credentials there; an agent does that itself, as soon as it knows its board.
@@ -98,6 +105,7 @@ class Settings {
 
   private:
     void use_credentials_for(BrokerOptions& options);
+    int print_help(const CLI::Success& asked, bool all);
 
     struct State;
     std::unique_ptr<State> state_;

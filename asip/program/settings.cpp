@@ -35,6 +35,11 @@ std::optional<std::string> early(const std::vector<std::string>& arguments, cons
     return std::nullopt;
 }
 
+bool early_flag(const std::vector<std::string>& arguments, const std::string& flag) {
+    const auto end = std::find(arguments.begin(), arguments.end(), "--");
+    return std::find(arguments.begin(), end, flag) != end;
+}
+
 // An option that is given twice, in plain words.
 std::string in_words(std::string what) {
     const auto counts = what.find(": At Most 1 required but received ");
@@ -58,12 +63,38 @@ struct Settings::State {
     std::string section_kind;
     std::string file_path;
     ConfigFile file;
+    std::vector<std::string> shown;      // by --help; empty: all
+    std::vector<std::string> file_only;  // no options of the command line
 
     CLI::Option* named(const std::string& name) const {
         for (auto* option : settings) {
             if (option->check_lname(name)) return option;
         }
         return nullptr;
+    }
+
+    /// That a word of the command line is a setting of the file; empty: none is.
+    std::string set_elsewhere(const std::vector<std::string>& arguments) const {
+        for (const auto& word : arguments) {
+            if (word == "--") break;
+            for (const auto& name : file_only) {
+                if (word == "--" + name || word.starts_with("--" + name + "="))
+                    return "--" + name + " is no option: write " + name +
+                           " = VALUE into the file of --config, or set " + environment_name(name);
+            }
+        }
+        return {};
+    }
+
+    std::string file_only_text() const {
+        std::string text = "Settings of the configuration file (or ASIP_... of the environment):\n";
+        for (const auto& name : file_only) {
+            const auto* option = named(name);
+            const auto value = option->get_default_str();
+            text += "  " + name + (value.empty() ? "" : " = " + value) + "\n        " +
+                    option->get_description() + "\n";
+        }
+        return text;
     }
 
     std::vector<std::string> names() const {
@@ -78,11 +109,11 @@ struct Settings::State {
     /// Makes `value` the default of the option, checked and converted as on the command line. What --help
     /// shows stays the built-in default: the value may be a password.
     void apply(CLI::Option* option, const std::string& value, const std::string& source) const {
-        const auto shown = option->get_default_str();
+        const auto before = option->get_default_str();
         try {
             option->run_callback_for_default(true);
             option->default_val(value);
-            option->default_str(shown);
+            option->default_str(before);
             if (broker != nullptr && option == named("broker")) broker->brokers_given = true;
         } catch (const CLI::Error& error) {
             throw CLI::ValidationError(source, error.what());
@@ -169,7 +200,7 @@ struct Settings::State {
 };
 
 Settings::Settings(CLI::App& app, std::string program)
-    : state_(new State{app, std::move(program), {}, {}, nullptr, nullptr, {}, {}, {}}) {
+    : state_(new State{app, std::move(program), {}, {}, nullptr, nullptr, {}, {}, {}, {}, {}}) {
     app.set_version_flag("--version", state_->program + " " ASIP_VERSION);
     app.add_option("--config", state_->config,
                    "File with lines NAME = VALUE, named like these options [ASIP_CONFIG]")
@@ -184,6 +215,29 @@ CLI::Option* Settings::setting(CLI::Option* option) {
     option->envname(environment_name(option->get_lnames().front()));
     state_->settings.push_back(option);
     return option;
+}
+
+void Settings::arrange(std::vector<std::string> shown, std::vector<std::string> file_only) {
+    for (const auto& names : {shown, file_only})
+        for (const auto& name : names)
+            if (state_->named(name) == nullptr) throw std::logic_error("there is no setting " + name);
+    state_->app.add_flag("--help-all")->description("Print all options and settings, and exit");
+    state_->shown = std::move(shown);
+    state_->file_only = std::move(file_only);
+}
+
+int Settings::print_help(const CLI::Success& asked, bool all) {
+    const auto holds = [](const std::vector<std::string>& names, const CLI::Option& option) {
+        return std::find(names.begin(), names.end(), option.get_lnames().front()) != names.end();
+    };
+    for (auto* option : state_->settings) {
+        option->envname(environment_name(option->get_lnames().front()));
+        const bool hidden = holds(state_->file_only, *option) ||
+                            (!all && !state_->shown.empty() && !holds(state_->shown, *option));
+        if (hidden) option->group("");
+    }
+    if (all) state_->app.footer(state_->file_only_text() + "\n" + state_->app.get_footer());
+    return state_->app.exit(asked);
 }
 
 void Settings::use_credentials_for(BrokerOptions& options) {
@@ -230,7 +284,11 @@ std::optional<int> Settings::parse(const std::vector<std::string>& arguments,
                                    const Environment& environment) {
     auto& app = state_->app;
     if (app.get_name().empty()) app.name(state_->program);
+    if (const auto elsewhere = state_->set_elsewhere(arguments); !elsewhere.empty())
+        return usage_error(elsewhere);
     if (const auto unknown = unknown_word(app, arguments)) return usage_error(*unknown);
+    const bool all = !state_->file_only.empty() && early_flag(arguments, "--help-all");
+    if (all) return print_help(CLI::CallForHelp(), true);
     try {
         auto config = early(arguments, "--config");
         if (!config) config = environment("ASIP_CONFIG");
@@ -239,9 +297,7 @@ std::optional<int> Settings::parse(const std::vector<std::string>& arguments,
     } catch (const CLI::ExtrasError& error) {
         return usage_error(word_too_many(app, arguments).value_or(error.what()));
     } catch (const CLI::Success& asked_for_help) {
-        for (auto* option : state_->settings)
-            option->envname(environment_name(option->get_lnames().front()));
-        return app.exit(asked_for_help);
+        return print_help(asked_for_help, false);
     } catch (const CLI::ParseError& error) {
         return usage_error(in_words(error.what()));
     }

@@ -7,6 +7,8 @@
 
 #include "tests/support/loop.hpp"
 
+#include "tests/support/temp_dir.hpp"
+
 namespace asip::experiments {
 
 using namespace std::chrono_literals;
@@ -57,7 +59,8 @@ Way::Way(const test::MosquittoBroker& broker, Link link, bool fast, const std::s
                                    "--listen",
                                    tcp + "/lines"};
     if (fast)
-        words.insert(words.end(), {"--max-baud", std::to_string(kFastBaud)});
+        words.insert(words.end(),
+                     {"--config", test::settings_file(fmt::format("max-baud = {}\n", kFastBaud))});
     else
         words.push_back("--no-step-up");
     agent_ = std::make_unique<test::ChildProcess>(words);

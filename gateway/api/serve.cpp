@@ -110,7 +110,7 @@ void count(const Served& served, http::Response& response) {
         response.held = std::move(part);
         return;
     }
-    response = problem(429, "too much waits to be read by this client (--max-client-bytes): read it first");
+    response = problem(429, "too much waits to be read by this client (max-client-bytes): read it first");
 }
 
 http::Reply finished(const http::Reply& reply, Served served) {

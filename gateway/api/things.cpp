@@ -80,7 +80,7 @@ http::Response typed(const json& body, const char* type) {
 /// False: things are turned off.
 bool enabled(const Call& call) {
     if (call.gateway.things().options().enabled) return true;
-    send_problem(call, 404, "things are turned off (--no-wot)");
+    send_problem(call, 404, "things are turned off (no-wot)");
     return false;
 }
 

@@ -36,7 +36,7 @@ class Feed {
 
 /// The fault of a feed that would keep more than its reader may have kept.
 inline constexpr std::string_view kTooMuchKept =
-    "too much would be kept for this client (--max-client-bytes): close other streams, or choose narrower "
+    "too much would be kept for this client (max-client-bytes): close other streams, or choose narrower "
     "patterns";
 
 /// As Server-Sent Events: appended to `out`.

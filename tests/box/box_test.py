@@ -9,7 +9,7 @@ import re
 import subprocess
 import unittest
 
-from bus import BIN, IMAGES, ROOT, Bus, eventually
+from bus import BIN, IMAGES, ROOT, Bus, eventually, settings_file
 
 LOADERS = pathlib.Path("/usr/share/arduino/hardware/arduino/avr/bootloaders")
 OLD_NANO = LOADERS / "atmega/ATmegaBOOT_168_atmega328.hex"
@@ -44,7 +44,7 @@ class Boxes(Bus):
         os.environ["INVOCATION_ID"] = "1"  # as a service manager says it
         try:
             self.start(f"agent-{port}", "asip-agent", "--serial", str(self.work / port), "--lease", "6", "--no-step-up",
-                       "--firmware-dir", str(self.firmware))
+                       "--config", settings_file(f"firmware-dir = {self.firmware}\n"))
         finally:
             del os.environ["INVOCATION_ID"]
 

@@ -32,6 +32,7 @@ import yaml
 
 FORMATS = {"json": json.loads, "json lines": lambda text: [json.loads(line) for line in text.split("\n")], "yaml": yaml.safe_load,
            "xml": xml.etree.ElementTree.fromstring}
+WITH_HELP_ALL = {("asip-agent",), ("asip-gateway",), ("asip-registry",)}
 PROGRAMS = "asipctl asip-agent asip-gateway asip-load asip-registry asip-sim".split()
 
 
@@ -94,7 +95,8 @@ class Checks:
     def help(self, words):
         words = tuple(words)
         if words not in self.helps:
-            done = subprocess.run([os.path.join(self.programs, words[0]), *words[1:], "--help"], capture_output=True, text=True, timeout=30)
+            helps = ["--help-all" if words in WITH_HELP_ALL else "--help"]
+            done = subprocess.run([os.path.join(self.programs, words[0]), *words[1:], *helps], capture_output=True, text=True, timeout=30)
             self.helps[words] = done.stdout if done.returncode == 0 else None
         return self.helps[words]
 

@@ -54,15 +54,16 @@ class Tables:
         self.expect(told == set(packages), f"docs/run-as-services.md: packages {sorted(told ^ set(packages))} stand there or in debian/control only")
 
     def help(self, program):
-        return subprocess.run([os.path.join(self.programs, program), "--help"], capture_output=True, text=True, timeout=30, check=True).stdout
+        return subprocess.run([os.path.join(self.programs, program), "--help-all"], capture_output=True, text=True, timeout=30, check=True).stdout
 
     def options(self):
         page, text = self.help("asip-registry"), self.text("docs/asip-registry.md")
         for row in rows(text, "option"):
             told = codes(row[1]) or re.findall(r"^[\d,]+$", row[1])
-            for option, default in zip(re.findall(r"--[a-z-]+", row[0]), told):
-                # TEXT=7d by CLI11 2.1, TEXT [7d] by 2.4; before it there may be a range.
-                there = re.search(rf"{option} [^=\n\[]*(?:\[[^\]\n]* - [^\]\n]*\])?(?:=| ?\[)([^\s\]]+)", page)
+            for option, default in zip((code.split()[0] for code in codes(row[0])), told):
+                # TEXT=7d by CLI11 2.1, TEXT [7d] by 2.4; before it there may be a range. Settings of the file: NAME = 7d.
+                there = re.search(rf"{option} [^=\n\[]*(?:\[[^\]\n]* - [^\]\n]*\])?(?:=| ?\[)([^\s\]]+)"
+                                  if option.startswith("--") else rf"^  {option} = (\S+)$", page, re.M)
                 self.expect(there and there[1] == default.replace(",", ""), f"docs/asip-registry.md: {option} has the default {there and there[1]}, not {default}")
 
     def messages(self):

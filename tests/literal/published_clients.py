@@ -12,7 +12,7 @@ import sys
 import unittest
 
 import bus as bus_module
-from bus import Bus, eventually, free_port
+from bus import Bus, eventually, free_port, settings_file
 
 PYTHON = os.environ["ASIP_PUBLISHED_CLIENTS"] + "/bin/python"
 ROOT = bus_module.ROOT
@@ -133,7 +133,7 @@ board.thread_killer()
         self.begin(board("ours", "asip_uno_services.elf"), board("old", "asip_uno_04_services.elf"))
         for name in ("ours", "old"):
             with self.subTest(name):
-                self.agent(name, "--topics", "client-side")
+                self.agent(name, "--config", settings_file("topics = client-side\n"))
                 code = MQTT + self.BLINK.replace("from python_asip_client.boards.{module} import {board}", "").format(
                     make="mqtt_board.MQTTBoard('127.0.0.1', sys.argv[2])")
                 # This class sets the period of analog reports to 0 before it reads any.
@@ -176,7 +176,7 @@ board.thread_killer()
 
     def test_line_follower_of_python_asip_drives_laps(self):
         self.begin(robot("mirto", "mirto-motors-exchanged.json"))
-        self.agent("mirto", "--topics", "client-side")
+        self.agent("mirto", "--config", settings_file("topics = client-side\n"))
         code = MQTT + """
 # Its robot calls a method that this class of the package does not have.
 from services.encoder_service import EncoderService

@@ -7,7 +7,7 @@ import signal
 import time
 import unittest
 
-from bus import eventually
+from bus import eventually, settings_file
 from devices import DISTANCE, SERVO, HostTest
 from export_bus import ExportBus, Peer
 
@@ -15,7 +15,7 @@ JARS = os.environ["ASIP_SPARKPLUG_JARS"]
 
 
 class HostedBus(ExportBus):
-    export = ("--sparkplug", "plant", "--sparkplug-host", "scada", "--export-hz", "50")
+    export = ("--sparkplug", "plant", "--config", settings_file("sparkplug-host = scada\nexport-hz = 50\n"))
 
 
 class SparkplugHost(HostTest):

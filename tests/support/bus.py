@@ -46,6 +46,19 @@ def paho_client(**options):
     return mqtt.Client(**options)
 
 
+def settings_file(text):
+    """The path of a configuration file for --config that is there until this process ends."""
+    if not _settings:
+        _settings.append(tempfile.TemporaryDirectory())
+    path = pathlib.Path(_settings[0].name) / f"{len(_settings)}.conf"
+    path.write_text(text)
+    _settings.append(path)
+    return str(path)
+
+
+_settings = []
+
+
 def free_port():
     """None of those that the kernel may give to another connection before it is used."""
     while True:

@@ -31,6 +31,12 @@ std::string TempDir::write(std::string_view name, std::string_view content) cons
     return path;
 }
 
+std::string settings_file(std::string_view text) {
+    static const TempDir folder;
+    static int number = 0;
+    return folder.write(std::to_string(++number) + ".conf", text);
+}
+
 namespace {
 
 constexpr int kFirstPort = 10'000;

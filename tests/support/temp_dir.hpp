@@ -25,6 +25,10 @@ class TempDir {
     std::filesystem::path path_;
 };
 
+/// Writes a configuration file for the option --config, which is there until this process ends. Returns its
+/// path.
+std::string settings_file(std::string_view text);
+
 /// A TCP port of 127.0.0.1 that is free now; none of those that the kernel may give to another connection
 /// before it is used.
 std::uint16_t free_port();

@@ -183,7 +183,10 @@ TEST(AgentBoard, OverTcp_IsOnlineAndBackWhenItsPortIs) {
 TEST(AgentOptions, BadOnes_EndWithStatus2) {
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent"}).status, 2);
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--name", "a/b"}).status, 2);
-    EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--reset", "maybe"}).status, 2);
+    EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--config",
+                   settings_file("reset = maybe\n")})
+                  .status,
+              2);
     const auto help = run({ASIP_PROGRAMS "/asip-agent", "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_THAT(help.output, HasSubstr("Examples:"));

@@ -262,7 +262,7 @@ TEST(AgentClients, FramingGivenForAPort_IsUsedFromTheFirstByteOn) {
     const auto frames = free_port(), lines = free_port();
     Agent agent(broker, fake.path(),
                 {"--listen", std::to_string(frames) + "/frames", "--listen", std::to_string(lines) + "/lines",
-                 "--listen-silence", "1h"});
+                 "--config", settings_file("listen-silence = 1h\n")});
     ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     Socket java(frames), plain(lines);
     ASSERT_TRUE(java.connected() && plain.connected());

@@ -17,7 +17,9 @@ using testing::HasSubstr;
 /// One board for all tests of this file: starting it takes longer than they do.
 class AgentControl : public testing::Test {
   protected:
-    AgentControl() : probe(broker.port()), agent(broker, uno.port(), {"--line-terminator", "lf"}) {
+    AgentControl()
+        : probe(broker.port()),
+          agent(broker, uno.port(), {"--config", settings_file("line-terminator = lf\n")}) {
         if (!wait_state(probe, "online")) throw std::runtime_error(agent.process().errors());
     }
     json ask(const std::string& topic, const std::string& payload) {

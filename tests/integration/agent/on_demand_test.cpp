@@ -18,8 +18,9 @@ const std::string kValues = "asip/uno1/distance/out";
 
 class ReportsOnDemand : public testing::Test {
   protected:
-    void start_agent(std::vector<std::string> more = {}) {
-        more.insert(more.begin(), {"--reports", "on-demand", "--takeover", "--statistics", "500ms"});
+    void start_agent(const std::string& settings = {}) {
+        const std::vector<std::string> more{"--reports", "on-demand", "--takeover", "--config",
+                                            settings_file("statistics = 500ms\n" + settings)};
         agent = std::make_unique<Agent>(broker, uno.port(), more);
         ASSERT_TRUE(wait_state(probe, "online")) << agent->process().errors();
     }
@@ -93,7 +94,7 @@ TEST_F(ReportsOnDemand, AgentThatIsKilledAndStartsAgain_IsToldWhatIsWanted) {
 }
 
 TEST_F(ReportsOnDemand, PlainClients_GetTheRestingPeriod_AndPeopleSeeIt) {
-    start_agent({"--resting-period", "400ms", "--fastest-period", "100ms"});
+    start_agent("resting-period = 400ms\nfastest-period = 100ms\n");
     ASSERT_TRUE(period_becomes(400)) << agent->process().errors();
     EXPECT_TRUE(probe.wait_for(kValues)) << "the probe demands nothing";
     auto fast = subscriber("1000");
@@ -104,10 +105,10 @@ TEST_F(ReportsOnDemand, PlainClients_GetTheRestingPeriod_AndPeopleSeeIt) {
         HasSubstr("on demand, every 100 ms at the fastest; every 400 ms while no program subscribes"));
     ASSERT_TRUE(probe.request("asip/uno1/distance/in", R"({"report":50})"));
     EXPECT_TRUE(period_becomes(50)) << "a command is not bound by the options";
-    const auto nonsense =
-        run({ASIP_PROGRAMS "/asip-agent", "--serial", uno.port(), "--fastest-period", "0s"});
+    const auto nonsense = run({ASIP_PROGRAMS "/asip-agent", "--serial", uno.port(), "--config",
+                               settings_file("fastest-period = 0s\n")});
     EXPECT_EQ(nonsense.status, 2);
-    EXPECT_THAT(nonsense.errors, HasSubstr("--fastest-period: 0s is not 1 ms to 65535 ms"));
+    EXPECT_THAT(nonsense.errors, HasSubstr("fastest-period: 0s is not 1 ms to 65535 ms"));
 }
 
 TEST_F(ReportsOnDemand, AnalogPinThatIsRead_IsReportedMeanwhile) {

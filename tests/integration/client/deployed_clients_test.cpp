@@ -183,7 +183,7 @@ TEST(DeployedClientsWithNewline, PythonOverMqtt_GetsItWhereTheAgentIsConfiguredT
     BusProbe probe(broker.port(), {"asip/uno/out", "asip/servicebus/#"});
     SimulatedBoards boards({"asip_uno_04"});
     ChildProcess agent({ASIP_TEST_AGENT, "--serial", boards.serial(), "--name", "uno", "--broker",
-                        broker.address(), "--line-terminator", "lf"});
+                        broker.address(), "--config", settings_file("line-terminator = lf\n")});
     ASSERT_TRUE(probe.wait_for("asip/servicebus/uno/$state", "online")) << agent.errors();
     probe.publish("asip/uno/in", "I,A,20\n");
     const auto event =
@@ -233,7 +233,7 @@ class ClientSideTopics : public ::testing::Test {
     BusProbe probe_{broker_.port(), {"#"}};
     SimulatedBoards boards_{{"asip_uno_04_services"}};
     ChildProcess agent_{{ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "uno", "--broker",
-                         broker_.address(), "--topics", "client-side"}};
+                         broker_.address(), "--config", settings_file("topics = client-side\n")}};
 };
 
 TEST_F(ClientSideTopics, NewerPythonClient_SeesTheButtonAndSwitchesTheLed) {

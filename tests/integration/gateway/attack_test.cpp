@@ -15,7 +15,8 @@ class GatewayAttack : public GatewayTest {
   protected:
     GatewayAttack()
         : GatewayTest(
-              {"--header-time", "1s", "--idle-time", "2s", "--max-connections-per-address", "15000"}) {}
+              {"--config",
+               settings_file("header-time = 1s\nidle-time = 2s\nmax-connections-per-address = 15000\n")}) {}
 };
 
 TEST_F(GatewayAttack, ForeignHost_Is421) {
@@ -321,8 +322,9 @@ TEST(GatewayBinding, ProxyThatItWasNotToldOf_IsRefusedAndSaysWhatToDo) {
 
 TEST(GatewayBinding, TrustedProxy_ItsClientsHaveLimitsOfTheirOwn) {
     MosquittoBroker broker;
-    RunningGateway gateway(broker.address(), {"--trusted-proxy", "--anonymous", "viewer", "--max-streams",
-                                              "2", "--max-connections-per-address", "3"});
+    RunningGateway gateway(broker.address(),
+                           {"--trusted-proxy", "--anonymous", "viewer", "--config",
+                            settings_file("max-streams = 2\nmax-connections-per-address = 3\n")});
     const auto as = [](const std::string& address) { return Headers{{"X-Forwarded-For", address}}; };
     ASSERT_TRUE(gateway.ready());
     std::vector<EventStream> streams;

@@ -39,7 +39,7 @@ class GatewayBus : public testing::Test {
     ChildProcess registry_{{ASIP_PROGRAMS "/asip-registry", "--broker", broker_.address(), "--id", "r1",
                             "--history", folder_.file("history.db")}};
     SimulatedUno uno_;
-    Agent agent_{broker_, uno_.port(), {"--statistics", "1s"}};
+    Agent agent_{broker_, uno_.port(), {"--config", settings_file("statistics = 1s\n")}};
     RunningGateway gateway_{broker_.address()};
 };
 

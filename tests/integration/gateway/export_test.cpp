@@ -95,7 +95,7 @@ TEST_F(GatewayExportOfABoard, BoardIsShownAndSet_AndItsStateFollowsItsProof) {
 }
 
 TEST_F(GatewayExportOfABoard, BoardThatIsForgotten_IsGone) {
-    auto gateway = start({"--home-assistant", "--forget-after", "1s"});
+    auto gateway = start({"--home-assistant", "--config", settings_file("forget-after = 1s\n")});
     ASSERT_TRUE(is_shown());
     agent_->process().signal(SIGTERM);
     EXPECT_TRUE(becomes(kDocument, ""));

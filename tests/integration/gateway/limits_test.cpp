@@ -16,8 +16,9 @@ TEST(GatewayLimits, TenThousandConnections_AreHeldAndOthersServed) {
     setrlimit(RLIMIT_NOFILE, &limit);
     ASSERT_GT(limit.rlim_cur, 10'500u) << "this test needs as many file descriptors";
     MosquittoBroker broker;
-    RunningGateway gateway(broker.address(),
-                           {"--header-time", "90s", "--max-connections-per-address", "11000"});
+    RunningGateway gateway(
+        broker.address(),
+        {"--config", settings_file("header-time = 90s\nmax-connections-per-address = 11000\n")});
     const auto before = gateway.process().resident_bytes();
     std::vector<Wire> all;
     all.reserve(10'000);
@@ -40,7 +41,8 @@ TEST(GatewayLimits, TenThousandConnections_AreHeldAndOthersServed) {
 
 TEST(GatewayLimits, ConnectionsBeyondThem_Are503AndTheirPlaceComesBack) {
     MosquittoBroker broker;
-    RunningGateway gateway(broker.address(), {"--max-connections-per-address", "5"});
+    RunningGateway gateway(broker.address(),
+                           {"--config", settings_file("max-connections-per-address = 5\n")});
     {
         std::vector<Wire> held;
         for (int i = 0; i < 5; ++i)
@@ -53,7 +55,8 @@ TEST(GatewayLimits, ConnectionsBeyondThem_Are503AndTheirPlaceComesBack) {
 // A thousand connections that each leave out the last byte of a body.
 TEST(GatewayLimits, UnfinishedRequestsOfOneAddress_HaveABoundInBytesAndOthersAreServed) {
     MosquittoBroker broker;
-    RunningGateway gateway(broker.address(), {"--max-connections-per-address", "2000"});
+    RunningGateway gateway(broker.address(),
+                           {"--config", settings_file("max-connections-per-address = 2000\n")});
     ASSERT_TRUE(gateway.ready());
     const auto before = gateway.process().resident_bytes();
     std::vector<Wire> held;
@@ -103,7 +106,7 @@ TEST(GatewayLimits, WaitsOfClosedConnections_EndWithThem) {
 
 TEST(GatewayLimits, StreamsBeyondThem_Are429) {
     MosquittoBroker broker;
-    RunningGateway gateway(broker.address(), {"--max-streams", "2"});
+    RunningGateway gateway(broker.address(), {"--config", settings_file("max-streams = 2\n")});
     ASSERT_TRUE(gateway.ready());
     EventStream one(gateway.port(), "/api/events");
     EventStream two(gateway.port(), "/api/events");
@@ -112,7 +115,7 @@ TEST(GatewayLimits, StreamsBeyondThem_Are429) {
 
 class GatewayWithLittleRoom : public GatewayTest {
   protected:
-    GatewayWithLittleRoom() : GatewayTest({"--max-client-bytes", "262144"}) {}
+    GatewayWithLittleRoom() : GatewayTest({"--config", settings_file("max-client-bytes = 262144\n")}) {}
 };
 
 /// What a client may have kept ends while a snapshot of a service is made for it: that is its own fault
@@ -131,8 +134,7 @@ TEST_F(GatewayWithLittleRoom, ClientBeyondItsBytesInASnapshot_IsToldAndTheOthers
         greedy.send(nlohmann::json{{"subscribe", "uno1/distance"}, {"ref", i}}.dump());
     bool told = false;
     for (auto text = greedy.message(); !text.empty() && !told; text = greedy.message())
-        told =
-            text.find("--max-client-bytes") != std::string::npos || text.find("fault") != std::string::npos;
+        told = text.find("max-client-bytes") != std::string::npos || text.find("fault") != std::string::npos;
     EXPECT_TRUE(told);
     EXPECT_EQ(ask("/healthz").status, 200);
     EXPECT_TRUE(gateway_.process().running());

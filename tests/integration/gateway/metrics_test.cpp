@@ -29,9 +29,9 @@ class GatewayMetrics : public testing::Test {
 
     MosquittoBroker broker_;
     ChildProcess registry_{{ASIP_PROGRAMS "/asip-registry", "--broker", broker_.address(), "--id", "r1",
-                            "--stats-interval", "1s"}};
+                            "--config", settings_file("stats-interval = 1s\n")}};
     SimulatedUno uno_;
-    Agent agent_{broker_, uno_.port(), {"--statistics", "1s"}};
+    Agent agent_{broker_, uno_.port(), {"--config", settings_file("statistics = 1s\n")}};
     RunningGateway gateway_{broker_.address()};
 };
 

@@ -80,12 +80,14 @@ TEST_F(GatewayOpenapi, EachOperationAndStatus_IsAsDocumented) {
     ASSERT_TRUE(sees("lost", "lost"));
     const auto up = drive("up");
     EXPECT_EQ(up.status, 0) << up.errors;
-    RunningGateway without_parts(broker_.address(), {"--tokens", tokens_, "--no-metrics", "--no-wot"});
+    RunningGateway without_parts(broker_.address(), {"--tokens", tokens_, "--config",
+                                                     settings_file("no-metrics = true\nno-wot = true\n")});
     const auto without = drive("without", without_parts);
     EXPECT_EQ(without.status, 0) << without.errors;
     const auto flood = drive("flood");
     EXPECT_EQ(flood.status, 0) << flood.errors;
-    RunningGateway narrow(broker_.address(), {"--tokens", tokens_, "--max-client-bytes", "262144"});
+    RunningGateway narrow(broker_.address(),
+                          {"--tokens", tokens_, "--config", settings_file("max-client-bytes = 262144\n")});
     ASSERT_TRUE(narrow.ready());
     announce(probe, "lost", "lost");
     ASSERT_TRUE(sees(narrow, "lost", "lost"));

@@ -18,7 +18,8 @@ constexpr milliseconds kClosedBy{6000};  // on a machine that does much else
 
 class GatewaySlowBody : public GatewayTest {
   protected:
-    GatewaySlowBody() : GatewayTest({"--body-time", "1s", "--header-time", "30s", "--idle-time", "30s"}) {
+    GatewaySlowBody()
+        : GatewayTest({"--config", settings_file("body-time = 1s\nheader-time = 30s\nidle-time = 30s\n")}) {
         announce("uno1");
     }
     static std::string head(const std::string& more) {

@@ -52,8 +52,9 @@ class GatewayStop : public testing::Test {
     SimulatedUno uno_;
     Agent agent_{broker_, uno_.port()};
     /// Eighty thousand commands within a minute are more than one client may have kept.
-    RunningGateway gateway_{broker_.address(),
-                            {"--commands-per-second", "1000000", "--max-client-bytes", "1000000000"}};
+    RunningGateway gateway_{
+        broker_.address(),
+        {"--config", settings_file("commands-per-second = 1000000\nmax-client-bytes = 1000000000\n")}};
 };
 
 TEST_F(GatewayStop, UnderTenThousandCommandsOfAnother_IsAnsweredAheadOfThem) {

@@ -61,8 +61,9 @@ TEST_F(GatewayTls, Chain_IsAcceptedByWhoeverTrustsTheRoot) {
 }
 
 TEST_F(GatewayTls, PlainHttp_IsClosedAndTheNextIsServed) {
-    RunningGateway gateway(broker_.address(), {"--http-cert", file("chain.pem"), "--http-key",
-                                               file("server.key"), "--header-time", "1s"});
+    RunningGateway gateway(broker_.address(),
+                           {"--http-cert", file("chain.pem"), "--http-key", file("server.key"), "--config",
+                            settings_file("header-time = 1s\n")});
     Wire plain(gateway.port());
     plain.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
     EXPECT_TRUE(plain.closed());

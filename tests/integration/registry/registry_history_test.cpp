@@ -38,10 +38,10 @@ class RegistryWithHistory : public testing::Test {
     RegistryWithHistory() : probe_(broker_.port()) {}
 
     void start() {
-        process_.emplace(
-            std::vector<std::string>{ASIP_REGISTRY_PROGRAM, "--broker", broker_.address(), "--id", "r1",
-                                     "--history", file_, "--history-age", "1d", "--stats-interval", "1s"},
-            clock_.environment());
+        process_.emplace(std::vector<std::string>{ASIP_REGISTRY_PROGRAM, "--broker", broker_.address(),
+                                                  "--id", "r1", "--history", file_, "--config",
+                                                  settings_file("history-age = 1d\nstats-interval = 1s\n")},
+                         clock_.environment());
         ASSERT_TRUE(process_->wait_for_errors("catalogue is complete")) << process_->errors();
     }
     void stop() {

@@ -88,7 +88,7 @@ TEST(Registry, GhostOnABrokerWithoutExpiry_ItsDescriptionIsEmptied) {
     old.v5 = false;
     BusProbe agent(broker.port(), {}, old);
     agent.publish(announcement("uno1", description_text("uno1", "a", 1, 1)));
-    RunningRegistry registry(broker.address(), "r1", {"--mqtt-version", "3.1.1"});
+    RunningRegistry registry(broker.address(), "r1", {"--config", settings_file("mqtt-version = 3.1.1\n")});
     ASSERT_TRUE(registry.complete());
     BusProbe probe(broker.port(), {"#"}, old);
     EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1/$description", ""));
@@ -104,7 +104,7 @@ TEST(Registry, RetainedBoardThatDoesNotAnswerItsProbe_IsNotLostBeforeItsLease) {
     old.v5 = false;
     BusProbe agent(broker.port(), {}, old);
     agent.publish(announcement("uno1", description_text("uno1", "a", 1, 60)));
-    RunningRegistry registry(broker.address(), "r1", {"--mqtt-version", "3.1.1"});
+    RunningRegistry registry(broker.address(), "r1", {"--config", settings_file("mqtt-version = 3.1.1\n")});
     ASSERT_TRUE(registry.complete());
     BusProbe probe(broker.port(), {"#"}, old);
     ASSERT_TRUE(becomes(probe, "uno1", "online"));
@@ -138,7 +138,7 @@ TEST(Registry, BoardWithThePublishedNamesOnly_IsAFullMemberAndItsTrafficRenewsIt
 
 TEST(Registry, HostileAnnouncements_AreRefusedCountedAndHarmNobody) {
     MosquittoBroker broker;
-    RunningRegistry registry(broker.address(), "r1", {"--stats-interval", "1s"});
+    RunningRegistry registry(broker.address(), "r1", {"--config", settings_file("stats-interval = 1s\n")});
     ASSERT_TRUE(registry.complete());
     BusProbe probe(broker.port());
     probe.publish(announcement("uno1", description_text("uno1", "a", 1), 60));
@@ -171,11 +171,12 @@ TEST(Registry, HostileAnnouncements_AreRefusedCountedAndHarmNobody) {
 }
 
 TEST(Registry, BadOptions_EndWithStatus2AndWhatToDo) {
-    for (const std::vector<std::string>& more : {std::vector<std::string>{"--forget-after", "soon"},
-                                                 {"--id", "a/b"},
-                                                 {"--max-boards", "0"},
-                                                 {"--nonsense"},
-                                                 {"--history-size", "1"}}) {
+    for (const std::vector<std::string>& more :
+         {std::vector<std::string>{"--config", settings_file("forget-after = soon\n")},
+          {"--id", "a/b"},
+          {"--config", settings_file("max-boards = 0\n")},
+          {"--nonsense"},
+          {"--config", settings_file("history-size = 1\n")}}) {
         std::vector<std::string> arguments{ASIP_REGISTRY_PROGRAM};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const auto finished = run(arguments);

@@ -18,7 +18,9 @@ class ServicesOnSecuredBus : public SecuredBus {
         add({"registry"});
         start_broker();
     }
-    Words from_folder() const { return {"--credentials-dir", file("credentials")}; }
+    Words from_folder() const {
+        return {"--config", settings_file("credentials-dir = " + file("credentials") + "\n")};
+    }
 
     SimulatedBoards boards_{{"asip_uno"}};
 };
@@ -81,8 +83,8 @@ TEST_F(ServicesOnSecuredBus, DeniedWithoutAWord_IsSaidToBePossible) {
 TEST_F(ServicesOnSecuredBus, FileForAnotherBoard_EndsTheAgentWithItsName) {
     const auto text = run({"cat", credentials("uno")}).output;
     const auto wrong = place_.write("other.credentials", text);
-    const auto ended = run({ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "other",
-                            "--credentials-dir", wrong.substr(0, wrong.rfind('/'))});
+    const auto ended = run({ASIP_TEST_AGENT, "--serial", boards_.serial(), "--name", "other", "--config",
+                            settings_file("credentials-dir = " + wrong.substr(0, wrong.rfind('/')) + "\n")});
     EXPECT_EQ(ended.status, 2);
     EXPECT_THAT(ended.errors, HasSubstr("other.credentials is not for board other"));
 }

@@ -48,7 +48,8 @@ class SparkplugOnSecuredBus : public SecuredBus {
     }
     std::unique_ptr<ChildProcess> gateway() const {
         return std::make_unique<ChildProcess>(Words{ASIP_TEST_GATEWAY, "--http", "127.0.0.1:0", "--sparkplug",
-                                                    "plant", "--sparkplug-host", "scada"} +
+                                                    "plant", "--config",
+                                                    settings_file("sparkplug-host = scada\n")} +
                                               as("gateway"));
     }
 };

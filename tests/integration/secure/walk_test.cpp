@@ -98,9 +98,9 @@ TEST_F(WalkOnSecuredBus, AgentWithTheCredentialsOfAnotherBoard_SaysWhoWhatAndWho
     add({"board", "uno2"});
     // Only MQTT 5 tells a client that what it published was denied.
     SimulatedBoards second{{"asip_uno"}};
-    ChildProcess wrong(
-        Words{ASIP_TEST_AGENT, "--serial", second.serial(), "--name", "uno3", "--mqtt-version", "5"} +
-        as("uno2"));
+    ChildProcess wrong(Words{ASIP_TEST_AGENT, "--serial", second.serial(), "--name", "uno3", "--config",
+                             settings_file("mqtt-version = 5\n")} +
+                       as("uno2"));
     EXPECT_TRUE(wrong.wait_for_errors("denied announcing board uno3")) << wrong.errors();
     EXPECT_THAT(wrong.errors(), HasSubstr("User uno2 must be allowed to write asip/servicebus/$probe"));
     EXPECT_THAT(wrong.errors(), HasSubstr("asipctl secure add board uno3"));

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "tests/support/temp_dir.hpp"
+
 namespace truth {
 
 namespace test = asip::test;
@@ -44,7 +46,8 @@ void LiveBoard::start_agent() {
                                      "60",
                                      "--listen",
                                      std::to_string(client_port_)};
-    if (checksums_) command.emplace_back("--checksum");
+    if (checksums_)
+        command.insert(command.end(), {"--config", asip::test::settings_file("checksum = true\n")});
     agent_ = std::make_unique<test::ChildProcess>(std::move(command));
 }
 

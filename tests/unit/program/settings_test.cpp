@@ -150,6 +150,43 @@ TEST(Settings, Help_ShowsVariablesAndNoSecrets) {
     EXPECT_EQ(program.broker.password, "s3cret");
 }
 
+TEST_F(SettingsFile, ThatIsNoOption_IsSetByFileAndEnvironmentOnly) {
+    const auto parse = [](Program& program, const Arguments& arguments, const Variables& variables = {}) {
+        program.settings.arrange({"serial"}, {"max-count"});
+        return program.parse(arguments, variables);
+    };
+    for (const Arguments& arguments :
+         {Arguments{"--max-count", "7"}, Arguments{"--serial", "x", "--max-count=7"}}) {
+        Program refused;
+        EXPECT_EQ(parse(refused, arguments), kExitUsage);
+        EXPECT_THAT(refused.errors, HasSubstr("--max-count is no option: write max-count = VALUE"));
+        EXPECT_THAT(refused.errors, HasSubstr("ASIP_MAX_COUNT"));
+    }
+    Program of_file, of_environment, positional;
+    EXPECT_EQ(parse(of_file, {"--config", file("max-count = 7\n")}), std::nullopt);
+    EXPECT_EQ(of_file.count, 7);
+    EXPECT_EQ(parse(of_environment, {}, {{"ASIP_MAX_COUNT", "8"}}), std::nullopt);
+    EXPECT_EQ(of_environment.count, 8);
+    EXPECT_EQ(parse(positional, {"--", "--max-count"}), kExitUsage);
+    EXPECT_THAT(positional.errors, testing::Not(HasSubstr("is no option"))) << "it is no option behind --";
+}
+
+TEST(Settings, HelpOfManySettings_ShowsThoseThatPeopleSet) {
+    Program some;
+    some.settings.arrange({"serial", "broker"}, {"max-count"});
+    EXPECT_EQ(some.parse({"--help"}), kExitOk);
+    EXPECT_THAT(some.output, HasSubstr("--serial"));
+    EXPECT_THAT(some.output, HasSubstr("--help-all"));
+    EXPECT_THAT(some.output, testing::Not(HasSubstr("--topic-root")));
+    EXPECT_THAT(some.output, testing::Not(HasSubstr("max-count")));
+    Program all;
+    all.settings.arrange({"serial", "broker"}, {"max-count"});
+    EXPECT_EQ(all.parse({"--help-all"}), kExitOk);
+    EXPECT_THAT(all.output, HasSubstr("--topic-root"));
+    EXPECT_THAT(all.output, HasSubstr("\n  max-count"));
+    EXPECT_THAT(all.output, testing::Not(HasSubstr("--max-count")));
+}
+
 TEST(Settings, Version_IsPrinted) {
     Program program;
     EXPECT_EQ(program.parse({"--version"}), kExitOk);

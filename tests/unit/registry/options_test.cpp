@@ -7,14 +7,19 @@
 
 #include <optional>
 
+#include "tests/support/temp_dir.hpp"
+
 namespace asip::registry {
 namespace {
 
 using namespace std::chrono_literals;
+using test::TempDir;
 
 /// The size of the history that this option gives; nothing where it is refused.
 std::optional<std::size_t> history_bytes(const char* size) {
-    const char* const arguments[] = {"asip-registry", "--history-size", size};
+    const TempDir folder;
+    const auto file = folder.write("asip.conf", std::string("history-size = ") + size + "\n");
+    const char* const arguments[] = {"asip-registry", "--config", file.c_str()};
     const auto options = read_options(3, arguments);
     if (!options) return std::nullopt;
     return options->history_bytes;
