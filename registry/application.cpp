@@ -147,24 +147,25 @@ void Application::notify() {
     auto* notices = webhook_ ? registry_->notices() : nullptr;
     auto message = notices != nullptr ? notices->next(now()) : std::nullopt;
     if (!message) return;
-    webhook_->post(std::move(*message), [this, notices](Webhook::Result result, const std::string& why) {
-        if (result == Webhook::Result::kFailed) {
-            notices->failed(Clock::now());
-            if (!std::exchange(notify_fault_logged_, true))
-                log::warning(
-                    "no notice of lost boards can be delivered now; it is tried again, with what happens "
-                    "meanwhile",
-                    {{"address", webhook_->shown()}, {"why", why}});
-            return;
-        }
-        result == Webhook::Result::kRefused ? notices->refused(Clock::now())
-                                            : notices->delivered(Clock::now());
-        if (result == Webhook::Result::kRefused)
-            log::error("the address of --notify takes no messages; this one is dropped",
-                       {{"address", webhook_->shown()}, {"why", why}});
-        else if (std::exchange(notify_fault_logged_, false))
-            log::info("messages of lost boards are delivered again", {{"address", webhook_->shown()}});
-    });
+    webhook_->post(
+        std::move(*message), [this, notices](Webhook::Result result, const std::string& why, Duration wait) {
+            if (result == Webhook::Result::kFailed) {
+                notices->failed(Clock::now(), wait);
+                if (!std::exchange(notify_fault_logged_, true))
+                    log::warning(
+                        "no notice of lost boards can be delivered now; it is tried again, with what happens "
+                        "meanwhile",
+                        {{"address", webhook_->shown()}, {"why", why}});
+                return;
+            }
+            result == Webhook::Result::kRefused ? notices->refused(Clock::now())
+                                                : notices->delivered(Clock::now());
+            if (result == Webhook::Result::kRefused)
+                log::error("the address of --notify takes no messages; this one is dropped",
+                           {{"address", webhook_->shown()}, {"why", why}});
+            else if (std::exchange(notify_fault_logged_, false))
+                log::info("messages of lost boards are delivered again", {{"address", webhook_->shown()}});
+        });
 }
 
 void Application::stop() {

@@ -99,14 +99,14 @@ void LossNotices::delivered(Time now) {
     not_before_ = now + kApart;
 }
 
-void LossNotices::failed(Time now) {
+void LossNotices::failed(Time now, Duration wait) {
     for (auto& [board, change] : sent_)
         waiting_.try_emplace(board, std::move(change));  // what is newer stays
     sent_.clear();
     more_lost_ += std::exchange(more_lost_sent_, 0);
     under_way_ = false;
     since_ = now - kGather;
-    not_before_ = now + retry_;
+    not_before_ = now + std::max(retry_, wait);
     retry_ = std::min(2 * retry_, kMaxRetry);
 }
 

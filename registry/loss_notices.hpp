@@ -32,8 +32,8 @@ class LossNotices {
     /// The message to send now, JSON; then none until delivered() or failed() says how that went.
     std::optional<std::string> next(Instant now);
     void delivered(Time now);
-    /// It is tried again later, with what happened meanwhile.
-    void failed(Time now);
+    /// It is tried again later, with what happened meanwhile; not before `wait` is over.
+    void failed(Time now, Duration wait = {});
     /// No receiver takes it: it is not tried again.
     void refused(Time now) { delivered(now); }
 

@@ -18,9 +18,11 @@ class Webhook {
     enum class Result {
         kDelivered,
         kFailed,   ///< it may be taken later
-        kRefused,  ///< it will not be taken: a status of the 400s
+        kRefused,  ///< it will not be taken: a status of the 400s, or another address (300s)
     };
-    using Done = std::function<void(Result, const std::string& why)>;
+    /// `wait`: for so long at least the receiver wants nothing more; at most kMaxWait.
+    using Done = std::function<void(Result, const std::string& why, Duration wait)>;
+    static constexpr Duration kMaxWait = std::chrono::hours(1);
 
     static constexpr Duration kLimit = std::chrono::seconds(10);  ///< for all of one message
 

@@ -11,6 +11,7 @@ namespace asip::registry {
 struct WebhookAddress {
     text::HttpAddress server;  ///< without a path
     std::string target;        ///< path and query: "/hook?key=1"
+    std::string user;          ///< NAME:PASSWORD, sent by Basic; empty: none
 };
 /// Fails with a sentence that has nothing of what may be secret.
 Expected<WebhookAddress> parse_webhook(const std::string& url);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/text/http_address.hpp"
 
+#include <charconv>
+
 #include "asip/text/printable.hpp"
 
 namespace asip::text {
@@ -36,9 +38,11 @@ Expected<HttpAddress> parse_http_address(std::string_view text) {
     if (bracket != std::string_view::npos && authority.front() == '[')
         authority = authority.substr(1, authority.size() - 2);
     address.host = authority;
-    const bool digits = address.port.find_first_not_of("0123456789") == std::string::npos;
-    if (address.host.empty() || address.port.empty() || !digits ||
-        text.find_first_of(" \r\n\t?#") != std::string_view::npos)
+    unsigned port = 0;
+    const auto* const end = address.port.data() + address.port.size();
+    const auto [read, fault] = std::from_chars(address.port.data(), end, port);
+    const bool is_port = fault == std::errc{} && read == end && port >= 1 && port <= 65535;
+    if (address.host.empty() || !is_port || text.find_first_of(" \r\n\t?#") != std::string_view::npos)
         return wrong;
     return address;
 }

@@ -81,6 +81,13 @@ TEST_F(FlashTest, ImageThatDoesNotFit_ChangesNothing) {
     const auto flashed = asipctl({"flash", "desk", broken, "--socket", socket_});
     EXPECT_EQ(flashed.status, 1);
     EXPECT_THAT(flashed.errors, HasSubstr("failed with status"));
+    EXPECT_EQ(flashed.output, "") << "no line of success";
+    EXPECT_TRUE(wait_state("online"));
+    const auto other = asipctl(flash("asip_mega"));
+    EXPECT_EQ(other.status, 1);
+    EXPECT_THAT(other.errors, HasSubstr("an image for another chip"));
+    EXPECT_THAT(other.errors, HasSubstr("desk: answers with AsipHello"));
+    EXPECT_EQ(other.output, "");
     EXPECT_TRUE(wait_state("online"));
     EXPECT_EQ(sketch(), "AsipHello\n");
     EXPECT_EQ(asipctl({"flash", "desk", folder_.file("nothing")}).status, 2);

@@ -19,8 +19,9 @@ TEST(HttpAddress, WithPortOrPathOrNeither_IsTakenApartAndBecomesItselfAgain) {
 }
 
 TEST(HttpAddress, NoAddress_IsRefused) {
-    for (const char* text : {"", "127.0.0.1:8080", "ftp://a", "http://", "http://:80", "http://a:x",
-                             "http://a b", "http://a/?x", "http://a\r\nX: y"}) {
+    for (const char* text :
+         {"", "127.0.0.1:8080", "ftp://a", "http://", "http://:80", "http://a:x", "http://a:99999",
+          "http://a:0", "http://a b", "http://a/?x", "http://a\r\nX: y"}) {
         EXPECT_FALSE(parse_http_address(text)) << text;
     }
 }

@@ -145,6 +145,14 @@ TEST_F(LossNoticesTest, MoreThanAreKept_AreCounted) {
     EXPECT_EQ(delivered(21s)["text"], "1 board lost");
 }
 
+TEST_F(LossNoticesTest, ReceiverThatWantsAPause_GetsIt) {
+    lost("b1", 0s);
+    ASSERT_TRUE(notices_.next(moment(1s)));
+    notices_.failed(at(1s), 30s);
+    EXPECT_FALSE(notices_.next(moment(30s)));
+    EXPECT_TRUE(notices_.next(moment(31s)));
+}
+
 TEST(WebhookAddress, IsTakenApart_AndAFaultTellsNoSecret) {
     const auto address = parse_webhook("https://hooks.example/services/T1/B2/?key=a%20b#top");
     ASSERT_TRUE(address) << address.error();
@@ -152,8 +160,14 @@ TEST(WebhookAddress, IsTakenApart_AndAFaultTellsNoSecret) {
     EXPECT_EQ(address->target, "/services/T1/B2/?key=a%20b");
     EXPECT_EQ(parse_webhook("http://[::1]:8080")->target, "/");
     EXPECT_EQ(parse_webhook("http://pi.local?x=1")->target, "/?x=1");
-    for (const char* wrong : {"", "pi.local/hook", "ftp://pi.local", "http://", "http://ann:secret@pi.local/",
-                              "http://pi/a secret"}) {
+    const auto with_user = parse_webhook("https://ann:p%40ss@pi.local:8443/topic?x=a@b");
+    ASSERT_TRUE(with_user) << with_user.error();
+    EXPECT_EQ(with_user->user, "ann:p@ss");
+    EXPECT_EQ(with_user->server.text(), "https://pi.local:8443");
+    EXPECT_EQ(with_user->target, "/topic?x=a@b");
+    EXPECT_EQ(parse_webhook("http://pi.local#top")->target, "/");
+    for (const char* wrong : {"", "pi.local/hook", "ftp://pi.local", "http://", "http://secret@pi.local/",
+                              "http://a:secret%x@pi/", "http://a:secret@pi:99999/", "http://pi/a secret"}) {
         const auto refused = parse_webhook(wrong);
         ASSERT_FALSE(refused) << wrong;
         EXPECT_THAT(refused.error(), ::testing::Not(HasSubstr("secret"))) << wrong;
