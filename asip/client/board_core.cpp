@@ -219,12 +219,12 @@ Awaitable<bool> Board::Core::digital_read(std::shared_ptr<Core> core, int pin) {
                               (mode ? ", its mode is " + std::string(to_text(*mode)) : "") +
                               "; set_pin_mode makes it one");
     }
-    // A board reports a port's levels when it changes and when a pin's input mode is set: set the one it has.
-    Json again = Json::object();
-    again["mode"] = Json::array({pin, static_cast<int>(*mode)});
-    if (const auto set = co_await command(core, "io", std::move(again)); !set) {
-        co_return Unexpected<Error>(set.error());
-    }
+    // A board of ours tells its levels when it is asked; others when they change. Nothing is set to learn
+    // one.
+    ask = Json::object();
+    ask["levels"] = Json::array();
+    if (const auto told = co_await command(core, "io", std::move(ask)); told && told->contains("levels"))
+        core->take_digital((*told)["levels"]);
     const auto known = [core, pin] { return core->levels_.contains(pin); };
     if (co_await wait_for(core, known, core->options_.read_timeout)) {
         co_return core->levels_.at(pin);

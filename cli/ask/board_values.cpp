@@ -96,6 +96,22 @@ property::ShownValue BoardValues::of(std::size_t property) const {
     return shown;
 }
 
+std::optional<int> BoardValues::raw_set(std::string_view id) const {
+    for (std::size_t i = 0; i < properties_.size(); ++i) {
+        const auto& value = known_[i].shown.value;
+        if (properties_[i].id != id || known_[i].shown.how == property::How::kNone) continue;
+        if (value.is_number()) return value.get<int>();
+        for (const auto& [word, number] : properties_[i].choices)
+            if (value.is_boolean() && word == (value.get<bool>() ? "on" : "off"))
+                return static_cast<int>(number);
+        // A dimmed lamp, as a share of its range.
+        if (value.is_object() && value.contains("on"))
+            return static_cast<int>(value.value("brightness", 0.0) / property::kFullBrightness *
+                                    properties_[i].max.value_or(property::kFullBrightness));
+    }
+    return std::nullopt;
+}
+
 std::optional<int> pin_value(const nlohmann::json& pins, const char* event, int key) {
     const auto found = pins.find(event);
     if (found == pins.end() || !found->is_object()) return std::nullopt;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "asip/property/documents.hpp"
@@ -29,6 +30,8 @@ class BoardValues {
     const std::vector<property::Property>& properties() const { return properties_; }
     /// By the number of the property; its age is that of now.
     property::ShownValue of(std::size_t property) const;
+    /// The number on the wire that was set last of this property: a level, a duty. Nothing: not known.
+    std::optional<int> raw_set(std::string_view id) const;
     /// Levels and analog values of all pins, electrical: {"digital":{"2":1},"analog":{"0":320}}.
     const nlohmann::json& pins() const { return pins_; }
 

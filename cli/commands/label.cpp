@@ -34,6 +34,33 @@ void add_rows(Table& table, const std::string& board, const model::Labels& label
         table.add({board + "/" + service, "name", name});
     for (const auto& [pin, name] : labels.pins)
         table.add({board, "pin." + std::to_string(pin), name});
+    for (const auto& [id, meaning] : labels.meanings)
+        for (const auto& [key, value] : model::to_json(meaning).items())
+            table.add({board + "/" + id, key, value.is_string() ? value.get<std::string>() : value.dump()});
+}
+
+/// BOARD/SERVICE/..., taken apart: the id of a property is everything behind the board. Empty: `text` is a
+/// board, or a service of one.
+std::string property_in(std::string& text) {
+    const auto board = text.find('/');
+    if (board == std::string::npos || text.find('/', board + 1) == std::string::npos) return {};
+    auto id = text.substr(board + 1);
+    text.resize(board);
+    return id;
+}
+
+/// Words that give a meaning to the property `id` go into `change`; fails at one that is none.
+Expected<void> add_meanings(model::LabelChange& change, const std::string& id,
+                            const std::vector<std::string>& words) {
+    for (const auto& word : words) {
+        const auto added = model::add_meaning(change.meanings, id, word);
+        if (!added) return fail(added.error());
+        if (!*added)
+            return fail(
+                word +
+                ": of a property these can be given: class, inverted, debounce, unit, line, icon, hidden");
+    }
+    return {};
 }
 
 /// One `asipctl label`: shows labels, or asks the agents of the boards to change them.
@@ -288,11 +315,15 @@ int run_label(LabelOptions options, Environment& environment) {
         return environment.fail_with({program::kExitUsage, "which board? Write asipctl label BOARD " +
                                                                options.target +
                                                                ", or choose boards by -l SELECTOR"});
+    const auto property = property_in(options.target);
     const auto target = parse_target(options.target, true);
     if (!target) return environment.fail_with(target.error());
     if (!options.words.empty() && target->service.find_first_of("*?") != std::string::npos)
         return environment.fail_with({program::kExitUsage, "'" + target->service + "': name one service"});
     model::LabelChange change;
+    if (!property.empty())
+        if (const auto added = add_meanings(change, property, std::exchange(options.words, {})); !added)
+            return environment.fail_with({program::kExitUsage, added.error()});
     for (const auto& word : options.words)
         if (const auto added = model::add_assignment(change, word, target->service); !added)
             return environment.fail_with({program::kExitUsage, added.error()});
@@ -303,12 +334,12 @@ namespace {
 
 Run declare_label(Declaration& verb) {
     auto options = std::make_shared<LabelOptions>();
-    verb.argument("BOARD[/SERVICE]", options->target,
+    verb.argument("BOARD[/SERVICE[/PROPERTY]]", options->target,
                   "Which; with * and ? as in a shell. Without it, or with -l alone: every board",
                   Declaration::Needed::kNo);
     verb.arguments("LABEL", options->words,
-                   "What to set: KEY=VALUE, pin.13=NAME, or name=NAME of a service; KEY- removes it. Without "
-                   "any: what there is",
+                   "What to set: KEY=VALUE, pin.13=NAME, or name=NAME of a service; of a property "
+                   "what it is: class=door inverted=yes. KEY- removes it. Without any: what there is",
                    Declaration::Needed::kNo);
     declare_selector(verb, options->selector);
     verb.output(options->output, {Output::kTable}, kLabelFields);
@@ -328,6 +359,7 @@ Verb label_verb() {
         "Examples:\n"
         "  asipctl label uno1 room=lab floor=2\n"
         "  asipctl label uno1 floor-\n"
+        "  asipctl label uno1/io/2 class=door inverted=yes\n"
         "  asipctl label uno1/servo name=\"left arm\"\n"
         "  asipctl label uno1 pin.13=\"status lamp\"\n"
         "  asipctl label 'uno*' room=lab\n"

@@ -9,6 +9,7 @@
 #include "asip/protocol/body.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/ask/board_values.hpp"
 #include "cli/commands/pin_group.hpp"
 #include "cli/commands/show.hpp"
 #include "cli/declaration.hpp"
@@ -45,6 +46,11 @@ class PinAccess {
         PinReading result{mode, std::nullopt};
         if (protocol::is_digital_input(mode)) return read_level(pin, result);
         if (mode == PinMode::kAnalog) return read_analog(pin, result);
+        if (mode == PinMode::kOutput || mode == PinMode::kPwm) {
+            const BoardValues values(environment_, session_, board_, service_);
+            session_.run_until([&] { return values.answered(); }, Clock::now() + environment_.timeout);
+            result.value = values.raw_set("io/" + std::to_string(pin));
+        }
         return result;
     }
 
@@ -72,18 +78,22 @@ class PinAccess {
         return found->second[key].get<int>();
     }
 
+    /// The agent knows it; nothing is set to learn it.
     Outcome<PinReading> read_level(int pin, PinReading result) {
-        // Asking for the mode it has makes the board report the port.
-        const auto set =
-            request("P," + std::to_string(pin) + "," + std::to_string(static_cast<int>(result.mode)));
-        if (!set) return tl::unexpected(set.error());
         const auto key = std::to_string(pin);
-        session_.run_until([&] { return latest("digital", key).has_value(); },
+        const BoardValues values(environment_, session_, board_, service_);
+        session_.run_until([&] { return values.answered() || latest("digital", key); },
                            Clock::now() + environment_.timeout);
-        result.value = latest("digital", key);
-        if (!result.value)
-            return tl::unexpected(session_.unanswered("the board did not report the level of pin " + key));
-        return result;
+        result.value = values.answered() ? pin_value(values.pins(), "digital", pin) : latest("digital", key);
+        if (result.value) return result;
+        if (!values.answered())
+            return tl::unexpected(session_.unanswered("the board's agent does not answer; does it run?"));
+        return failure(program::kExitNoAnswer,
+                       "the level of pin " + key +
+                           " is not known yet: the board tells it when it changes, and "
+                           "when its mode is set (asipctl pin " +
+                           board_.item.board + " " + key + " " +
+                           (result.mode == PinMode::kInput ? "input" : "pullup") + ")");
     }
 
     Outcome<PinReading> read_analog(int pin, PinReading result) {
@@ -216,7 +226,8 @@ Outcome<std::vector<PinMode>> modes_of(const std::string& answer) {
 
 std::string value_text(const PinReading& reading) {
     if (!reading.value) return {};
-    if (reading.mode == PinMode::kAnalog) return std::to_string(*reading.value);
+    if (reading.mode == PinMode::kAnalog || reading.mode == PinMode::kPwm)
+        return std::to_string(*reading.value);
     return *reading.value == 0 ? "low" : "high";
 }
 

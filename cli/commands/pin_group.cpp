@@ -7,6 +7,7 @@
 
 #include "asip/model/json.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/ask/board_values.hpp"
 #include "cli/ask/side_by_side.hpp"
 #include "cli/find/chosen_boards.hpp"
 #include "cli/text/table.hpp"
@@ -33,6 +34,7 @@ struct Member {
     std::list<BusSession::Request> requests{};
     BusSession::Subscription reports{};
     std::optional<BusSession::Demand> demand{};
+    std::unique_ptr<BoardValues> values{};
 
     const std::string& name() const { return board.item.board; }
 };
@@ -49,7 +51,11 @@ class PinGroup {
             if (!member.failed) there.push_back(&member);
         ask_side_by_side(
             session_, std::move(there), kAskedAtOnce, [this](Member& member) { return begin(member); },
-            [this](const Member& member) { return member.done || session_.denied(topic_of(member)); });
+            [this](const Member& member) {
+                return member.done || knows_level(member) || session_.denied(topic_of(member));
+            });
+        for (auto& member : members_)
+            if (knows_level(member)) take_level(member);
         return report();
     }
 
@@ -118,33 +124,38 @@ class PinGroup {
         if (index >= modes->size())
             return fail(member, "it has pins 0 to " + std::to_string(modes->size() - 1));
         member.reading.mode = (*modes)[index];
-        const auto answered = [this, &member](const bus::Reply&) { finish_if_answered(member); };
         if (action_) {
+            const auto answered = [this, &member](const bus::Reply&) { finish_if_answered(member); };
             for (const auto& request : pin_requests(member.pin, *action_, member.reading.mode))
                 send(member, request, answered);
             member.reading.mode = action_->mode;
             if (action_->kind == PinAction::Kind::kWrite) member.reading.value = action_->value;
         } else {
-            read(member, answered);
+            read(member);
         }
         finish_if_answered(member);
     }
 
-    template <class Answered>
-    void read(Member& member, Answered answered) {
+    void read(Member& member) {
         if (protocol::is_digital_input(member.reading.mode)) {
             member.wants_value = true;
-            // Asking for the mode it has makes the board report the port.
-            send(member,
-                 "P," + std::to_string(member.pin) + "," +
-                     std::to_string(static_cast<int>(member.reading.mode)),
-                 answered);
+            member.values = std::make_unique<BoardValues>(environment_, session_, member.board, kIo);
         } else if (member.reading.mode == PinMode::kAnalog) {
             for (const auto& [pin, channel] : member.description.pins.analog)
                 if (pin == member.pin) member.analog_channel = std::to_string(channel);
             member.wants_value = true;
             member.demand = session_.demand(member.name(), kIo);
         }
+    }
+
+    static bool knows_level(const Member& member) {
+        return member.values && member.wants_value && member.values->answered();
+    }
+
+    void take_level(Member& member) {
+        member.reading.value = pin_value(member.values->pins(), "digital", member.pin);
+        member.wants_value = !member.reading.value;
+        finish_if_answered(member);
     }
 
     void take_report(Member& member, const mqtt::Message& message) {

@@ -36,6 +36,15 @@ class RealBoardTest : public BusTest, public ::testing::WithParamInterface<const
         ASSERT_TRUE(probe_.wait_for("asip/servicebus/desk/$description"));
     }
 
+    /// How often the LED went off.
+    std::size_t times_dark() {
+        std::size_t times = 0;
+        const auto& said = sim_.output();
+        for (auto at = said.find("led13 off"); at != std::string::npos; at = said.find("led13 off", at + 1))
+            ++times;
+        return times;
+    }
+
     TempDir folder_;
     ChildProcess sim_{{ASIP_PROGRAMS "/asip-sim", "--no-socket", board_file()}};
     std::unique_ptr<ChildProcess> agent_;
@@ -70,11 +79,7 @@ TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
     const auto refused = asipctl({"send", "desk/servo", "write", "9", "90"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_THAT(refused.errors, HasSubstr("7, INVALID_DEVICE_NUMBER"));
-    const auto all = asipctl({"get", "desk"});
-    EXPECT_EQ(all.status, 0) << all.errors;
-    EXPECT_THAT(all.output, MatchesRegex("(.|\n)*desk/distance +distance 0 +4[123] cm(.|\n)*"))
-        << "it is asked";
-    EXPECT_THAT(all.output, HasSubstr("90 degrees")) << "what was set";
+    EXPECT_EQ(asipctl({"get", "desk/servo/0/angle"}).output, "90 degrees\n");
     EXPECT_EQ(asipctl({"get", "des*/servo", "-o", "json"}).status, 0);
     EXPECT_EQ(asipctl({"get", "nobody*"}).status, 4);
     const auto measured = asipctl({"get", "desk/distance/0"});
@@ -84,12 +89,49 @@ TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
         asipctl({"subscribe", "desk/distance", "-n", "1", "-W", "10", "--format", "{data.distance.0}"})
             .output,
         MatchesRegex("4[123]\n"));
+    const auto all = asipctl({"get", "desk"});
+    EXPECT_EQ(all.status, 0) << all.errors;
+    EXPECT_THAT(all.output, MatchesRegex("(.|\n)*desk/distance/0 +Distance[ 0]* +4[123] cm(.|\n)*"));
+    EXPECT_THAT(all.output, HasSubstr("90 degrees")) << "what was set";
+}
+
+TEST_P(RealBoardTest, NoReading_SwitchesALampOff) {
+    EXPECT_EQ(asipctl({"pin", "desk", "13", "low"}).status, 0);
+    EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
+    for (int i = 0; i < 8; ++i) {
+        ASSERT_EQ(asipctl({"pin", "desk", "13", "high"}).status, 0);
+        const auto dark = times_dark();
+        const Words readings[] = {{"get", "desk"},
+                                  {"get", "desk/io"},
+                                  {"pin", "desk", "13"},
+                                  {"pin", "desk", "2"},
+                                  {"show", "desk"}};
+        for (const auto& words : readings)
+            EXPECT_EQ(asipctl(words).status, 0) << words[0] << " " << asipctl(words).errors;
+        EXPECT_EQ(asipctl({"get", "desk/io/13"}).output, "on\n");
+        EXPECT_EQ(times_dark(), dark) << sim_.output();
+        ASSERT_EQ(asipctl({"pin", "desk", "13", "low"}).status, 0);
+        EXPECT_EQ(asipctl({"get", "desk/io/13"}).output, "off\n") << "what was answered before shows";
+    }
+}
+
+TEST_P(RealBoardTest, MeaningOfAPin_ShowsInItsValue) {
+    EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
+    const auto door = asipctl({"label", "desk/io/2", "class=door", "inverted=no"});
+    EXPECT_EQ(door.status, 0) << door.errors;
+    EXPECT_THAT(door.output, HasSubstr("class"));
+    EXPECT_EQ(asipctl({"get", "desk/io/2"}).output, "open\n");
+    sim_.write_input("press desk/button\n");
+    EXPECT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "closed\n"; }));
+    const auto wrong = asipctl({"label", "desk/io/2", "class=dor"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.errors, HasSubstr("did you mean \"door\""));
 }
 
 TEST_P(RealBoardTest, PinsInWords_AreSetAndRead) {
     EXPECT_EQ(asipctl({"pin", "desk", "13", "high"}).output, "13 output high\n");
     EXPECT_TRUE(sim_.wait_for_output("led13 on"));
-    EXPECT_EQ(asipctl({"pin", "desk", "13"}).output, "13 output\n");
+    EXPECT_EQ(asipctl({"pin", "desk", "13"}).output, "13 output high\n");
     EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
     EXPECT_EQ(asipctl({"pin", "desk", "2"}).output, "2 input-pullup high\n");
     sim_.write_input("press desk/button\n");
