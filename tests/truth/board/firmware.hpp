@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-
 namespace truth {
 
 /// Simulated time in microseconds since a history began.

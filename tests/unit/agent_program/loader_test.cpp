@@ -28,7 +28,8 @@ class LoaderTest : public testing::Test {
     Loader::Order order(const std::string& avrdude) {
         folder_.write("AsipServices-uno.hex", ":00000001FF\n");
         folder_.write("AsipServices-mega.hex", ":00000001FF\n");
-        return {"/dev/ttyUSB0", avrdude, folder_.path().string(), "AsipServices", *link::boot_loaders("", "", "")};
+        return {"/dev/ttyUSB0", avrdude, folder_.path().string(), "AsipServices",
+                *link::boot_loaders("", "", "")};
     }
     std::string read(const std::string& name) const {
         return text::file_text(folder_.file(name)).value_or("");
