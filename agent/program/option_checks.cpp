@@ -86,6 +86,16 @@ std::string serial_fault(const std::string& port) {
     std::error_code error;
     if (!port.empty() && port.find('/') == std::string::npos && !std::filesystem::exists(port, error))
         return "\"" + port + "\" is no path; is it /dev/" + port + "?";
+    if (std::filesystem::is_directory(port, error))
+        return port + " is a folder; name a port, for example one in /dev/serial/by-id";
+    const auto colon = port.rfind(':');
+    const bool with_rate = colon != std::string::npos && colon + 1 < port.size() &&
+                           port.find_first_not_of("0123456789", colon + 1) == std::string::npos &&
+                           port.find('/', colon) == std::string::npos;
+    // Names of by-path have colons, too; those are there, or will be.
+    if (with_rate && port.starts_with("/dev/tty"))
+        return port + ": a rate is given by --baud " + port.substr(colon + 1) + ", behind --serial " +
+               port.substr(0, colon);
     return {};
 }
 

@@ -207,7 +207,11 @@ TEST(AgentService, PortThatIsNone_IsAskedAgainAndAStopEndsItAtOnce) {
 
 TEST(AgentService, PortThatIsNoPortOfThisMachine_IsRefusedWithWhatToWrite) {
     for (const auto& [port, advice] : std::vector<std::pair<std::string, std::string>>{
-             {"COM3", "/dev/ttyACM0"}, {"socket://pi:6789", "--tcp pi:6789"}, {"ttyACM0", "/dev/ttyACM0"}}) {
+             {"COM3", "/dev/ttyACM0"},
+             {"socket://pi:6789", "--tcp pi:6789"},
+             {"ttyACM0", "/dev/ttyACM0"},
+             {"/dev/ttyACM0:9600", "--baud 9600, behind --serial /dev/ttyACM0"},
+             {"/dev", "/dev is a folder"}}) {
         const auto ended = run({ASIP_PROGRAMS "/asip-agent", "--serial", port});
         EXPECT_EQ(ended.status, 2) << port;
         EXPECT_THAT(ended.errors, HasSubstr(advice)) << port;
