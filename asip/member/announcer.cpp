@@ -128,14 +128,17 @@ void Announcer::publish_state(bool retain, Announcements& out) {
 void Announcer::on_connected(Time now, Announcements& out, bool expires) {
     connected_ = true;
     expires_ = expires;
-    if (established_) return;
-    claim_ends_ = now + kClaimTime;
+    if (established_ && !challenge_) return;
+    if (challenge_) {
+        challenge_->ends = now + kClaimTime;
+    } else {
+        claim_ends_ = now + kClaimTime;
+    }
     out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
 }
 
 void Announcer::on_disconnected() {
-    connected_ = subscribed_ = state_said_ = false;
-    challenge_.reset();
+    connected_ = subscribed_ = state_said_ = false;  // a challenge begins again with the next connection
     claim_ends_.reset();
     renewal_.reset();
     probe_answer_.reset();
@@ -265,7 +268,7 @@ void Announcer::challenge(const model::Description& other, bool lives, const std
 }
 
 void Announcer::tick(Time now, Announcements& out) {
-    if (challenge_ && now >= challenge_->ends) {
+    if (challenge_ && connected_ && now >= challenge_->ends) {
         out.log(program::log::Level::kWarning,
                 "an announcement of this board came from no living agent; putting it right",
                 {{"from", challenge_->holder}});
@@ -288,7 +291,7 @@ void Announcer::tick(Time now, Announcements& out) {
 
 std::optional<Time> Announcer::next_deadline() const {
     std::optional<Time> deadline = claim_ends_;
-    if (challenge_ && (!deadline || challenge_->ends < *deadline)) deadline = challenge_->ends;
+    if (challenge_ && connected_ && (!deadline || challenge_->ends < *deadline)) deadline = challenge_->ends;
     for (const auto& other : {renewal_, probe_answer_, names_})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;

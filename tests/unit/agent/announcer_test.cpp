@@ -232,6 +232,20 @@ TEST(Announcer, LaterSessionAnnouncesOurNameAndSaysGoodbye_WeStayAsTheLaterOne) 
     }
 }
 
+TEST(Announcer, BrokerLostWhileALaterSessionIsAsked_ItIsAskedAgainAndOursBecomesTheLaterOne) {
+    BridgeBench bench;
+    bench.go_online();
+    bench.hear(kDescription, foreign_description("ffffffffffffffff"));
+    bench.bridge.bus_disconnected();
+    bench.pass(5s);
+    bench.published.clear();
+    bench.connect();
+    EXPECT_THAT(bench.on(kProbe), ElementsAre("uno1"));
+    bench.pass(2s);
+    EXPECT_FALSE(bench.fatal);
+    EXPECT_GT(model::parse_description(bench.on(kDescription).back())->session, "ffffffffffffffff");
+}
+
 TEST(Announcer, HolderSaysGoodbyeDuringOurClaim_TheNameIsOursAsTheLaterOne) {
     BridgeBench bench;
     bench.plug();
