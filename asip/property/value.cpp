@@ -39,6 +39,13 @@ std::optional<json> value_of_number(const Property& property, double raw) {
     return is_within(property, value) ? std::optional<json>(json_number(value)) : std::nullopt;
 }
 
+/// The number of a word; nothing: it is none of them.
+std::optional<double> number_of(const Property& property, std::string_view word) {
+    for (const auto& [name, number] : property.choices)
+        if (name == word) return number;
+    return std::nullopt;
+}
+
 std::optional<double> raw_of(const Property& property, const json& value) {
     if (property.kind == Kind::kNumber) {
         if (!value.is_number()) return std::nullopt;
@@ -50,9 +57,7 @@ std::optional<double> raw_of(const Property& property, const json& value) {
     std::string word;
     if (property.kind == Kind::kSwitch && value.is_boolean()) word = value.get<bool>() ? "on" : "off";
     if (property.kind == Kind::kSelect && value.is_string()) word = value.get<std::string>();
-    for (const auto& [name, each] : property.choices)
-        if (name == word) return each;
-    return std::nullopt;
+    return number_of(property, word);
 }
 
 Request request_of(const Call& call, const json& value) {
@@ -81,7 +86,9 @@ std::vector<Request> light_requests(const Property& property, const json& value)
             result.push_back(
                 request_of(*property.color, on ? value.value("color", json(0xffffff)) : json(0)));
     }
-    if (property.write) {
+    if (const auto raw = number_of(property, on ? "on" : "off"); property.write && raw) {
+        result.push_back(request_of(*property.write, json_number(*raw)));
+    } else if (property.write) {
         const double brightness = on ? value.value("brightness", kFullBrightness) : 0;
         const double level = brightness * property.max.value_or(kFullBrightness) / kFullBrightness;
         // What is on stays on: the lowest level of a board may be above the lowest of another system.
@@ -141,6 +148,7 @@ std::optional<json> value_in(const Property& property, const json& published) {
 std::optional<json> light_of(const Property& property, std::optional<double> level,
                              std::optional<double> color) {
     if (property.write ? !level : !color) return std::nullopt;
+    if (property.write && !property.choices.empty()) return json{{"on", level == number_of(property, "on")}};
     json value{{"on", property.write ? *level > 0 : *color > 0}};
     if (property.write && *level > 0)
         value["brightness"] =

@@ -111,30 +111,6 @@ void Exporter::changed(const std::string& board, Time now) {
     pump(now);
 }
 
-void Exporter::value(std::string_view board, std::string_view service, std::string_view text, Time now) {
-    if (phase_ != Phase::kActive) return;
-    const auto found = records_.find(std::string(board));
-    if (found == records_.end()) return;
-    auto& record = found->second;
-    const auto properties = record.by_service.find(service);
-    if (properties == record.by_service.end()) return;
-    std::uint64_t refused = 0;
-    for (const auto& each : reported_values(*record.board, properties->second, text, refused))
-        offer(record, each.property,
-              dialect().state_text(record.board->properties[each.property], each.value), now);
-    if (refused > 0) port_.refused(refused);
-}
-
-void Exporter::known(const std::string& board, const std::vector<std::string>& ids, Time now) {
-    if (phase_ != Phase::kActive) return;
-    const auto found = records_.find(board);
-    if (found == records_.end()) return;
-    const auto& properties = found->second.board->properties;
-    for (std::size_t i = 0; i < properties.size(); ++i)
-        if (properties[i].kind != Kind::kButton && is_one_of(properties[i], ids))
-            show(found->second, i, port_.value(board, properties[i]), now);
-}
-
 // --- over the export's own connection
 
 void Exporter::own_subscribed(Time now) {

@@ -215,6 +215,7 @@ std::vector<sparkplug::Property> Sparkplug::properties(const Property& property,
             words += (words.empty() ? "" : ",") + word;
         result.push_back({"options", std::move(words)});
     }
+    if (!property.meaning.klass.empty()) result.push_back({"class", property.meaning.klass});
     result.push_back({"readOnly", !property.settable() || options_.read_only});
     return result;
 }

@@ -153,6 +153,7 @@ json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
         const auto value_topic = state(board.board, property);
         const bool set_by_mqtt = mqtt && property.settable() && !options_.read_only;
         json described{{"title", property.name}};
+        if (!property.meaning.klass.empty()) described["description"] = property.meaning.klass;
         if (property.kind == Kind::kButton) {
             auto form = http_form(address + "/actions/" + id, "invokeaction");
             // Without an input consumers would leave it out.

@@ -160,14 +160,10 @@ void Mirror::standing_message(const bus::TopicRef& topic, const std::string& pay
 void Mirror::standing_changed(const std::string& board, const Standing::Change& change, const Instant& now) {
     if (change.anew) values_.begin_anew(board);
     standing_.tell(board, change);
-    if (change.list && catalogue_.knows(board))
+    const auto item = change.list ? catalogue_.board(board, both(now)) : std::nullopt;
+    if (item)
         log_.add("properties", board,
-                 model::dump_json({{"at", text::iso_time(now.wall)}, {"board", {{"board", board}}}}));
-}
-
-Standing::List Mirror::list(const std::string& board, const Instant& now) {
-    const auto item = known(board, now);
-    return item ? standing_.list(board, item->session) : nullptr;
+                 model::dump_json({{"at", text::iso_time(now.wall)}, {"board", bus::to_json(*item)}}));
 }
 
 std::optional<property::ShownValue> Mirror::shown(const std::string& board,

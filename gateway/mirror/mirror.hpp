@@ -93,8 +93,6 @@ class Mirror {
     /// Properties and values as agents publish them.
     Standing& standing() { return standing_; }
     const Standing& standing() const { return standing_; }
-    /// The list that the agent of a board published; null: there is none of its present session.
-    Standing::List list(const std::string& board, const Instant& now);
     /// How a property of a board stands: what the board reported last by itself, else what its agent says.
     /// Nothing: nobody says.
     std::optional<property::ShownValue> shown(const std::string& board, const property::Property& property,

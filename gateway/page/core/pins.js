@@ -89,12 +89,6 @@ export class PinValues {
     now.forEach((pin, i) => { if (pin.mode !== before[i].mode) this.modes.delete(pin.number); });
   }
 
-  /// A command is about to be sent: in another mode the pin's level is another one. The board may report it before it answers.
-  asked(command, args) {
-    if (command !== "mode") return;
-    this.levels.delete(args.pin);
-  }
-
   /// A command that the board has executed.
   executed(command, args) {
     if (command === "mode") this.modes.set(args.pin, typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode);
@@ -115,10 +109,8 @@ export class PinValues {
       const level = typeof value === "number" ? value / (property.max ?? 1) : Number(is_on(value) ?? 0);
       return { mode, text: value_text(property, value), level, told: how === "set" };
     }
-    if (mode === "analog") {
-      const reading = this.analog.get(pin.channel);
-      return { mode, text: reading === undefined ? "" : String(reading), level: reading === undefined ? undefined : reading / 1023, told: false };
-    }
+    const reading = mode === "analog" ? this.analog.get(pin.channel) : undefined;
+    if (reading !== undefined) return { mode, text: String(reading), level: reading / 1023, told: false };
     const level = property === undefined && ["input", "input-pullup"].includes(mode) ? this.levels.get(pin.number) : undefined;
     return { mode, text: level === undefined ? "" : level ? "high" : "low", level, told: false };
   }

@@ -5,13 +5,6 @@ import { with_unit } from "./text.js";
 const kDigits = 4;
 const kFullBrightness = 255;
 
-/// The members of `documents`, which are of the values stream, on top of `known`: id -> {value, how, unknown, at}.
-export function stood(known, document, now) {
-  const result = new Map(known);
-  for (const [id, each] of Object.entries(document.values ?? {})) result.set(id, { ...each, at: now - 1000 * (each.age ?? 0) });
-  return result;
-}
-
 /// The value of a property, for a person; "" where it is not known.
 export function value_text(property, value) {
   if (value === undefined || value === null) return "";
@@ -19,9 +12,8 @@ export function value_text(property, value) {
   if (typeof value === "number") return with_unit(Number(value.toFixed(kDigits)), property?.unit);
   if (typeof value === "string") return value;
   if (value.on === undefined) return JSON.stringify(value);
-  const parts = [has_brightness(property) && value.brightness !== undefined ? `${Math.round((value.brightness * 100) / kFullBrightness)}%` : "on",
-    value.color === undefined ? "" : `#${value.color.toString(16).padStart(6, "0")}`];
-  return value.on ? parts.filter(Boolean).join(" ") : "off";
+  if (!value.on) return "off";
+  return has_brightness(property) && value.brightness !== undefined ? `${Math.round((value.brightness * 100) / kFullBrightness)}%` : "on";
 }
 
 /// Whether it is on: true, false, or undefined where it is not known, or has no such value.
@@ -31,7 +23,7 @@ export function is_on(value) {
 }
 
 /// A light that is only on or off has none.
-export function has_brightness(property) { return property?.kind === "light" && property.write !== undefined && !property.choices?.length; }
+function has_brightness(property) { return property?.kind === "light" && property.write !== undefined && !property.choices?.length; }
 
 /// A slider for it: {min, max, step}; undefined where none can be.
 export function range_of(property) {

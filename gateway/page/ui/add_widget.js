@@ -61,7 +61,7 @@ class AddWidget extends Part {
   }
 
   show(offers, dashboards) {
-    if (offers.length === 0) return this.panel.replaceChildren(h("p", { class: "muted" }, "Nothing here can stand on a dashboard. A pin can once its mode is set."));
+    if (offers.length === 0) return this.panel.replaceChildren(h("p", { class: "muted" }, "Nothing here can stand on a dashboard."));
     const what = h("select", { id: fresh_id("what") }, offers.map((offer, i) => h("option", { value: i }, offer.text)));
     const where = h("select", { id: fresh_id("where"), onchange: () => { fresh.hidden = where.value !== ""; } },
       dashboards.map((each) => h("option", { value: each.name }, each.title || each.name)), h("option", { value: "" }, "A new dashboard"));

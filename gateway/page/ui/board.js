@@ -2,7 +2,6 @@
 // One board: its values, its controls, its pins, what it is, its history.
 import { alive, label_texts } from "../core/catalogue.js";
 import { shown_state } from "../core/firmware.js";
-import { stood } from "../core/properties.js";
 import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
@@ -15,7 +14,6 @@ import "./service.js";
 import { is_floor, is_pose } from "./world.js";
 
 const kReloadMs = 200;
-const kStandingHz = 10;
 const rates = [1, 2, 5, 10, 20, 50];
 let rate = 10; // values a second, kept from board to board
 
@@ -38,7 +36,7 @@ class Board extends Part {
     this.pins_box = h("section", { "aria-label": "Pins", hidden: true }, h("h2", {}, "Pins"));
     this.world_box = h("section", { "aria-label": "World", hidden: true }, h("h2", {}, "World"));
     this.shown_services = new Map();
-    this.stands = new Map(); // id of a property -> {value, how, unknown, at}
+    this.stands = new Map(); // id of a property -> {value, how, unknown}
     this.no_service = h("p", { class: "empty", hidden: true }, "This board offers no service.");
     this.values = h("section", { class: "services values-box", "aria-label": "Values" }, h("div", { class: "head-row" }, h("h2", {}, "Values"), this.rate_box()));
     this.controls = h("section", { class: "services controls-box", "aria-label": "Controls" }, h("h2", {}, "Controls"));
@@ -70,13 +68,10 @@ class Board extends Part {
   /// Its properties, listed by the gateway, and how they stand, as long as this page is seen.
   follow() {
     if (this.end_standing || !this.isConnected || document.hidden) return;
-    this.end_standing = bus.subscribe({ subscribe: `${this.name}/$values`, max_hz: kStandingHz }, (message) => {
-      if (message.event === "properties") return this.load_properties();
-      if (message.event !== "values") return undefined;
-      this.stands = stood(this.stands, message, Date.now());
-      return this.show_standing();
+    this.end_standing = bus.subscribe({ subscribe: `${this.name}/$values`, max_hz: 10 }, (message) => {
+      for (const [id, each] of Object.entries(message.values ?? {})) this.stands.set(id, each);
+      if (message.values) this.show_standing();
     });
-    this.load_properties();
   }
 
   unfollow() {
@@ -85,10 +80,8 @@ class Board extends Part {
   }
 
   async load_properties() {
-    const list = await request(path_of("boards", this.name, "properties")).catch(() => undefined);
-    if (!list || !this.isConnected) return;
-    this.properties = list.properties;
-    this.show_standing();
+    this.properties = (await request(path_of("boards", this.name, "properties")).catch(() => this)).properties;
+    if (this.isConnected) this.show_standing();
   }
 
   show_standing() {
@@ -117,7 +110,7 @@ class Board extends Part {
   }
 
   async load() {
-    if (!this.properties) this.load_properties();
+    this.load_properties();
     try {
       this.board = await request(path_of("boards", this.name));
       this.problem.hidden = true;

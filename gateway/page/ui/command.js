@@ -43,16 +43,15 @@ class Command extends Part {
   /// How the properties that this command sets stand: id -> {value}.
   stands(properties, values) {
     this.standing = [properties, values];
-    const all = set_by(properties, this.service.name, this.name);
-    const texts = all.map((each) => [each, value_text(each, values.get(each.id)?.value)]).filter(([, text]) => text);
-    const text = all.length === 1 ? texts[0]?.[1] ?? "" : texts.map(([each, one]) => `${each.name}: ${one}`).join(", ");
-    set_text(this.known, text && `now: ${text}`);
+    const known = set_by(properties, this.service.name, this.name).filter((each) => values.get(each.id)?.how);
+    set_text(this.known, known.map((each) => `${each.name}: ${value_text(each, values.get(each.id).value)}`).join(", "));
     if (this.touched || this.held) return;
-    const entered = this.fields.map((field) => this.inputs.get(field.name).value());
-    const meant = all.find((each) => each.write.args.every((arg, i) => arg === null || Number(entered[i]) === arg || this.fields[i]?.kind !== "choice"));
-    const raw = meant && raw_of(meant, values.get(meant.id)?.value);
-    const at = meant?.write.args.indexOf(null) ?? -1;
-    if (raw !== undefined && at >= 0) this.inputs.get(this.fields[at]?.name)?.show?.(raw);
+    const entered = this.fields.map((field) => Number(this.inputs.get(field.name).value()));
+    for (const each of known) {
+      const { args } = each.write;
+      const meant = args.every((arg, i) => arg === null || arg === entered[i] || this.fields[i]?.name !== this.model.element);
+      if (meant) this.inputs.get(this.fields[args.indexOf(null)]?.name)?.show(raw_of(each, values.get(each.id).value));
+    }
   }
 
   get held_kind() { return this.command.safe !== undefined && !this.ask; }
@@ -81,6 +80,7 @@ class Command extends Part {
     const label = h("label", { for: id }, words(field.name), field.unit ? h("span", { class: "muted" }, ` ${unit_text(field.unit)}`) : "");
     const known = last_values.get(this.key)?.[field.name];
     const input = makers[field.kind]?.(this, field, id, known) ?? make_number(this, field, id, known);
+    input.show ??= (raw) => { input.focusable.value = raw; };
     this.inputs.set(field.name, input);
     return h("div", { class: `field ${field.kind}${field.preset === undefined ? "" : " element"}` }, label, input.elements);
   }
@@ -207,7 +207,7 @@ function make_number(form, field, id, known = field.preset) {
   const number = h("input", { id, type: "number", inputmode: field.min < 0 ? "text" : "numeric", min: field.min, max: field.max,
     step: field.kind === "integer" ? 1 : "any", placeholder: hint, value: known });
   const value = () => number.value;
-  if (!field.slider) return { elements: [number], focusable: number, value, show: (raw) => { number.value = raw; } };
+  if (!field.slider) return { elements: [number], focusable: number, value };
   const slider = h("input", { type: "range", min: field.min, max: field.max, step: field.kind === "integer" ? 1 : (field.max - field.min) / 1000,
     "aria-label": `${words(field.name)}, ${hint}`, onchange: () => form.slid() });
   const show = (text) => {
@@ -241,12 +241,12 @@ function make_choice(form, field, id, known) {
   } else {
     select.value = preset;
   }
-  return { elements: [select], focusable: select, value: () => select.value, show: (raw) => { select.value = raw; } };
+  return { elements: [select], focusable: select, value: () => select.value };
 }
 
 function make_text(form, field, id, known) {
   const input = h("input", { id, type: "text", maxlength: field.max_length, placeholder: hint_of(field), value: known, autocomplete: "off" });
-  return { elements: [input], focusable: input, value: () => input.value, show: (raw) => { input.value = raw; } };
+  return { elements: [input], focusable: input, value: () => input.value };
 }
 
 function make_color(form, field, id, known) {

@@ -75,8 +75,7 @@ class Status extends EventTarget {
 const kChannel = "asip-done";
 const done = new BroadcastChannel(kChannel);
 
-/// Reports to every tab of the browser, this one too, what a board has executed: {board, service, command, args, answer}; or that
-/// boards were stopped: {stopped: NAME or "*"}.
+/// Reports to every tab of the browser, this one too, what a board has executed: {board, service, command, args, answer}.
 export function report(what) { done.postMessage(what); }
 
 /// The returned function ends it.

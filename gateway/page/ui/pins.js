@@ -141,21 +141,23 @@ class Pins extends Part {
   /// What people call the pin, and what it is: the board's agent keeps both.
   meaning_form(pin) {
     const id = `io/${pin.number}`;
-    const { klass = "", inverted = "" } = this.meaning_of(pin);
+    const meaning = this.values.properties.get(pin.number)?.property.meaning ?? {};
+    const klass = meaning.class ?? "";
+    const inverted = String(meaning.inverted ?? "");
     const name = h("input", { id: fresh_id("pin-name"), type: "text", maxlength: 63, autocomplete: "off", value: pin.name, placeholder: "status lamp" });
     const select = (title, choices, value) => {
-      const element = h("select", { id: fresh_id("pin"), disabled: pin.owner !== "" }, choices.map(([each, text]) => h("option", { value: each }, text)));
+      const element = h("select", { id: fresh_id("pin") }, choices.map(([each, text]) => h("option", { value: each }, text)));
       element.value = value;
       return [element, h("div", { class: "field" }, h("label", { for: element.id }, title), element)];
     };
     const [what, what_field] = select("Is", [["", "whatever its mode says"], ...classes.map((each) => [each, each])], klass);
-    const [turned, turned_field] = select("On when", [["", "as usual"], ["no", "high"], ["yes", "low"]], inverted);
+    const [turned, turned_field] = select("On when", [["", "as usual"], ["false", "high"], ["true", "low"]], inverted);
     const answer = h("output", { class: "answer", "aria-live": "polite" });
     const save = async (event) => {
       event.preventDefault();
       const change = { names: { pins: { [pin.number]: name.value.trim() || null } } };
       if (what.value !== klass || turned.value !== inverted) {
-        change.meanings = { [id]: { class: what.value || null, inverted: turned.value === "" ? null : turned.value === "yes" } };
+        change.meanings = { [id]: { class: what.value || null, inverted: turned.value === "" ? null : turned.value === "true" } };
       }
       const { kind, text } = await keep_labels(this.board, change);
       answer.className = `answer ${kind}`;
@@ -163,12 +165,6 @@ class Pins extends Part {
     };
     return h("form", { class: "pin-name-form", "aria-label": `Name of pin ${pin.label}`, onsubmit: save },
       h("div", { class: "field text" }, h("label", { for: name.id }, "Name"), name), what_field, turned_field, h("button", {}, "Save"), answer);
-  }
-
-  /// As words of the form.
-  meaning_of(pin) {
-    const { class: klass, inverted } = this.values.properties.get(pin.number)?.property.meaning ?? {};
-    return { klass, inverted: inverted === undefined ? "" : inverted ? "yes" : "no" };
   }
 
   show_panel() {
@@ -186,11 +182,10 @@ class Pins extends Part {
     const { property, value } = this.values.properties.get(pin.number) ?? {};
     const raw = property && raw_of(property, value);
     for (const button of this.controls.querySelectorAll("[data-level]")) button.setAttribute("aria-pressed", String(raw === Number(button.dataset.level)));
-    const slider = this.controls.querySelector("input[type=range]");
-    if (slider && raw !== undefined && document.activeElement !== slider) {
-      slider.value = raw;
-      slider.classList.remove("unknown");
-    }
+    const slider = this.controls.querySelector("input");
+    if (!slider || raw === undefined || document.activeElement === slider) return;
+    slider.value = raw;
+    slider.classList.remove("unknown");
   }
 
   controls_of(pin, mode) {
@@ -203,7 +198,6 @@ class Pins extends Part {
         oninput: () => slider.classList.remove("unknown"), onchange: () => this.send("pwm", { pin: pin.number, duty: Number(slider.value) }) });
       return [slider];
     }
-    if (mode === "analog") return [h("p", { class: "muted" }, "Its value comes as soon as the board reports its analog pins.")];
     return [];
   }
 
@@ -211,7 +205,6 @@ class Pins extends Part {
     this.output.className = "answer";
     set_text(this.output, "Waiting for the board …");
     const { output } = this;
-    this.values.asked(command, args);
     const answer = await bus.command(this.board, "io", command, args).answer;
     const { kind, text } = answer_text(answer);
     output.className = `answer ${kind}`;

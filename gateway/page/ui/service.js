@@ -163,7 +163,7 @@ class Service extends Part {
     const elements = elements_of(properties, this.service.name);
     if (JSON.stringify(elements) !== JSON.stringify(this.elements)) {
       this.elements = elements;
-      if (this.has_commands) this.has_commands = undefined;
+      this.has_commands &&= undefined;
       if (this.forms) this.show_commands();
     }
     this.show_stands();
@@ -178,10 +178,9 @@ class Service extends Part {
 
   /// For users who may not send commands: how what others set stands.
   show_set(properties, values) {
-    const texts = properties.filter((each) => each.service === this.service.name && each.access === "both")
-      .map((each) => [each.name, value_text(each, values.get(each.id)?.value)]).filter(([, text]) => text);
-    this.usual.replaceChildren(...texts.map(([name, text]) => h("p", { class: "only-set" }, `${name}: `, h("strong", {}, text))));
-    this.card.hidden = texts.length === 0;
+    const known = properties.filter((each) => each.service === this.service.name && each.access === "both" && values.get(each.id)?.how);
+    this.usual.replaceChildren(...known.map((each) => h("p", { class: "only-set" }, `${each.name}: `, h("strong", {}, value_text(each, values.get(each.id).value)))));
+    this.card.hidden = known.length === 0;
   }
 
   received(message, past = false) {

@@ -4,7 +4,7 @@ import { clock_text, duration_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { h, Part, set_class, set_text } from "./dom.js";
 import { attention_of } from "../core/attention.js";
-import { boards, report, status } from "./model.js";
+import { boards, status } from "./model.js";
 
 const kShownAfterMs = 700;
 const kFirstMs = 3000; // a page that has just begun is no loss
@@ -63,7 +63,6 @@ class Banner extends Part {
 class Stop extends Part {
   shown() {
     const board = this.getAttribute("board");
-    this.stopped = board ?? "*";
     this.path = board ? path_of("boards", board) : "api";
     this.button = h("button", { class: "stop", hidden: true, title: "Brings every motor, light and output into its safe state, ahead of all commands",
       onclick: () => this.stop() });
@@ -87,7 +86,6 @@ class Stop extends Part {
     set_text(this.answer, "Stopping …");
     try {
       const answer = await request(`${this.path}/stop`, { method: "POST", body: {} });
-      report({ stopped: this.stopped });
       set_text(this.answer, stop_text(answer, performance.now() - began));
     } catch (problem) {
       set_text(this.answer, `Not stopped: ${problem.message}`);

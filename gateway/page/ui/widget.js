@@ -35,7 +35,6 @@ class Widget extends Part {
 
   /// What its property is, as the board lists it; null: the board has no such property.
   describe(property) {
-    if (JSON.stringify(property) === JSON.stringify(this.property)) return;
     this.property = property;
     if (!this.isConnected) return;
     const title = title_of(this.widget, property);

@@ -58,13 +58,10 @@ test("Reports_AreShownByMode", () => {
 
 const output = { id: "io/13", kind: "switch", choices: [["off", 0], ["on", 1]] };
 
-test("ExecutedMode_ChangesIt_AndForgetsTheLevel", () => {
-  const pins = pins_of(uno);
+test("ExecutedMode_ChangesIt", () => {
   const values = new PinValues();
-  values.reported({ digital: { 13: 1 } });
-  values.asked("mode", { pin: 13, mode: "output" });
   values.executed("mode", { pin: 13, mode: "output" });
-  assert.deepEqual(values.state_of(pins[13]), { mode: "output", text: "", level: undefined, told: false });
+  assert.deepEqual(values.state_of(pins_of(uno)[13]), { mode: "output", text: "", level: undefined, told: false });
 });
 
 test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
@@ -79,16 +76,6 @@ test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
   values.stands([output], new Map([["io/13", { unknown: "restart" }]]));
   assert.equal(values.state_of(pins[13]).text, "");
   assert.equal(values.state_of(pins[2]).text, "low", "a pin that is no property shows its level");
-});
-
-test("LevelReportedBeforeTheAnswerToANewMode_Stays", () => {
-  const pins = pins_of(uno);
-  const values = new PinValues();
-  values.reported({ digital: { 2: 0 } });
-  values.asked("mode", { pin: 2, mode: "input-pullup" });
-  values.reported({ digital: { 2: 1 } });
-  values.executed("mode", { pin: 2, mode: "input-pullup" });
-  assert.equal(values.state_of(pins[2]).text, "high");
 });
 
 test("ReportedModes_ReplaceThoseOfTheDescription", () => {

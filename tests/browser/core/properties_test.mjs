@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import test from "node:test";
-import { elements_of, is_on, place_in, range_of, raw_of, set_by, stood, value_text } from "../../../gateway/page/core/properties.js";
+import { elements_of, is_on, place_in, range_of, raw_of, set_by, value_text } from "../../../gateway/page/core/properties.js";
 
 const switch_of = (off, on) => ({ id: "io/13", service: "io", kind: "switch", choices: [["off", off], ["on", on]], write: { command: "write", args: [13, null] } });
 const angle = (n) => ({ id: `servo/${n}/angle`, service: "servo", kind: "number", type: "integer", min: 0, max: 180, unit: "degrees", write: { command: "write", args: [n, null] } });
@@ -39,10 +39,4 @@ test("RawOfAnInvertedSwitch_IsTurned", () => {
   assert.equal(raw_of({ ...lamp, choices: [["off", 1], ["on", 0]] }, { on: true }), 0);
   assert.deepEqual(range_of(angle(0)), { min: 0, max: 180, step: 1 });
   assert.equal(range_of(switch_of(0, 1)), undefined);
-});
-
-test("ADocument_ChangesWhatItNames", () => {
-  const known = stood(new Map(), { values: { a: { value: 1, how: "set", age: 2 }, b: { unknown: "restart", age: 0 } } }, 10_000);
-  assert.deepEqual([known.get("a").at, known.get("b").value], [8000, undefined]);
-  assert.equal(stood(known, { values: { b: { value: 3, age: 0 } } }, 10_000).get("a").value, 1);
 });

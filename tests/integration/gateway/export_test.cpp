@@ -82,7 +82,7 @@ TEST_F(GatewayExportOfABoard, BoardIsShownAndSet_AndItsStateFollowsItsProof) {
     EXPECT_TRUE(becomes(kServo, "45"));
 
     probe_.publish(std::string(kServo) + "/set", "181");
-    EXPECT_TRUE(becomes(kError, "Servo angle cannot be set to 181"));
+    EXPECT_TRUE(becomes(kError, "Servo 0 angle cannot be set to 181"));
     EXPECT_EQ(probe_.last(kServo), "45");
 
     // The board restarts: what its servo does then is not known.

@@ -65,6 +65,20 @@ TEST_F(StandingTest, WithoutAList_ItIsMadeOfTheDescription_AndReportsAreShown) {
     EXPECT_EQ(value("distance/0")["value"], 42) << "the last one, of a board that is away";
 }
 
+TEST_F(StandingTest, ListThatChanges_IsAnEventWithItsBoard) {
+    const auto stream = get("/api/events");
+    const auto read = [&] {
+        std::string out;
+        stream->source->take(out, 65536);
+        return out;
+    };
+    read();
+    list();
+    EXPECT_THAT(read(), testing::AllOf(HasSubstr("event: properties"), HasSubstr(R"("state":"online")")));
+    list(2);
+    EXPECT_EQ(read(), "") << "it is the same list";
+}
+
 TEST_F(StandingTest, Ids_ChooseAndAreChecked) {
     list();
     EXPECT_EQ(get("/api/boards/uno1/properties?ids=servo/0/angle")->body()["properties"].size(), 1u);

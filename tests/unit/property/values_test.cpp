@@ -78,6 +78,23 @@ TEST(PropertyRequest, LightIsScaledToItsRange) {
         EXPECT_TRUE(requests_for(light(), json::parse(bad)).empty()) << bad;
 }
 
+TEST(PropertyLight, ThatIsOnlyOnOrOff_MayBeInverted) {
+    Property lamp;
+    lamp.kind = Kind::kLight;
+    lamp.max = 1;
+    lamp.write = Call{"io", "write", {13, std::nullopt}};
+    for (const int on : {0, 1}) {
+        lamp.choices = {{"off", 1 - on}, {"on", on}};
+        const auto written = [&](bool lit) {
+            return json::parse(requests_for(lamp, {{"on", lit}})[0].payload)["write"][1];
+        };
+        EXPECT_EQ(written(true), on);
+        EXPECT_EQ(written(false), 1 - on);
+        EXPECT_EQ(light_of(lamp, on, std::nullopt), json({{"on", true}}));
+        EXPECT_EQ(light_of(lamp, 1 - on, std::nullopt), json({{"on", false}}));
+    }
+}
+
 TEST(PropertyLight, IsOnWhereItsLevelIsAboveZero) {
     EXPECT_EQ(light_of(light(), 50, std::nullopt), json({{"on", true}, {"brightness", 128}}));
     EXPECT_EQ(light_of(light(), 50, 0xff0000),
