@@ -68,7 +68,7 @@ class Board extends Part {
   /// Its properties, listed by the gateway, and how they stand, as long as this page is seen.
   follow() {
     if (this.end_standing || !this.isConnected || document.hidden) return;
-    this.end_standing = bus.subscribe({ subscribe: `${this.name}/$values`, max_hz: 10 }, (message) => {
+    this.end_standing = bus.subscribe({ subscribe: `${this.name}/$values`, max_hz: rate }, (message) => {
       for (const [id, each] of Object.entries(message.values ?? {})) this.stands.set(id, each);
       if (message.values) this.show_standing();
     });
@@ -95,6 +95,8 @@ class Board extends Part {
     const select = h("select", { id, onchange: () => {
       rate = Number(select.value);
       for (const element of this.shown_services.values()) element.at_rate(rate);
+      this.unfollow();
+      this.follow();
     } }, rates.map((each) => h("option", { value: each }, `${each} a second`)));
     select.value = rate;
     return (this.rate = h("div", { class: "rate", hidden: true, title: "While this page is seen the board is asked for so many values" },
