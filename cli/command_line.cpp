@@ -2,6 +2,7 @@
 #include "cli/command_line.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "asip/program/command_words.hpp"
@@ -133,7 +134,29 @@ std::vector<std::string> CommandLine::arguments_last(std::vector<std::string> wo
     return result;
 }
 
+/// A verb that users of other programs type first, and that has another name here.
+std::optional<std::string> CommandLine::usual_name(const std::vector<std::string>& words) const {
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kNames{
+        {{"ls", "list"},
+         {"devices", "list"},
+         {"boards", "list"},
+         {"watch", "subscribe"},
+         {"rm", "forget"},
+         {"mv", "rename"},
+         {"set", "send"}}};
+    const auto read = program::classify(app_, words);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (read[i].kind != program::CommandWord::Kind::kUnknownSubcommand) continue;
+        for (const auto& [usual, ours] : kNames)
+            if (words[i] == usual)
+                return "there is no command \"" + words[i] + "\"; try asipctl " + std::string(ours);
+        break;
+    }
+    return std::nullopt;
+}
+
 std::optional<int> CommandLine::parse(std::vector<std::string> arguments) {
+    if (const auto usual = usual_name(arguments)) return settings_.usage_error(*usual);
     arguments = arguments_last(std::move(arguments));
     typed_ = typed_options(arguments);
     auto all = with_profile(std::move(arguments), program::environment_variable);

@@ -53,6 +53,7 @@ class CommandLine {
     std::string first_argument(const std::vector<std::string>& words) const;
     /// The same words, where `--` is among them with the options before it and all arguments behind it.
     std::vector<std::string> arguments_last(std::vector<std::string> words) const;
+    std::optional<std::string> usual_name(const std::vector<std::string>& words) const;
     void add_common_options();
     void add_verb(const Verb& verb, bool with_options);
 

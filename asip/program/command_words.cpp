@@ -12,6 +12,8 @@ namespace {
 
 using Kind = CommandWord::Kind;
 
+constexpr std::size_t kMostNamed = 12;
+
 std::string name_part(const std::string& word) {
     if (word.starts_with("--")) return word.substr(0, word.find('='));
     return word.substr(0, 2);
@@ -173,7 +175,7 @@ std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<s
             const auto names = subcommand_names(read[i].app);
             const auto near = text::did_you_mean(words[i], names);
             return "there is no command \"" + words[i] + "\"" +
-                   (near.empty() ? "; there are " + joined(names, ", ") : near);
+                   (near.empty() && names.size() <= kMostNamed ? "; there are " + joined(names, ", ") : near);
         }
     }
     return std::nullopt;

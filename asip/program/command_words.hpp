@@ -39,8 +39,8 @@ std::vector<CommandWord> classify(const CLI::App& app, const std::vector<std::st
 /// What the word after `words` would be: a subcommand, the value of the last option, or an argument.
 CommandWord next_word(const CLI::App& app, const std::vector<std::string>& words);
 
-/// A sentence that names the first unknown option or subcommand and the nearest one there is; nothing when
-/// all are known.
+/// A sentence that names the first unknown option or subcommand and the nearest one there is, or all of a
+/// few; nothing when all are known.
 std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<std::string>& words);
 
 /// A sentence that names the first argument that the command has no place for, and those that it takes.

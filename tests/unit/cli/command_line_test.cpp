@@ -39,6 +39,21 @@ TEST(CommandLine, DurationsOfEachUnit_AreReadEverywhere) {
     EXPECT_EQ(parsed({"top", "-i", "soon"}), program::kExitUsage);
 }
 
+TEST(CommandLine, NamesOfOtherPrograms_AreAnsweredWithOurs_AndOthersInOneLine) {
+    const auto told = [](std::vector<std::string> words) {
+        CommandLine line(all_verbs(), words);
+        testing::internal::CaptureStderr();
+        EXPECT_EQ(line.parse(words), program::kExitUsage);
+        return testing::internal::GetCapturedStderr();
+    };
+    EXPECT_THAT(told({"watch", "uno1"}), HasSubstr("try asipctl subscribe\n"));
+    EXPECT_THAT(told({"--from-bus", "ls"}), HasSubstr("try asipctl list\n"));
+    EXPECT_THAT(told({"devices"}), HasSubstr("try asipctl list\n"));
+    EXPECT_THAT(told({"rm", "uno1"}), HasSubstr("try asipctl forget\n"));
+    EXPECT_THAT(told({"mv", "uno1"}), HasSubstr("try asipctl rename\n"));
+    EXPECT_EQ(told({"zzzzzzzz"}), "asipctl: there is no command \"zzzzzzzz\"\nTry asipctl --help\n");
+}
+
 TEST(CommandLine, NegativeNumbers_AreArguments) {
     EXPECT_EQ(parsed({"send", "uno1/motors", "motor", "0", "-100", "-o", "json"}), std::nullopt);
 }
