@@ -25,7 +25,7 @@ export function pins_of(description) {
       name: description.names?.pins?.[number] ?? "",
       can: Number(digit),
       owner: letter === "@" ? "system" : letter === "-" || letter === "I" ? "" : letters.get(letter) ?? letter,
-      mode: pins.modes?.[number] === undefined ? undefined : Number(pins.modes[number]),
+      mode: Number(description.pin_modes?.[number] ?? pins.modes?.[number]), // that a command set, else as the board says
     };
   });
 }
@@ -71,27 +71,15 @@ function numbers_by_pin(map) {
 /// What is known of the pins from reports of the I/O service and from the properties of the board.
 export class PinValues {
   constructor() {
-    this.modes = new Map();
     this.levels = new Map();
     this.analog = new Map(); // by channel
     this.properties = new Map(); // by pin: {property, value, how}
   }
 
-  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}, {"modes":[6,6,1]}.
+  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}.
   reported(value) {
     for (const [pin, level] of numbers_by_pin(value.digital)) this.levels.set(pin, level);
     for (const [channel, reading] of numbers_by_pin(value.analog)) this.analog.set(channel, reading);
-    for (const [pin, mode] of numbers_by_pin(value.modes)) this.modes.set(pin, mode);
-  }
-
-  /// A new description: a mode that it changes counts more than what was known before.
-  described(before, now) {
-    now.forEach((pin, i) => { if (pin.mode !== before[i].mode) this.modes.delete(pin.number); });
-  }
-
-  /// A command that the board has executed.
-  executed(command, args) {
-    if (command === "mode") this.modes.set(args.pin, typeof args.mode === "string" ? mode_names.indexOf(args.mode) : args.mode);
   }
 
   /// The list of the board, and how its properties stand: id -> {value, how}.
@@ -103,7 +91,7 @@ export class PinValues {
   /// {mode, text, level, told}: level 0..1 for the light of the pin, undefined where nothing is known. `told`: the board does not
   /// report it; it is what was set last.
   state_of(pin) {
-    const mode = mode_names[this.modes.get(pin.number) ?? pin.mode];
+    const mode = mode_names[pin.mode];
     const { property, value, how } = this.properties.get(pin.number) ?? {};
     if (property && value !== undefined && value !== null) {
       const level = typeof value === "number" ? value / (property.max ?? 1) : Number(is_on(value) ?? 0);

@@ -5,7 +5,7 @@ import { raw_of, set_by, value_text } from "../core/properties.js";
 import { unit_text, words } from "../core/text.js";
 import { bus } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
-import { report, status } from "./model.js";
+import { status } from "./model.js";
 
 const kHoldMs = 500;
 const kRenewMs = 150;
@@ -128,7 +128,6 @@ class Command extends Part {
     this.tell(kind, text);
     if (answer.status !== "ok") return;
     this.touched = false;
-    this.executed(this.name, args, answer.answer);
     const proof = `${this.service.name} ${this.name}: proof: ${answer.proof}${ms === undefined ? "" : `, ${Math.round(ms)} ms`}`;
     this.dispatchEvent(Object.assign(new Event("proof", { bubbles: true }), { proof }));
   }
@@ -174,14 +173,11 @@ class Command extends Part {
       if (current) this.release(false);
       return;
     }
-    this.executed(this.name, args);
     if (!current) return;
     held.begun = true;
     last_values.set(this.key, this.entered());
     this.tell("ok", "Held.");
   }
-
-  executed(command, args, answer) { report({ board: this.board, service: this.service.name, command, args, answer }); }
 
   /// Made safe at once; should that be lost on its way, the agent does it by itself within the hold time.
   async release(make_safe = true) {
@@ -194,7 +190,6 @@ class Command extends Part {
     const safe = safe_form(this.model, this.name, held.args);
     if (!make_safe || !safe) return;
     const answer = await bus.command(this.board, this.service.name, safe.command, safe.args).answer;
-    if (answer.status === "ok") this.executed(safe.command, safe.args);
     const { kind, text } = answer.status === "ok" ? { kind: "ok", text: "Let go: safe." } : answer_text(answer);
     if (!this.held && this.isConnected) this.tell(kind, text);
   }

@@ -72,18 +72,5 @@ class Status extends EventTarget {
   get may_forget() { return this.you.forget === true; }
 }
 
-const kChannel = "asip-done";
-const done = new BroadcastChannel(kChannel);
-
-/// Reports to every tab of the browser, this one too, what a board has executed: {board, service, command, args, answer}.
-export function report(what) { done.postMessage(what); }
-
-/// The returned function ends it.
-export function on_report(listener) {
-  const channel = new BroadcastChannel(kChannel);
-  channel.onmessage = (event) => listener(event.data);
-  return () => channel.close();
-}
-
 export const status = new Status();
 export const boards = new BoardList();

@@ -7,7 +7,7 @@ import { words } from "../core/text.js";
 import { offers_of_board } from "./add_widget.js";
 import { bus } from "../net/bus.js";
 import { before_picture, fresh_id, h, Part, set_class, set_text } from "./dom.js";
-import { on_report, report, status } from "./model.js";
+import { status } from "./model.js";
 import { keep_labels } from "./names.js";
 
 const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "A in", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
@@ -21,7 +21,6 @@ class Pins extends Part {
     const pins = pins_of(description);
     const same = this.pins && shape_of(pins) === shape_of(this.pins);
     this.values ??= new PinValues();
-    if (same) this.values.described(this.pins, pins);
     Object.assign(this, { board, pins });
     if (!this.isConnected) return this;
     if (!same) this.build();
@@ -35,7 +34,6 @@ class Pins extends Part {
     this.may_command = status.may_command;
     this.may_label = status.may_label;
     this.listen(status, "change", () => this.allow());
-    this.while_shown(on_report((what) => this.happened(what)));
     this.build();
   }
 
@@ -73,13 +71,6 @@ class Pins extends Part {
     this.values ??= new PinValues();
     this.values.stands(properties, values);
     this.refresh?.();
-  }
-
-  happened({ board, service, command, args, answer }) {
-    if (board !== this.board || service !== "io") return;
-    this.values.executed(command, args);
-    if (answer) this.values.reported(answer);
-    this.refresh();
   }
 
   draw() {
@@ -209,7 +200,6 @@ class Pins extends Part {
     const { kind, text } = answer_text(answer);
     output.className = `answer ${kind}`;
     set_text(output, text);
-    if (answer.status === "ok") report({ board: this.board, service: "io", command, args });
   }
 }
 

@@ -58,10 +58,9 @@ test("Reports_AreShownByMode", () => {
 
 const output = { id: "io/13", kind: "switch", choices: [["off", 0], ["on", 1]] };
 
-test("ExecutedMode_ChangesIt", () => {
-  const values = new PinValues();
-  values.executed("mode", { pin: 13, mode: "output" });
-  assert.deepEqual(values.state_of(pins_of(uno)[13]), { mode: "output", text: "", level: undefined, told: false });
+test("ModeThatACommandSet_CountsMoreThanThatOfTheBoard", () => {
+  const pins = pins_of({ ...uno, pin_modes: { 13: 3 } });
+  assert.deepEqual(new PinValues().state_of(pins[13]), { mode: "output", text: "", level: undefined, told: false });
 });
 
 test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
@@ -78,24 +77,6 @@ test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
   assert.equal(values.state_of(pins[2]).text, "low", "a pin that is no property shows its level");
 });
 
-test("ReportedModes_ReplaceThoseOfTheDescription", () => {
-  const pins = pins_of(uno);
-  const values = new PinValues();
-  values.reported({ modes: [6, 6, 3] });
-  assert.equal(values.state_of(pins[2]).mode, "output");
-});
-
-test("NewDescriptionWithAnotherMode_CountsMoreThanWhatWasKnown_AndOneWithTheSameDoesNot", () => {
-  const before = pins_of(uno);
-  const values = new PinValues();
-  values.executed("mode", { pin: 2, mode: "output" });
-  values.described(before, pins_of(uno));
-  assert.equal(values.state_of(before[2]).mode, "output");
-  const now = pins_of({ ...uno, pins: { ...uno.pins, modes: uno.pins.modes.replace("661", "662") } });
-  values.described(before, now);
-  assert.equal(values.state_of(now[2]).mode, "input-pullup");
-});
-
 test("what others publish as reports of pins does no harm, and does not grow", () => {
   const values = new PinValues();
   for (const value of [{ modes: {} }, { modes: "out" }, { modes: [{}] }, { digital: 7 }, { digital: { 2: "high", x: 1, "-1": 1, 300: 1, 1.5: 1 } },
@@ -103,5 +84,4 @@ test("what others publish as reports of pins does no harm, and does not grow", (
   for (let i = 0; i < 5000; ++i) values.reported({ digital: { [i]: 1 }, analog: { [i]: 1 } });
   assert.equal(values.levels.size, 256);
   assert.equal(values.analog.size, 256);
-  assert.equal(values.modes.size, 0);
 });
