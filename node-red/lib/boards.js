@@ -28,7 +28,7 @@ class Board {
   constructor(name, now) {
     Object.assign(this, {
       name, reported: 'online', reportedReason: '', reportedSince: -Infinity, effective: 'lost', judgedReason: '', since: now, session: '', seq: -1, lease: DEFAULT_LEASE,
-      description: { services: [], labels: {} }, described: false, saysState: false, describedAt: -Infinity, proven: false, deadline: now, firstSeen: now, lastHeard: -Infinity,
+      description: { services: [], labels: {} }, described: false, saysState: false, describedAt: -Infinity, proven: false, deadline: now, sessionEnds: -Infinity, firstSeen: now, lastHeard: -Infinity,
       epochHeard: 0, epochGone: 0, keptUntil: -Infinity, oldSessions: new Map(), challenger: undefined,
       hinted: false, // only a retained word says that it is there
     });
@@ -124,7 +124,7 @@ class Board {
       if (other.confirmed) Object.assign(other, { session: this.session, seq: this.seq, deadline: this.deadline });
       else this.challenger = undefined;
     }
-    Object.assign(this, { session, seq: 0, proven: false, epochHeard: 0 });
+    Object.assign(this, { session, seq: 0, sessionEnds: -Infinity, proven: false, epochHeard: 0 });
   }
 
   // Brings the effective state into line with what was reported and the lease; whether it changed.
@@ -136,7 +136,9 @@ class Board {
     this.keptUntil = -Infinity;
     if (was !== is || added) {
       const unknown = judged ? added : !isThereWord(is) && this.reportedSince === -Infinity;
-      this.since = unknown ? -Infinity : judged ? this.deadline : now;
+      // What the grace after an interruption added is no time in which it was there.
+      const leaseEnded = this.saysState ? this.sessionEnds : this.deadline;
+      this.since = unknown ? -Infinity : judged ? leaseEnded : now;
     }
     if (!judged && this.reportedSince !== -Infinity && (this.saysState || !isThereWord(is))) this.since = this.reportedSince;
     this.judgedReason = judged ? 'expired' : this.reportedReason;
@@ -179,10 +181,12 @@ class Boards {
       board.takeSaidState(retained, expiry, succeeds, this.epoch, now);
     }
     if (!retained) {
-      Object.assign(board, { deadline: now + board.lease, proven: true, lastHeard: now });
+      Object.assign(board, { deadline: now + board.lease, sessionEnds: now + board.lease, proven: true, lastHeard: now });
       if (board.saysState) board.epochHeard = this.epoch;
-    } else if (expiry !== undefined) board.deadline = Math.max(board.deadline, now + Math.min(expiry, board.lease));
-    else if (verdict === 'accept') board.deadline = Math.max(board.deadline, now + board.lease);
+    } else if (expiry !== undefined || verdict === 'accept') {
+      board.sessionEnds = Math.max(board.sessionEnds, now + Math.min(expiry ?? board.lease, board.lease));
+      board.deadline = Math.max(board.deadline, board.sessionEnds);
+    }
     board.hinted = false;
     return board.update(now, added) || verdict === 'accept' ? board : undefined;
   }

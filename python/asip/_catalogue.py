@@ -85,13 +85,13 @@ class Catalogue:
             entry.session, entry.seq, entry.description, entry.lease, entry.described = session, seq, document, float(document["lease"]), True
             self._take_said_state(entry, retained, expiry, succeeds, now)
         if not retained:
-            entry.deadline, entry.proven, entry.last_heard = now + entry.lease, True, now
+            entry.deadline = entry.session_ends = now + entry.lease
+            entry.proven, entry.last_heard = True, now
             if entry.says_state:
                 entry.epoch_heard = self._epoch
-        elif expiry is not None:
-            entry.deadline = max(entry.deadline, now + min(float(expiry), entry.lease))
-        elif verdict == "accept":
-            entry.deadline = max(entry.deadline, now + entry.lease)
+        elif expiry is not None or verdict == "accept":
+            entry.session_ends = max(entry.session_ends, now + (entry.lease if expiry is None else min(float(expiry), entry.lease)))
+            entry.deadline = max(entry.deadline, entry.session_ends)
         entry.hinted = False
         return self._update(entry, now, added) or verdict == "accept"
 
@@ -159,7 +159,7 @@ class Catalogue:
                 other.session, other.seq, other.deadline = entry.session, entry.seq, entry.deadline
             else:
                 entry.challenger = None
-        entry.session, entry.seq, entry.proven, entry.epoch_heard = session, 0, False, 0
+        entry.session, entry.seq, entry.session_ends, entry.proven, entry.epoch_heard = session, 0, NEVER, False, 0
 
     def _take_said_state(self, entry: Entry, retained: bool, expiry: int | None, succeeds: bool, now: float) -> None:
         """An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
@@ -243,7 +243,8 @@ class Catalogue:
         changed = was != state or added
         if changed:
             unknown = judged and added or not judged and state not in THERE and entry.reported_since == NEVER
-            entry.since = NEVER if unknown else entry.deadline if judged else now
+            # What the grace after an interruption added is no time in which it was there.
+            entry.since = NEVER if unknown else now if not judged else entry.session_ends if entry.says_state else entry.deadline
         if not judged and entry.reported_since != NEVER and (entry.says_state or state not in THERE):
             entry.since = entry.reported_since
         entry.judged_reason = "expired" if judged else entry.reported_reason

@@ -27,6 +27,7 @@ class Entry:
         self.proven = False         # its session was heard live, not only retained
         self.deadline = self.first_seen = now
         self.last_heard = NEVER
+        self.session_ends = NEVER  # the lease of its session's descriptions, without grace
         self.epoch_heard = self.epoch_gone = 0
         self.kept_until = NEVER
         self.old_sessions: dict[str, int] = {}
