@@ -28,7 +28,8 @@ class Board {
   constructor(name, now) {
     Object.assign(this, {
       name, reported: 'online', reportedReason: '', reportedSince: -Infinity, effective: 'lost', judgedReason: '', since: now, session: '', seq: -1, lease: DEFAULT_LEASE,
-      description: { services: [], labels: {} }, described: false, saysState: false, describedAt: -Infinity, proven: false, deadline: now, sessionEnds: -Infinity, firstSeen: now, lastHeard: -Infinity,
+      description: { services: [], labels: {} }, described: false, saysState: false, saidAt: -Infinity, // when its state was said last, as far as can be known
+      proven: false, deadline: now, firstSeen: now, lastHeard: -Infinity, sessionEnds: -Infinity, // the lease of its session's descriptions, without grace
       epochHeard: 0, epochGone: 0, keptUntil: -Infinity, oldSessions: new Map(), challenger: undefined,
       hinted: false, // only a retained word says that it is there
     });
@@ -56,45 +57,47 @@ class Board {
 
   // An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
   // board that was there is newer, and the word of the broker.
-  takeSaidState(retained, expiry, succeeds, epoch, now) {
+  takeSaidState(retained, saidAt, newSession, epoch, now) {
     const said = this.description.state;
     this.saysState = said !== undefined;
-    if (!this.saysState) {
-      if (!retained && succeeds && !isThereWord(this.reported)) this.say('online', '', now, now);
-      return;
-    }
-    const onTheWay = retained && expiry !== undefined ? Math.max(0, this.lease - expiry) : 0;
-    const newer = this.reportedSince !== -Infinity && now - onTheWay > this.reportedSince + APART;
+    if (!this.saysState) return;
+    const newer = this.reportedSince !== -Infinity && saidAt > this.reportedSince + APART;
     const goneSince = retained && this.epochGone === epoch && !isThereWord(this.reported) && said.is !== this.reported && !newer;
-    this.describedAt = now - onTheWay;
+    this.saidAt = saidAt;
     if (goneSince) return;
-    if (succeeds) this.reportedSince = -Infinity;
-    this.say(said.is, said.reason ?? '', now - onTheWay - (said.age ?? 0), now);
+    if (newSession) this.reportedSince = -Infinity; // it came into its state when it says, though the one before it had been in the same
+    this.say(said.is, said.reason ?? '', saidAt - (said.age ?? 0), now);
   }
 
   // 'accept', 'renew' or 'refuse': what a description of this session is.
-  judge({ session, seq, lease }, live, now) {
+  judge({ session, seq, lease }, retained, published, now) {
     if (!this.described) return 'accept';
-    if (this.session !== session) return this.judgeOtherSession(session, seq, lease, live, now) ? 'accept' : 'refuse';
+    if (this.session !== session) return this.judgeOtherSession({ session, seq, lease }, retained, published, now) ? 'accept' : 'refuse';
     if (seq <= this.seq) return seq < this.seq ? 'refuse' : 'renew';
-    if (live && this.challenger) {
+    if (!retained && this.challenger) {
       if (now >= this.challenger.deadline) this.challenger = undefined;
       else this.challenger.answered = true;
     }
     return 'accept';
   }
 
-  judgeOtherSession(session, seq, lease, live, now) {
+  // A later session counts, whatever was before. An earlier one counts by what it says after the lease of the later one: the clock of its
+  // agent went back, and nothing on the bus told it of the later one.
+  judgeOtherSession({ session, seq, lease }, retained, published, now) {
     const old = this.oldSessions.get(session);
     if (old !== undefined && seq <= old) return false;
-    const holderLives = this.alive(now) && this.proven;
-    const older = isOlder(session, this.session);
-    if (!live) {
-      if (old !== undefined || older || (holderLives && !isOlder(this.session, session))) return false;
-    } else if (holderLives) {
-      const disputed = this.conflict && now < this.challenger.deadline;
-      if (old !== undefined || disputed || older) return this.challenge(session, seq, lease, now);
-    } else if (older && now < this.deadline) return false; // what its session said last counts
+    const earlier = isOlder(session, this.session);
+    const tooEarly = earlier && published < this.sessionEnds;
+    if (tooEarly) this.remember(session, seq); // for ever, however late a bridge delivers it again
+    if (tooEarly || (!earlier && !isOlder(this.session, session))) {
+      const holderLives = this.alive(now) && this.proven;
+      if (retained) {
+        if (earlier || old !== undefined || holderLives) return false;
+      } else if (holderLives) {
+        const disputed = this.conflict && now < this.challenger.deadline;
+        if (earlier || old !== undefined || disputed) return this.challenge(session, seq, lease, now);
+      } else if (earlier) return false;
+    }
     this.takeOver(session);
     return true;
   }
@@ -114,11 +117,16 @@ class Board {
     return true;
   }
 
+  // The newest last, with the highest seq seen.
+  remember(session, seq) {
+    this.oldSessions.set(session, Math.max(seq, this.oldSessions.get(session) ?? seq));
+    if (this.oldSessions.size > MAX_OLD_SESSIONS) this.oldSessions.delete(this.oldSessions.keys().next().value);
+  }
+
   // The old session is remembered, so that its old messages cannot come back.
   takeOver(session) {
     this.oldSessions.delete(session);
-    this.oldSessions.set(this.session, this.seq);
-    if (this.oldSessions.size > MAX_OLD_SESSIONS) this.oldSessions.delete(this.oldSessions.keys().next().value);
+    this.remember(this.session, this.seq);
     const other = this.challenger;
     if (other?.session === session) {
       if (other.confirmed) Object.assign(other, { session: this.session, seq: this.seq, deadline: this.deadline });
@@ -173,12 +181,16 @@ class Boards {
     if (!document) return undefined;
     const added = !this.all.has(name);
     const board = this.of(name, now);
-    const succeeds = board.described && board.session !== document.session;
-    const verdict = board.judge(document, !retained, now);
+    const { described } = board;
+    const other = board.session !== document.session;
+    let published = now;
+    if (retained) published = expiry === undefined ? -Infinity : now - Math.max(0, document.lease - expiry);
+    const verdict = board.judge(document, retained, published, now);
     if (verdict === 'refuse') return undefined;
     if (verdict === 'accept') {
       Object.assign(board, { session: document.session, seq: document.seq, lease: document.lease, description: document, described: true });
-      board.takeSaidState(retained, expiry, succeeds, this.epoch, now);
+      board.takeSaidState(retained, published === -Infinity ? now : published, other || !described, this.epoch, now);
+      if (!board.saysState && !retained && described && other && !isThereWord(board.reported)) board.say('online', '', now, now);
     }
     if (!retained) {
       Object.assign(board, { deadline: now + board.lease, sessionEnds: now + board.lease, proven: true, lastHeard: now });
@@ -203,14 +215,17 @@ class Boards {
     board.hinted = retained && there && (!known || known.hinted);
     const published = expiry !== undefined && expiry <= STATE_EXPIRY ? now - (STATE_EXPIRY - expiry) : undefined;
     // A bridge delivers what it has stored again: the agent has said more since then.
-    if (board.saysState && !there && published !== undefined && published + APART < board.describedAt) return undefined;
-    if (!there) board.epochGone = this.epoch;
-    // The newer of two words counts, also where both say that it is not there.
-    const goneOtherwise = !there && !isThereWord(board.reported) && word !== board.reported && (!retained || (published !== undefined && published > board.describedAt + APART));
-    if (!board.saysState || (!there && isThereWord(board.reported)) || goneOtherwise) {
+    if (board.saysState && !there && published !== undefined && published + APART < board.saidAt) return undefined;
+    // The newer of two words counts, also where both say that it is not there: a will comes after a stop, too, and the description that came
+    // with a stop may have come and gone while nothing was heard.
+    const goneOtherwise = !there && !isThereWord(board.reported) && word !== board.reported && (!retained || published !== undefined);
+    const again = retained && published <= board.saidAt + APART && word === board.reported;
+    if ((!board.saysState && !again) || (!there && isThereWord(board.reported)) || goneOtherwise) {
       const moment = !retained && (!known || word !== board.reported) ? now : -Infinity;
       board.say(word, REASON_OF_WORD[word] ?? '', retained && published !== undefined ? published : moment, now);
     }
+    if (!there && board.reported === word) board.epochGone = this.epoch;
+    board.saidAt = Math.max(board.saidAt, published ?? (retained ? -Infinity : now));
     if (!retained && !board.saysState && there) Object.assign(board, { deadline: now + board.lease, lastHeard: now });
     if (!retained) board.epochHeard = this.epoch;
     return board.update(now, !known) ? board : undefined;

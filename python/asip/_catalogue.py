@@ -24,7 +24,6 @@ _APART = 2.0
 # After the broker was away, leases get this time to be renewed.
 _GRACE = 10.0
 _FORGET_AFTER = 7 * 86_400.0
-_MAX_OLD_SESSIONS = 8
 _REASON_OF_WORD = {"lost": "agent-gone", "offline": "stopped", "updating": "released"}
 _TIMED = re.compile(r"[0-9a-f]{16}(-|\Z)")
 
@@ -77,13 +76,16 @@ class Catalogue:
         added = self._known(board) is None
         entry = self._of(board, now)
         session, seq = document["session"], document["seq"]
-        succeeds = entry.described and entry.session != session
-        verdict = self._judge(entry, document, not retained, now)
+        described, other = entry.described, entry.session != session
+        published = now if not retained else NEVER if expiry is None else now - max(0.0, document["lease"] - expiry)
+        verdict = self._judge(entry, document, retained, published, now)
         if verdict == "refuse":
             return False
         if verdict == "accept":
             entry.session, entry.seq, entry.description, entry.lease, entry.described = session, seq, document, float(document["lease"]), True
-            self._take_said_state(entry, retained, expiry, succeeds, now)
+            self._take_said_state(entry, retained, now if published == NEVER else published, other or not described, now)
+            if not entry.says_state and not retained and described and other and entry.reported not in THERE:
+                self._say(entry, "online", "", now, now)
         if not retained:
             entry.deadline = entry.session_ends = now + entry.lease
             entry.proven, entry.last_heard = True, now
@@ -95,14 +97,14 @@ class Catalogue:
         entry.hinted = False
         return self._update(entry, now, added) or verdict == "accept"
 
-    def _judge(self, entry: Entry, document: dict[str, Any], live: bool, now: float) -> str:
+    def _judge(self, entry: Entry, document: dict[str, Any], retained: bool, published: float, now: float) -> str:
         if not entry.described:
             return "accept"
         if entry.session != document["session"]:
-            return self._judge_other_session(entry, document, live, now)
+            return self._judge_other_session(entry, document, retained, published, now)
         if document["seq"] <= entry.seq:
             return "refuse" if document["seq"] < entry.seq else "renew"
-        if live and entry.challenger is not None:
+        if not retained and entry.challenger is not None:
             if now >= entry.challenger.deadline:
                 entry.challenger = None
             else:
@@ -110,22 +112,28 @@ class Catalogue:
         return "accept"
 
     @staticmethod
-    def _judge_other_session(entry: Entry, document: dict[str, Any], live: bool, now: float) -> str:
+    def _judge_other_session(entry: Entry, document: dict[str, Any], retained: bool, published: float, now: float) -> str:
+        """A later session counts, whatever was before. An earlier one counts by what it says after the lease of the later one: the clock of its
+        agent went back, and nothing on the bus told it of the later one."""
         session = document["session"]
         old = entry.old_sessions.get(session)
         if old is not None and document["seq"] <= old:
             return "refuse"
-        holder_lives = entry.alive(now) and entry.proven
-        older, newer = _is_older(session, entry.session), _is_older(entry.session, session)
-        if not live:
-            if old is not None or older or holder_lives and not newer:
+        earlier, later = _is_older(session, entry.session), _is_older(entry.session, session)
+        too_early = earlier and published < entry.session_ends
+        if too_early:  # for ever, however late a bridge delivers it again
+            entry.remember(session, document["seq"])
+        if too_early or not earlier and not later:
+            holder_lives = entry.alive(now) and entry.proven
+            if retained:
+                if earlier or old is not None or holder_lives:
+                    return "refuse"
+            elif holder_lives:
+                disputed = entry.conflict and entry.challenger is not None and now < entry.challenger.deadline
+                if earlier or old is not None or disputed:
+                    return "accept" if Catalogue._challenge(entry, document, now) else "refuse"
+            elif earlier:
                 return "refuse"
-        elif holder_lives:
-            disputed = entry.conflict and entry.challenger is not None and now < entry.challenger.deadline
-            if old is not None or disputed or older:
-                return "accept" if Catalogue._challenge(entry, document, now) else "refuse"
-        elif older and now < entry.deadline:
-            return "refuse"  # what its session said last counts
         Catalogue._take_over(entry, session)
         return "accept"
 
@@ -150,9 +158,7 @@ class Catalogue:
     def _take_over(entry: Entry, session: str) -> None:
         """The old session is remembered, so that its old messages cannot come back."""
         entry.old_sessions.pop(session, None)
-        entry.old_sessions[entry.session] = entry.seq
-        if len(entry.old_sessions) > _MAX_OLD_SESSIONS:
-            del entry.old_sessions[next(iter(entry.old_sessions))]
+        entry.remember(entry.session, entry.seq)
         other = entry.challenger
         if other is not None and other.session == session:
             if other.confirmed:
@@ -161,24 +167,21 @@ class Catalogue:
                 entry.challenger = None
         entry.session, entry.seq, entry.session_ends, entry.proven, entry.epoch_heard = session, 0, NEVER, False, 0
 
-    def _take_said_state(self, entry: Entry, retained: bool, expiry: int | None, succeeds: bool, now: float) -> None:
+    def _take_said_state(self, entry: Entry, retained: bool, said_at: float, new_session: bool, now: float) -> None:
         """An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
         board that was there is newer, and the word of the broker."""
         said = entry.description.get("state")
         entry.says_state = said is not None
         if said is None:
-            if not retained and succeeds and entry.reported not in THERE:
-                self._say(entry, "online", "", now, now)
             return
-        on_the_way = max(0.0, entry.lease - expiry) if retained and expiry is not None else 0.0
-        newer = entry.reported_since != NEVER and now - on_the_way > entry.reported_since + _APART
+        newer = entry.reported_since != NEVER and said_at > entry.reported_since + _APART
         gone_since = retained and entry.epoch_gone == self._epoch and entry.reported not in THERE and said["is"] != entry.reported and not newer
-        entry.described_at = now - on_the_way
+        entry.said_at = said_at
         if gone_since:
             return
-        if succeeds:
+        if new_session:  # it came into its state when it says, though the one before it had been in the same
             entry.reported_since = NEVER
-        self._say(entry, said["is"], said.get("reason", ""), now - on_the_way - said.get("age", 0), now)
+        self._say(entry, said["is"], said.get("reason", ""), said_at - said.get("age", 0), now)
 
     @staticmethod
     def _say(entry: Entry, state: str, reason: str, since: float, now: float) -> None:
@@ -212,18 +215,20 @@ class Catalogue:
         there = word in THERE
         published = now - (_STATE_EXPIRY - expiry) if expiry is not None and expiry <= _STATE_EXPIRY else None
         # A bridge delivers what it has stored again: the agent has said more since then.
-        if entry.says_state and not there and published is not None and published + _APART < entry.described_at:
+        if entry.says_state and not there and published is not None and published + _APART < entry.said_at:
             return False
-        if not there:
-            entry.epoch_gone = self._epoch
-        # The newer of two words counts, also where both say that it is not there.
-        gone_otherwise = not there and entry.reported not in THERE and word != entry.reported and (
-            not retained or published is not None and published > entry.described_at + _APART)
-        if not entry.says_state or not there and entry.reported in THERE or gone_otherwise:
+        # The newer of two words counts, also where both say that it is not there: a will comes after a stop, too, and the description that
+        # came with a stop may have come and gone while nothing was heard.
+        gone_otherwise = not there and entry.reported not in THERE and word != entry.reported and (not retained or published is not None)
+        again = retained and published is not None and published <= entry.said_at + _APART and word == entry.reported
+        if not entry.says_state and not again or not there and entry.reported in THERE or gone_otherwise:
             since = now if not retained and (added or word != entry.reported) else NEVER
             if retained and published is not None:
                 since = published
             self._say(entry, word, _REASON_OF_WORD.get(word, ""), since, now)
+        if not there and entry.reported == word:
+            entry.epoch_gone = self._epoch
+        entry.said_at = max(entry.said_at, published if published is not None else NEVER if retained else now)
         if not retained and not entry.says_state and there:
             entry.deadline, entry.last_heard = now + entry.lease, now
         if not retained:

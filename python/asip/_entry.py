@@ -8,6 +8,7 @@ from . import _description
 
 THERE = ("online", "sleeping", "updating")
 NEVER = float("-inf")
+_MAX_OLD_SESSIONS = 8
 WORDS = {"unplugged": "cable unplugged", "silent": "the board answers nothing", "agent-gone": "its agent died or lost the broker",
          "expired": "its agent fell silent and the lease ran out", "released": "its port is in other hands", "stopped": "its agent was stopped",
          "conflict": "two agents claim its name", "latched": "STOPPED until it is resumed"}
@@ -23,17 +24,22 @@ class Entry:
         self.session, self.seq, self.lease = "", -1, float(_description.DEFAULT_LEASE)
         self.description: dict[str, Any] = {}
         self.described = self.says_state = False  # its descriptions hold the state: they alone make it be there
-        self.described_at = NEVER  # when its last description was published, as far as can be known
+        self.said_at = NEVER  # when its state was said last, as far as can be known
         self.proven = False         # its session was heard live, not only retained
         self.deadline = self.first_seen = now
         self.last_heard = NEVER
         self.session_ends = NEVER  # the lease of its session's descriptions, without grace
         self.epoch_heard = self.epoch_gone = 0
         self.kept_until = NEVER
-        self.old_sessions: dict[str, int] = {}
+        self.old_sessions: dict[str, int] = {}  # the newest last, with the highest seq seen
         self.challenger: Challenger | None = None
         self.listed = False  # as a registry listed it, or as it was when this program looked last
         self.hinted = False  # only a retained word says that it is there
+
+    def remember(self, session: str, seq: int) -> None:
+        self.old_sessions[session] = max(seq, self.old_sessions.get(session, seq))
+        if len(self.old_sessions) > _MAX_OLD_SESSIONS:
+            del self.old_sessions[next(iter(self.old_sessions))]
 
     @property
     def state(self) -> str:
