@@ -27,10 +27,11 @@ int run_verb(CommandLine& line, Environment& environment) {
 }
 
 /// The data must have arrived: a full disk is a failure. A reader that has seen enough (`| head -1`) is not.
-int status_after_output(const Environment& environment, int status) {
+int status_after_output(const Environment& environment, std::ostream& out, int status) {
     errno = 0;
     environment.out.flush();
-    if (environment.out || environment.reader_gone()) return status;
+    out.flush();  // help goes there without the environment
+    if ((environment.out && out) || environment.reader_gone()) return status;
     environment.err << "asipctl: cannot write the output"
                     << (errno != 0 ? std::string(": ") + std::strerror(errno) : "") << std::endl;
     return status == program::kExitOk ? program::kExitFailure : status;
@@ -54,7 +55,7 @@ int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& o
     }
     CommandLine line(all_verbs(), arguments);
     const auto ended = line.parse(std::move(arguments));
-    return status_after_output(environment, ended ? *ended : run_verb(line, environment));
+    return status_after_output(environment, out, ended ? *ended : run_verb(line, environment));
 }
 
 }  // namespace asip::cli

@@ -203,7 +203,9 @@ void BoardValues::answer(std::string_view demander, const bus::Demand& demand, c
     if (!demand.reply_to.starts_with(below) || !may_answer(demander, now)) return;
     const auto asked = [&](const std::string& service) {
         return std::any_of(demand.asked.begin(), demand.asked.end(),
-                           [&](const auto& pattern) { return bus::matches_pattern(pattern, service); });
+                           [&](const auto& each) { return bus::matches_pattern(each, service); }) ||
+               std::any_of(demand.services.begin(), demand.services.end(),
+                           [&](const auto& each) { return bus::matches_pattern(each.first, service); });
     };
     auto document = property::values_of(known_, now, asked);
     document.head = {board_.name, session, seq_};

@@ -34,9 +34,11 @@ void add_rows(Table& table, const std::string& board, const model::Labels& label
         table.add({board + "/" + service, "name", name});
     for (const auto& [pin, name] : labels.pins)
         table.add({board, "pin." + std::to_string(pin), name});
-    for (const auto& [id, meaning] : labels.meanings)
-        for (const auto& [key, value] : model::to_json(meaning).items())
+    for (const auto& [id, meaning] : labels.meanings) {
+        const auto members = model::to_json(meaning);
+        for (const auto& [key, value] : members.items())
             table.add({board + "/" + id, key, value.is_string() ? value.get<std::string>() : value.dump()});
+    }
 }
 
 /// BOARD/SERVICE/..., taken apart: the id of a property is everything behind the board. Empty: `text` is a
@@ -334,8 +336,9 @@ namespace {
 
 Run declare_label(Declaration& verb) {
     auto options = std::make_shared<LabelOptions>();
-    verb.argument("BOARD[/SERVICE[/PROPERTY]]", options->target,
-                  "Which; with * and ? as in a shell. Without it, or with -l alone: every board",
+    verb.argument("BOARD[/SERVICE]", options->target,
+                  "Which, or a property (uno1/io/2); with * and ? as in a shell. Without it, or with -l "
+                  "alone: every board",
                   Declaration::Needed::kNo);
     verb.arguments("LABEL", options->words,
                    "What to set: KEY=VALUE, pin.13=NAME, or name=NAME of a service; of a property "

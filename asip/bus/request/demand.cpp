@@ -25,8 +25,10 @@ void read_services(text::JsonReader& reader, Demand& demand) {
         if (!can_be_demanded(name)) return services->fault({}, "a name that no service can have");
         const double hz = value.is_number() ? value.get<double>() : -1;
         if (!(hz >= 0)) return services->fault(name, "must be a number of values a second, 0 or above");
-        demand.asked.push_back(name);
-        if (hz > 0) demand.services.emplace(name, hz);
+        if (hz > 0)
+            demand.services.emplace(name, hz);
+        else
+            demand.asked.push_back(name);
     }
 }
 

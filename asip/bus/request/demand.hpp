@@ -27,11 +27,11 @@ struct Demand {
     /// Empty: nothing is wanted any more.
     std::map<std::string, double> services;
     std::chrono::seconds lease = kDemandLease;  ///< 1 s to kMaxDemandLease
-    /// Where the agent is to answer with the values that it knows now, of the services that `asked` names;
+    /// Where the agent is to answer with the values that it knows now, of `services` and `asked`;
     /// empty: nowhere. An agent answers below ROOT/reply/USER/BOARD/ alone.
     std::string reply_to{};
     std::string id{};
-    std::vector<std::string> asked{};  ///< the names in `services`, also those with 0
+    std::vector<std::string> asked{};  ///< those of `services` with 0 values a second
     bool list = false;                 ///< the answer is to have the properties, too
 
     friend bool operator==(const Demand&, const Demand&) = default;

@@ -64,6 +64,7 @@ TEST_F(GatewayDashboards, Link_ReadsAndUsesItsWidgetsOnlyAtEachGateway) {
     ASSERT_TRUE(second.ready());
     const auto link = made.json()["path"].get<std::string>();
     for (const auto at : {port(), second.port()}) {
+        ASSERT_TRUE(wait_until([&] { return get(at, "/api/boards/uno1").status == 200; }));
         EXPECT_EQ(get(at, link + "api/dashboards/lab").status, 200);
         EXPECT_THAT(get(at, link).body, HasSubstr("<html"));
         for (const auto* path :
@@ -84,7 +85,7 @@ TEST_F(GatewayDashboards, Link_ReadsAndUsesItsWidgetsOnlyAtEachGateway) {
               std::to_string(body.size()) + "\r\n\r\n" + body);
     const auto sent = wait_until([&] { return probe_.last("asip/uno1/servo/in").has_value(); });
     ASSERT_TRUE(sent) << read_answer(wire).body;
-    EXPECT_THAT(*probe_.last("asip/uno1/servo/in"), HasSubstr(R"("angle":90)"));
+    EXPECT_THAT(*probe_.last("asip/uno1/servo/in"), HasSubstr(R"("write":[0,90])"));
     EXPECT_EQ(request(port(), "DELETE", "/api/dashboards/lab/links/hall").status, 204);
     for (const auto at : {port(), second.port()})
         EXPECT_TRUE(wait_until([&] { return get(at, link + "api/dashboards/lab").status == 404; }));

@@ -88,14 +88,12 @@ TEST_F(BoardTest, LevelReportedBefore_ReadAnswersAtOnceAndAsksNothing) {
     EXPECT_TRUE(transport->asked.empty());
 }
 
-TEST_F(BoardTest, LevelNeverReported_ReadSetsThePinsOwnModeAgainToHearIt) {
+TEST_F(BoardTest, LevelNeverReported_ReadAsksForAllLevelsAndSetsNothing) {
     transport->script.push_back(answers(json::parse(R"({"modes":[6,6,2]})")));
-    transport->script.push_back([](Transport::Listener& listener) {
-        listener.on_event("io", json::parse(R"({"digital":{"2":1}})"));
-        return Result<json>(json());
-    });
+    transport->script.push_back(
+        [](Transport::Listener&) { return Result<json>(json::parse(R"({"levels":{"2":1}})")); });
     EXPECT_EQ(run(board.digital_read(2)), Result<bool>(true));
-    EXPECT_THAT(transport->asked, ElementsAre(R"(io {"modes":[]})", R"(io {"mode":[2,2]})"));
+    EXPECT_THAT(transport->asked, ElementsAre(R"(io {"modes":[]})", R"(io {"levels":[]})"));
 }
 
 TEST_F(BoardTest, ReadOfAnOutput_IsInvalidAndSaysItsMode) {
