@@ -78,9 +78,10 @@ void Bridge::compare_with_first(bool flashed, Time now, Effects& out) {
     if (!first_board_ || flashed) first_board_ = present;
     std::string warning;
     if (present != *first_board_)
-        warning = "another board than at first is at this port: " + in_words(present.traits, present.services) +
-                  "; it was " + in_words(first_board_->traits, first_board_->services) +
-                  ". If that is right, start the agent again";
+        warning =
+            "another board than at first is at this port: " + in_words(present.traits, present.services) +
+            "; it was " + in_words(first_board_->traits, first_board_->services) +
+            ". If that is right, start the agent again";
     if (std::exchange(other_board_, warning) != warning && !warning.empty())
         out.log(Level::kWarning, warning);
     show_warnings(now);

@@ -15,7 +15,7 @@ int run_get_all(const GetOptions& options, Environment& environment);
 
 /// One line of it: id, name, value, how it is known, age.
 std::vector<Cell> value_row(const std::string& board, const property::Property& property,
-                                   const property::ShownValue& shown, bool raw);
+                            const property::ShownValue& shown, bool raw);
 /// The same for programs.
 nlohmann::json value_record(const std::string& board, const property::Property& property,
                             const property::ShownValue& shown);

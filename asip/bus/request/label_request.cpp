@@ -17,7 +17,8 @@ std::string encode(const model::LabelChange& change, const std::string& by) {
 }
 
 bool is_label_request(const nlohmann::json& object) {
-    return object.is_object() && (object.contains("labels") || object.contains("names") || object.contains("meanings"));
+    return object.is_object() &&
+           (object.contains("labels") || object.contains("names") || object.contains("meanings"));
 }
 
 Expected<model::LabelChange> read_label_request(const nlohmann::json& object) {

@@ -7,7 +7,8 @@
 #include "asip/model/labels.hpp"
 
 /// Asking a board's agent to change the board's labels, friendly names and meanings of properties. A request
-/// on ROOT/BOARD/in that is a JSON object with the member "labels", "names" or "meanings"; what is `null` is removed, what is not named stays:
+/// on ROOT/BOARD/in that is a JSON object with the member "labels", "names" or "meanings"; what is `null` is
+/// removed, what is not named stays:
 ///
 ///     {"labels":{"room":"lab","shelf":null},"names":{"services":{"servo":"left arm"},"pins":{"13":"lamp"}}}
 ///

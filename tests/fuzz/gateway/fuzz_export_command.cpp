@@ -30,9 +30,8 @@ Property property(Kind kind, const std::string& id) {
 ExportedBoard make_board() {
     ExportedBoard board;
     board.board = "uno1";
-    for (const auto kind :
-         {Kind::kSensor, Kind::kBinarySensor, Kind::kSwitch, Kind::kNumber,
-          Kind::kLight, Kind::kButton, Kind::kText, Kind::kSelect})
+    for (const auto kind : {Kind::kSensor, Kind::kBinarySensor, Kind::kSwitch, Kind::kNumber, Kind::kLight,
+                            Kind::kButton, Kind::kText, Kind::kSelect})
         board.properties.push_back(property(kind, "thing-" + std::to_string(static_cast<int>(kind))));
     for (auto& each : board.properties) {
         if (each.kind == Kind::kSensor || each.kind == Kind::kBinarySensor) {
@@ -45,8 +44,7 @@ ExportedBoard make_board() {
         }
         if (each.kind == Kind::kText) each.max_length = 16;
         if (each.kind == Kind::kButton) each.write->arguments.pop_back();
-        if (each.kind == Kind::kSwitch || each.kind == Kind::kSelect)
-            each.choices = {{"off", 0}, {"on", 1}};
+        if (each.kind == Kind::kSwitch || each.kind == Kind::kSelect) each.choices = {{"off", 0}, {"on", 1}};
     }
     auto colored = property(Kind::kLight, "colored");
     colored.color = asip::property::Call{"thing", "fill", {std::nullopt}};

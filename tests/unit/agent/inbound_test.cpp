@@ -26,12 +26,9 @@ session::ServiceTable two_services() {
 
 struct InboundTest : testing::Test {
     std::optional<Inbound> read(const mqtt::Message& message) const {
-        return read_inbound(message,
-                            {.topics = topics,
-                             .board = "uno1",
-                             .services = table,
-                             .client_side = client_side},
-                            age, kReadAt);
+        return read_inbound(
+            message, {.topics = topics, .board = "uno1", .services = table, .client_side = client_side}, age,
+            kReadAt);
     }
     std::optional<Inbound> read(const std::string& topic, const std::string& payload,
                                 bool retained = false) const {

@@ -214,7 +214,8 @@ TEST_F(Dashboards_, StreamOfALink_HasTheValuesOfItsWidgetsAndNothingElse) {
               R"("servo/1/angle":{"value":45,"how":"set","age":0}})");
     open->channel->received(R"({"subscribe":"$dashboard","name":"lab","ref":5})");
     auto events = told(*open);
-    EXPECT_THAT(kinds(events), ElementsAre("dashboard", "board", "property", "property", "widget", "widget", "snapshot-end"));
+    EXPECT_THAT(kinds(events), ElementsAre("dashboard", "board", "property", "property", "widget", "widget",
+                                           "snapshot-end"));
     EXPECT_FALSE(events[0]["dashboard"].contains("by")) << events[0];
     EXPECT_EQ(events[1]["state"], "online");
     EXPECT_EQ(events[3]["property"]["max"], 180);
@@ -351,8 +352,7 @@ TEST_F(Dashboards_, TokenOfTheFile_EndsWithItsDashboard) {
     EXPECT_EQ(ask("GET", "/api/dashboards/lab", {}, bob)->status(), 200);
     EXPECT_EQ(ask("POST", "/api/dashboards/lab/widgets/halt", "{}", bob)->status(), 403)
         << "it may stop nothing";
-    put("lab", R"({"widgets":[{"kind":"value","board":"mega","property":"a/b"}]})",
-        {{"if-match", "*"}});
+    put("lab", R"({"widgets":[{"kind":"value","board":"mega","property":"a/b"}]})", {{"if-match", "*"}});
     EXPECT_EQ(ask("GET", "/api/dashboards/lab", {}, ann)->status(), 404);
     EXPECT_EQ(ask("GET", "/api/dashboards", {}, ann)->body()["items"], json::array());
     ask("DELETE", "/api/dashboards/lab");

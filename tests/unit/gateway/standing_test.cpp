@@ -128,7 +128,7 @@ TEST_F(StandingTest, DamagedDocuments_AreDroppedAndCounted_AndTheNextOneWorks) {
     values({{"servo/0/angle", set_to(90)}});
     const auto topic = "asip/servicebus/uno1/$properties";
     for (const auto& text : {std::string("{"), std::string("[]"), std::string(200'000, ' '),
-                                   std::string(R"({"version":2,"board":"uno1","session":"s1","seq":9})")})
+                             std::string(R"({"version":2,"board":"uno1","session":"s1","seq":9})")})
         bus(topic, text);
     property::PropertyList other{{"another", "s1", 9}, {servo()}};
     bus(topic, property::to_text(other));
