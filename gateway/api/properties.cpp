@@ -53,9 +53,15 @@ std::optional<Asked> asked(const Call& call) {
 }  // namespace
 
 void get_board_properties(Call& call) {
+    property::PropertyList list;
+    if (!board_of(call)) return;
+    // A board that takes part by its names only has none.
+    if (!call.gateway.things().find(call.gateway.mirror(), call.board(), call.now())) {
+        list.head = {call.board(), {}, 0};
+        return call.reply.send(text_response(property::to_text(list)));
+    }
     const auto board = asked(call);
     if (!board) return;
-    property::PropertyList list;
     list.head = {call.board(), board->found.session, 0};
     for (const auto& each : board->found.board->properties)
         if (board->wants(each)) list.properties.push_back(each);

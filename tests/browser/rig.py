@@ -14,6 +14,7 @@ from selenium import webdriver
 from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import bus  # noqa: E402
@@ -203,9 +204,9 @@ class PageTest(unittest.TestCase):
         raise AssertionError(f"no field {name} in {form.text}")
 
     def fill(self, form, name, text):
-        """Types into a number input, in place of what stands there."""
+        """Types into a number input, in place of what stands there, as a person does: a value that comes meanwhile stays away."""
         number = self.number(form, name)
-        number.clear()
+        number.send_keys(Keys.CONTROL, "a")
         number.send_keys(text)
         return number
 

@@ -26,6 +26,10 @@ std::string rebuilt(const asip::bus::Topics& topics, const asip::bus::TopicRef& 
             return topics.log(ref.board);
         case kCommands:
             return topics.commands(ref.board);
+        case kProperties:
+            return topics.properties(ref.board);
+        case kValues:
+            return topics.values(ref.board);
         case kDemand:
             return topics.demand(ref.board, ref.demander);
         case kProbe:

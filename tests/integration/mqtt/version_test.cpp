@@ -78,7 +78,6 @@ class MqttVersion : public testing::Test {
         mqtt::Options options;
         options.version = version;
         options.connect_timeout = 300ms;
-        if (!will_topic.empty()) options.will = mqtt::Message{.topic = will_topic, .payload = "lost"};
         options.brokers.clear();
         options.brokers.push_back({"127.0.0.1", 1, false});
         asio::io_context io;
@@ -101,7 +100,6 @@ class MqttVersion : public testing::Test {
         return connected && client.connected() && !client.v5();
     }
 
-    std::string will_topic;
     std::vector<int> versions;
     std::vector<mqtt::ConnectionFailure> failures;
     std::vector<mqtt::ConnectionFailure> losses;
@@ -147,16 +145,6 @@ TEST_F(MqttVersion, DisconnectedBecauseOfAnotherClientWithOurId_IsTakenOver) {
 TEST_F(MqttVersion, SubscriptionNotAllowed_IsReportedByItsFilter) {
     EXPECT_FALSE(connects(kAccepted5 + kFirstSubscriptionNotAuthorised5, {}));
     EXPECT_EQ(refused_filters, (std::vector<std::string>{"secret/#: Not authorized"}));
-}
-
-TEST_F(MqttVersion, ClosesOnAWillWithADot_SaysThatTheNameMayBeWhy) {
-    will_topic = "asip/servicebus/lamp.1/$state";
-    EXPECT_FALSE(connects("", ""));
-    EXPECT_NE(failures.at(0).text.find("refuse topics with a dot"), std::string::npos) << failures.at(0).text;
-    will_topic = "asip/servicebus/lamp1/$state";
-    failures.clear();
-    EXPECT_FALSE(connects("", ""));
-    EXPECT_EQ(failures.at(0).text.find("dot"), std::string::npos) << failures.at(0).text;
 }
 
 TEST_F(MqttVersion, SpeaksSomethingElse_FailsAndTriesOn) {
