@@ -40,7 +40,7 @@ TEST(ClientFraming, EachLineEndThatTerminalsSend_EndsOneRequestAtOnce) {
 TEST(ClientFraming, WhatBoardsSkipBeforeARequest_DoesNotCount) {
     ClientFraming lines;
     EXPECT_THAT(lines.decode("\t #,?\n"), ElementsAre("#,?"));
-    EXPECT_THAT(lines.decode(std::string("\0\x1b  M,m,1,100M,m,0,5", 22)), ElementsAre("M,m,1,100"));
+    EXPECT_THAT(lines.decode(std::string("\0\x1b  M,m,1,100M,m,0,5", 20)), ElementsAre("M,m,1,100"));
     EXPECT_THAT(lines.after_silence(), ElementsAre("M,m,0,5"));
     EXPECT_THAT(lines.decode("  "), IsEmpty());
     EXPECT_FALSE(lines.waits_for_silence());
