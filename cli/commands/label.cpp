@@ -177,6 +177,7 @@ class Labeller {
                                  const std::string& fault) {
         nlohmann::json object{{"board", board}, {"labels", nlohmann::json::object()}};
         model::put_labels(object, labels);
+        object.erase("pin_modes");  // what commands did, and no words of people
         if (!fault.empty()) object["labels_fault"] = fault;
         return object;
     }

@@ -36,7 +36,7 @@ TEST_F(GroupTest, Pin_IsSetAndReadOnEachBoardThatIsChosen) {
     EXPECT_EQ(records[0],
               json::parse(R"({"board":"desk","pin":12,"label":"fan","mode":"input","status":"ok"})"));
     EXPECT_EQ(records[1]["pin"], 13);
-    const auto read = asipctl({"pin", "*", "12"});
+    const auto read = asipctl({"pin", "*", "12", "-l", "room=lab"});
     EXPECT_EQ(read.status, 0) << read.errors;
     EXPECT_THAT(read.output, HasSubstr("desk   12 fan  input"));
     EXPECT_THAT(asipctl({"pin", "desk", "13", "-l", "room=lab"}).output,
