@@ -99,6 +99,8 @@ function(asip_add_integration_test name)
   endif()
   set(properties_quick LABELS quick)
   set(properties_more LABELS sanitized)
+  math(EXPR sanitized_timeout "2 * ${arg_TIMEOUT}") # a program with sanitizers takes twice the processor
+  list(APPEND properties_more TIMEOUT ${sanitized_timeout})
   set(properties_plain LABELS more)
   set(properties_heavy LABELS more PROCESSORS 4)
   set(properties_long LABELS long)

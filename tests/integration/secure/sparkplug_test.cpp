@@ -76,7 +76,7 @@ TEST_F(SparkplugOnSecuredBus, TwoGateways_NeedNoOtherRights_AndTheirNumbersGrow)
     ASSERT_TRUE(number);
 
     const auto commands = [&] { return board.count("asip/uno1/servo/in"); };
-    host.publish("spBv1.0/plant/DCMD/asip/uno1", wish("servo-0-angle", std::int64_t{90}));
+    host.publish("spBv1.0/plant/DCMD/asip/uno1", wish("servo/0/angle", std::int64_t{90}));
     ASSERT_TRUE(wait_until([&] { return commands() > 0; })) << first->errors();
     first->signal(SIGKILL);
     ASSERT_TRUE(wait_until([&] { return host.count(kDeath) > 0; }));
@@ -84,7 +84,7 @@ TEST_F(SparkplugOnSecuredBus, TwoGateways_NeedNoOtherRights_AndTheirNumbersGrow)
     ASSERT_TRUE(second->wait_for_errors("exports boards to Sparkplug")) << second->errors();
     ASSERT_TRUE(wait_until([&] { return bd_seq(host.last(kBirth)) == *number + 1; })) << second->errors();
     EXPECT_EQ(commands(), 1u) << "of two gateways one commands";
-    host.publish("spBv1.0/plant/DCMD/asip/uno1", wish("servo-0-angle", std::int64_t{91}));
+    host.publish("spBv1.0/plant/DCMD/asip/uno1", wish("servo/0/angle", std::int64_t{91}));
     EXPECT_TRUE(wait_until([&] { return commands() == 2; })) << second->errors();
     for (const auto& program : {first->errors(), second->errors()})
         for (const char* sign : {"deny", "denie", "Not authorized", "refuse"})
