@@ -26,6 +26,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
+import textwrap
 import xml.etree.ElementTree
 
 import yaml
@@ -223,7 +224,7 @@ class Checks:
     def listed(self, block, how):
         kind, _, rest = how.partition(": ")
         names = re.fullmatch(r"names (\S+) in (\S+)", how)
-        text = "\n".join(block.lines)
+        text = textwrap.dedent("\n".join(block.lines))
         if kind in FORMATS:
             try:
                 FORMATS[kind](text)

@@ -70,9 +70,9 @@ class Tables:
         """What a program is said to print is somewhere in its sources."""
         sources = "".join(open(name).read() for folder in ("agent", "asip") for name in glob.glob(os.path.join(self.root, folder, "**/*.cpp"), recursive=True))
         shown = re.sub(r"\"\s*\n\s*\"", "", sources)
-        for row in rows(self.text("docs/raspberry-pi.md"), "what you see"):
+        for row in rows(self.text("docs/containers.md"), "what you see"):
             for part in [part.strip() for code in codes(row[0]) for part in code.split("/dev/board")]:
-                self.expect(part in shown, f"docs/raspberry-pi.md: nothing prints \"{part}\"")
+                self.expect(part in shown, f"docs/containers.md: nothing prints \"{part}\"")
 
 
     def pages(self):

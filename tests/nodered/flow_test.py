@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flow of docs/python-and-node-red.md, imported into a real Node-RED: the button switches the LED, distances and what the
+"""The flow of docs/plain-mqtt.md, imported into a real Node-RED: the button switches the LED, distances and what the
 board refuses appear in the debug panel."""
 
 import json
@@ -15,7 +15,7 @@ SETTINGS = """module.exports = {{ uiPort: {port}, uiHost: "127.0.0.1", flowFile:
 
 
 def documented_flow():
-    text = (ROOT / "docs" / "python-and-node-red.md").read_text()
+    text = (ROOT / "docs" / "plain-mqtt.md").read_text()
     return json.loads(re.search(r"### Node-RED.*?```json\n(.*?)```", text, re.DOTALL)[1])
 
 

@@ -104,7 +104,7 @@ TEST(ExampleLamp, PythonWithPlainMqtt_SwitchesTheLedByTheButton) {
 }
 
 TEST(Examples, ShownInTheDocumentation_AreTheOnesThatAreTested) {
-    EXPECT_NE(text_of("docs/python-and-node-red.md").find(text_of("examples/plain_mqtt.py")),
+    EXPECT_NE(text_of("docs/plain-mqtt.md").find(text_of("examples/plain_mqtt.py")),
               std::string::npos);
 }
 
