@@ -293,15 +293,6 @@ bool allows(const TopicRule& rule, const RoleOfUser& user, std::string_view topi
     });
 }
 
-std::string rights_text(const Rights& rights) {
-    static constexpr std::array<std::string_view, 7> kWords{
-        "read", "write", "read own", "write own", "read own", "write own", "write as `registry`"};
-    std::string text;
-    for (const auto right : rights)
-        text.append(text.empty() ? "" : ", ").append(kWords[static_cast<std::size_t>(right)]);
-    return text.empty() ? "-" : text;
-}
-
 }  // namespace
 
 Rights TopicRule::of(Role role) const {
@@ -335,19 +326,6 @@ bool may_read(const TopicRule& rule, const RoleOfUser& user, std::string_view to
 }
 bool may_write(const TopicRule& rule, const RoleOfUser& user, std::string_view topic) {
     return allows(rule, user, topic, true);
-}
-
-std::string rules_table() {
-    std::string text =
-        "| topic | board | viewer | operator | gateway | Home Assistant | registry | memory | processor | "
-        "disk |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
-    for (const auto& rule : topic_rules())
-        text += "| `" + rule.topic + "` | " + rights_text(rule.board) + " | " + rights_text(rule.viewer) +
-                " | " + rights_text(rule.commander) + " | " + rights_text(rule.of(Role::kGateway)) + " | " +
-                rights_text(rule.home_assistant) + " | " + rights_text(rule.registry) + " | " + rule.memory +
-                " | " + rule.processor + " | " + rule.disk + " |\n";
-    return text;
 }
 
 }  // namespace asip::cli

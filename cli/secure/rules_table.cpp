@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cli/secure/topic_rules.hpp"
+
+namespace asip::cli {
+namespace {
+
+std::string rights_text(const Rights& rights) {
+    static constexpr std::array<std::string_view, 7> kWords{
+        "read", "write", "read own", "write own", "read own", "write own", "write as `registry`"};
+    std::string text;
+    for (const auto right : rights)
+        text.append(text.empty() ? "" : ", ").append(kWords[static_cast<std::size_t>(right)]);
+    return text.empty() ? "-" : text;
+}
+
+}  // namespace
+
+std::string rules_table() {
+    // Topics with one text of rights and costs share a row.
+    std::vector<std::pair<std::string, std::string>> rows;
+    for (const auto& rule : topic_rules()) {
+        const auto cells = rights_text(rule.board) + " | " + rights_text(rule.viewer) + " | " +
+                           rights_text(rule.commander) + " | " + rights_text(rule.of(Role::kGateway)) +
+                           " | " + rights_text(rule.home_assistant) + " | " + rights_text(rule.registry) +
+                           " | " + rule.memory + " | " + rule.processor + " | " + rule.disk;
+        const auto row =
+            std::find_if(rows.begin(), rows.end(), [&](const auto& each) { return each.second == cells; });
+        if (row == rows.end())
+            rows.emplace_back("`" + rule.topic + "`", cells);
+        else
+            row->first += ", `" + rule.topic + "`";
+    }
+    std::string text =
+        "| topic | board | viewer | operator | gateway | Home Assistant | registry | memory | processor | "
+        "disk |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+    for (const auto& [topics, cells] : rows)
+        text.append("| ").append(topics).append(" | ").append(cells).append(" |\n");
+    return text;
+}
+
+}  // namespace asip::cli
