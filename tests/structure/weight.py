@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the project weighs: lines of the product and of its tests in all languages, and options of the programs.
+"""What the project weighs: lines of the product and of its tests in all languages, words of its documentation, and options of the programs.
 
     weight.py ROOT [BIN]     BIN: the folder of built programs, whose options are counted
 
 A line is a line of a committed file. The product is what users run or compile against; examples, benchmarks, packaging and documentation
-are not in it. An option is what may stand on the command line of a program, except for help, version and configuration file.
+are not in it. A word of the documentation is what stands between blanks in one of its pages. An option is what may stand on the command
+line of a program, except for help, version and configuration file.
 """
 import re
 import subprocess
@@ -14,6 +15,7 @@ from pathlib import Path
 
 PRODUCT = ("agent", "asip", "cli", "firmware", "gateway", "node-red", "python", "registry", "sim")
 ASIDE = ("bench",)
+PAGES = ("README.md", "CONTRIBUTING.md", "SECURITY.md")  # beside those in docs/
 TESTS = re.compile(r"^(tests|[\w-]+/tests?)/")
 LANGUAGES = {"C++": (".c", ".cpp", ".h", ".hpp"), "Python": (".py",), "JavaScript": (".cjs", ".js", ".mjs")}
 PROGRAMS = ("asip-gateway", "asip-agent", "asip-registry")
@@ -46,6 +48,9 @@ def main():
     row("product", found, PRODUCT)
     row("tests", found, ["tests"])
     row("beside", found, ASIDE)
+    root = Path(sys.argv[1])
+    pages = [*(root / "docs").glob("*.md"), *(root / name for name in PAGES)]
+    print(f"{'documentation':14}{sum(len(page.read_text(encoding='utf-8').split()) for page in pages):12,} words")
     for program in PROGRAMS if len(sys.argv) > 2 else ():
         told = [subprocess.run([Path(sys.argv[2]) / program, each], capture_output=True, text=True, check=False).stdout
                 for each in ("--help", "--help-all")]
