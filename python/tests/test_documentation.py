@@ -49,7 +49,7 @@ class Pages(unittest.TestCase):
         self.addCleanup(real.close)
         environment = {**os.environ, "ASIP_BROKER": f"127.0.0.1:{real.broker_port}", "PYTHONPATH": os.pathsep.join(path)}
         run = 0
-        for page in (*(ROOT / "docs" / name for name in ("python.md", "tutorial.md", "start-in-class.md", "start-develop.md")), ROOT / "python" / "README.md"):
+        for page in (*(ROOT / "docs" / name for name in ("python.md", "start-in-class.md", "start-develop.md")), ROOT / "python" / "README.md"):
             for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL):
                 block = textwrap.dedent(block).replace('"student-1"', '"desk"')  # a board of the reader's
                 with self.subTest(page=page.name, block=block.splitlines()[:4]):
