@@ -50,12 +50,18 @@ std::string event_row(const ServiceModel& model, const EventModel& event) {
            example_of(model, {'@', model.id, ',', event.tag}) + " |\n";
 }
 
-std::string table(const ServiceModel& model) {
+/// What nearly every sensor takes in the same way; the page of all services says it once.
+bool is_usual(const ServiceModel& model, const CommandModel& command) {
+    if (command.name == "report") return command.tag == 'A' && usage(command) == "period 0..65535 ms";
+    return command.name == "measure" && command.tag == 'M' && model.event(command.answer) != nullptr;
+}
+
+std::string table(const ServiceModel& model, bool all) {
     std::string rows;
     for (const auto& event : model.events)
         rows += event_row(model, event);
     for (const auto& command : model.commands)
-        rows += command_row(model, command);
+        if (all || !is_usual(model, command)) rows += command_row(model, command);
     if (rows.empty()) return {};
     std::string text =
         "| | fields, arguments | meaning | JSON | on the wire |\n| --- | --- | --- | --- | --- |\n" + rows;
@@ -68,11 +74,15 @@ std::string table(const ServiceModel& model) {
     return text + "\n";
 }
 
-std::string section(const ServiceModel& model, const std::string& heading) {
+std::string section(const ServiceModel& model, const std::string& heading, bool all) {
     auto text = heading + " " + model.name + "\n\n" + model.title + ". Letter " +
                 code(std::string(1, model.id)) + ", version " + std::to_string(model.version);
     if (!model.match.empty()) text += "; boards call it " + joined(model.match);
-    return text + ".\n\n" + table(model);
+    std::vector<std::string> usual;
+    for (const auto& command : model.commands)
+        if (!all && is_usual(model, command)) usual.push_back(code(command.name));
+    if (!usual.empty()) text += "; takes " + joined(usual);
+    return text + ".\n\n" + table(model, all);
 }
 
 void end_with_one_newline(std::string& text) {
@@ -89,15 +99,19 @@ std::string reference_page(const ModelSet& models) {
         "Commands go as JSON to `asip/BOARD/SERVICE/in`, events come as JSON on `asip/BOARD/SERVICE/out`; "
         "the last column is what the\n"
         "board itself receives and sends. An argument that its model does not allow is refused, such as "
-        "`period: 70000 is above 65535`.\n\n";
+        "`period: 70000 is above 65535`.\n\n"
+        "Where a service takes `measure`, `{\"measure\":null}` (`D,M`) asks for its event once. Where it "
+        "takes "
+        "`report`, `{\"report\":100}`\n(`D,A,100`) makes it come each 100 ms, at most each 65,535; 0 ends "
+        "that.\n\n";
     for (const auto& model : models.all())
-        text += section(*model, "##");
+        text += section(*model, "##", false);
     end_with_one_newline(text);
     return text;
 }
 
 std::string reference_page(const ServiceModel& model) {
-    auto text = section(model, "#");
+    auto text = section(model, "#", true);
     end_with_one_newline(text);
     return text;
 }
