@@ -74,14 +74,34 @@ std::string table(const ServiceModel& model, bool all) {
     return text + "\n";
 }
 
+std::string takes(const ServiceModel& model) {
+    std::vector<std::string> usual;
+    for (const auto& command : model.commands)
+        if (is_usual(model, command)) usual.push_back(code(command.name));
+    return joined(usual);
+}
+
+/// Has one event, and no command of its own.
+bool is_sensor(const ServiceModel& model) {
+    return model.events.size() == 1 && std::all_of(model.commands.begin(), model.commands.end(),
+                                                   [&](const auto& each) { return is_usual(model, each); });
+}
+
+std::string sensor_row(const ServiceModel& model) {
+    const auto& event = model.events.front();
+    std::vector<std::string> fields;
+    for (const auto& field : event.fields)
+        fields.push_back(describe(field));
+    return "| " + code(model.name) + ", letter " + code(std::string(1, model.id)) + " | " +
+           joined(model.match) + " | " + cell(event.title) + " | " + cell(joined(fields)) + " | " +
+           example_of(model, {'@', model.id, ',', event.tag}) + " | " + cell(takes(model)) + " |\n";
+}
+
 std::string section(const ServiceModel& model, const std::string& heading, bool all) {
     auto text = heading + " " + model.name + "\n\n" + model.title + ". Letter " +
                 code(std::string(1, model.id)) + ", version " + std::to_string(model.version);
     if (!model.match.empty()) text += "; boards call it " + joined(model.match);
-    std::vector<std::string> usual;
-    for (const auto& command : model.commands)
-        if (!all && is_usual(model, command)) usual.push_back(code(command.name));
-    if (!usual.empty()) text += "; takes " + joined(usual);
+    if (!all && !takes(model).empty()) text += "; takes " + takes(model);
     return text + ".\n\n" + table(model, all);
 }
 
@@ -104,8 +124,14 @@ std::string reference_page(const ModelSet& models) {
         "takes "
         "`report`, `{\"report\":100}`\n(`D,A,100`) makes it come each 100 ms, at most each 65,535; 0 ends "
         "that.\n\n";
+    text +=
+        "## Sensors\n\n| service | boards call it | event | fields | JSON | on the wire | takes |\n"
+        "| --- | --- | --- | --- | --- | --- | --- |\n";
     for (const auto& model : models.all())
-        text += section(*model, "##", false);
+        if (is_sensor(*model)) text += sensor_row(*model);
+    text += "\n";
+    for (const auto& model : models.all())
+        if (!is_sensor(*model)) text += section(*model, "##", false);
     end_with_one_newline(text);
     return text;
 }
