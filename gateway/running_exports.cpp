@@ -50,7 +50,7 @@ exports::Export::Port Exports::port() {
 std::optional<exports::Export::Present> Exports::board(const std::string& name) {
     auto found = gateway_.things().find(gateway_.mirror(), name, gateway_.now());
     if (!found) return std::nullopt;
-    return exports::Export::Present{exports::is_there(found->state), std::move(found->board), found->state,
+    return exports::Export::Present{model::takes_commands(found->state), std::move(found->board), found->state,
                                     std::move(found->session)};
 }
 

@@ -48,6 +48,16 @@ std::optional<BoardState> board_state_from_text(std::string_view text) {
     return std::nullopt;
 }
 
+bool is_gone(std::string_view word) {
+    const auto state = board_state_from_text(word);
+    return state && !is_there(*state);
+}
+
+bool takes_commands(std::string_view word) {
+    const auto state = board_state_from_text(word);
+    return state && is_there(*state) && *state != BoardState::kUpdating;
+}
+
 std::string_view to_text(StateReason reason) {
     for (const auto& each : kReasons) {
         if (each.reason == reason) return each.word;

@@ -24,6 +24,11 @@ std::optional<BoardState> board_state_from_text(std::string_view text);
 constexpr bool is_there(BoardState state) {
     return state != BoardState::kOffline && state != BoardState::kLost;
 }
+/// The opposite, of a word that a view shows: "unknown", or one of a later version, is no board that is gone.
+bool is_gone(std::string_view word);
+/// Whether a board that a view shows in this state takes commands: it is there, and its port is in nobody
+/// else's hands.
+bool takes_commands(std::string_view word);
 
 /// Why a board is in its state. It is part of the state: each view shows it.
 enum class StateReason {

@@ -37,8 +37,7 @@ struct Claims {
     /// Empty for a board that seems alive.
     std::string why_gone(const std::string& board) {
         const auto known = boards.board(board, {kThen, {}});
-        const auto state = known ? model::board_state_from_text(known->state) : std::nullopt;
-        if (state && model::is_there(*state)) return {};
+        if (known && !model::is_gone(known->state)) return {};
         if (known && known->reason == to_text(model::StateReason::kExpired)) return "its lease ran out";
         return "the board is " + (known ? known->state : "not announced");
     }

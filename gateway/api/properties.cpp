@@ -75,7 +75,7 @@ void get_board_values(Call& call) {
         call.gateway.mirror(), *board->found.board, board->found.session,
         [&](const auto& each) { return board->wants(each); }, call.now());
     text.pop_back();
-    text += std::string(",\"present\":") + (exports::is_there(board->found.state) ? "true}" : "false}");
+    text += std::string(",\"present\":") + (model::takes_commands(board->found.state) ? "true}" : "false}");
     call.reply.send(text_response(std::move(text)));
 }
 

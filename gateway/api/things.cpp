@@ -166,7 +166,7 @@ void read_value(Call& call, const Thing& thing, const Property& property) {
     auto& gateway = call.gateway;
     const auto& board = thing.board->board;
     const auto now = call.now().time;
-    if (!property.read || !exports::is_there(thing.state) || !gateway.mirror().ready())
+    if (!property.read || !model::takes_commands(thing.state) || !gateway.mirror().ready())
         return send_value(call.reply, gateway, board, property);
     const bool first = gateway.things().want(gateway.demander(), board, property.service, now);
     const auto last = last_value(gateway, board, property);
@@ -227,7 +227,7 @@ void set_property(Call& call, const Things::Found& thing, const Property& proper
     if (requests.empty())
         return send_problem(call, 400,
                             property.name + " cannot be set to " + text::printable(model::dump_json(value)));
-    if (!exports::is_there(thing.state)) {
+    if (!model::takes_commands(thing.state)) {
         return call.reply.send(problem(503, "board " + thing.board->board + " is " + thing.state,
                                        {{"reason", "board-not-there"}}));
     }
@@ -284,7 +284,7 @@ void get_properties(Call& call) {
     json values{{std::string(WebOfThings::kBoardState), thing->state}};
     for (const auto& property : thing->board->properties) {
         if (property.kind == Kind::kButton) continue;
-        if (property.read && exports::is_there(thing->state))
+        if (property.read && model::takes_commands(thing->state))
             call.gateway.things().want(call.gateway.demander(), thing->board->board, property.service,
                                        call.now().time);
         if (auto last = last_value(call.gateway, thing->board->board, property); !last.value.is_null())

@@ -48,8 +48,4 @@ std::vector<Shown> reported_values(const ExportedBoard& board, const std::vector
     return result;
 }
 
-bool is_there(std::string_view state) {
-    return state == "online" || state == "sleeping";
-}
-
 }  // namespace asip::gateway::exports

@@ -67,7 +67,5 @@ inline bool is_one_of(const Property& property, const std::vector<std::string>& 
 inline bool has_brightness(const Property& light) {
     return light.write && light.choices.empty();
 }
-/// Whether a board in this state of the catalogue takes commands.
-bool is_there(std::string_view state);
 
 }  // namespace asip::gateway::exports

@@ -13,10 +13,6 @@
 namespace asip::registry {
 namespace {
 
-bool is_alive(model::BoardState state) {
-    return state != model::BoardState::kOffline && state != model::BoardState::kLost;
-}
-
 bus::HistoryItem row(std::string_view board, text::WallTime at, std::string_view what) {
     bus::HistoryItem item;
     item.board = board;
@@ -141,7 +137,7 @@ void Journal::complete(const Catalogue& catalogue, Stamp at, Rows& rows) {
 
 void Journal::end_absent(const Catalogue& catalogue, Stamp at, Rows& rows) {
     for (auto& [board, known] : known_) {
-        if (!is_alive(known.state) || catalogue.knows(board)) continue;
+        if (!model::is_there(known.state) || catalogue.knows(board)) continue;
         came_into(board, known, model::BoardState::kLost, to_text(model::StateReason::kExpired), at, rows);
     }
 }

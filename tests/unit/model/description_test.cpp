@@ -124,5 +124,16 @@ TEST(Description, TooManyServicesOrBytes_AreRefused) {
         EXPECT_FALSE(parse_description(text)) << text;
 }
 
+TEST(BoardState, EachWord_IsThereOrGoneAndTakesCommandsOrNot) {
+    for (const auto* word : {"online", "sleeping"})
+        EXPECT_TRUE(!is_gone(word) && takes_commands(word)) << word;
+    EXPECT_TRUE(!is_gone("updating") && !takes_commands("updating"));
+    for (const auto* word : {"lost", "offline"})
+        EXPECT_TRUE(is_gone(word) && !takes_commands(word)) << word;
+    // What a view does not know, and a word of a later version, is neither.
+    for (const auto* word : {"unknown", "of-a-later-version", ""})
+        EXPECT_TRUE(!is_gone(word) && !takes_commands(word)) << word;
+}
+
 }  // namespace
 }  // namespace asip::model
