@@ -16,8 +16,9 @@ from .board import Board
 from .bus import Bus, connect
 from .errors import BoardError, Closed, Disconnected, Error, Invalid, NotThere, Refused, Unproven
 from .pin import Pin
+from .property import Property
 from .service import Service
 from .stream import Reading
 
-__all__ = ["Board", "BoardError", "Bus", "Closed", "Disconnected", "Error", "Invalid", "NotThere", "Pin", "Reading", "Refused",
+__all__ = ["Board", "BoardError", "Bus", "Closed", "Disconnected", "Error", "Invalid", "NotThere", "Pin", "Property", "Reading", "Refused",
            "Service", "Unproven", "__version__", "connect"]

@@ -165,7 +165,7 @@ class Catalogue:
                 other.session, other.seq, other.deadline = entry.session, entry.seq, entry.deadline
             else:
                 entry.challenger = None
-        entry.session, entry.seq, entry.session_ends, entry.proven, entry.epoch_heard = session, 0, NEVER, False, 0
+        entry.session, entry.seq, entry.session_ends, entry.deadline, entry.proven, entry.epoch_heard = session, 0, NEVER, NEVER, False, 0
 
     def _take_said_state(self, entry: Entry, retained: bool, said_at: float, new_session: bool, now: float) -> None:
         """An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a

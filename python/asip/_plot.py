@@ -5,19 +5,28 @@ from __future__ import annotations
 import importlib
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-from . import errors
+from . import _model, errors
+from .stream import Reading, Source, Stream
 
-if TYPE_CHECKING:
-    from .service import Service
-    from .stream import Reading
+
+class Plotted(Source, Protocol):
+    """A service."""
+
+    @property
+    def unit(self) -> str: ...
+    def _event(self, name: str | None) -> _model.Event: ...
+    def _asker(self, event: _model.Event) -> _model.Command | None: ...
+    def stream(self, *, hz: float = ..., event: str | None = ..., keep: int = ..., details: bool = ...) -> Stream: ...
+    def command(self, name: str, *args: Any, timeout: float | None = ..., **named: Any) -> Any: ...
+
 
 _REDRAW_SECONDS = 0.5
 _MAX_POINTS = 100_000  # of one line
 
 
-def plot(service: "Service", seconds: float, hz: float, event: str | None) -> Any:
+def plot(service: Plotted, seconds: float, hz: float, event: str | None) -> Any:
     """See Service.plot()."""
     try:
         pyplot = importlib.import_module("matplotlib.pyplot")
@@ -47,9 +56,8 @@ def plot(service: "Service", seconds: float, hz: float, event: str | None) -> An
     return axes
 
 
-def _readings(service: "Service", seconds: float, hz: float, event: str | None) -> "Any":
+def _readings(service: Plotted, seconds: float, hz: float, event: str | None) -> "Any":
     """Reports until the time is over, None now and then; where the service reports nothing, the board is asked."""
-    from .stream import Reading
     found = service._event(event)
     asker = service._asker(found)
     end, reported = time.monotonic() + seconds, False
@@ -79,7 +87,7 @@ class Lines:
                 times.append(at)
                 numbers.append(number)
 
-    def draw(self, axes: Any, service: "Service", event: str | None) -> None:
+    def draw(self, axes: Any, service: Plotted, event: str | None) -> None:
         axes.clear()
         for place, (times, numbers) in self.points.items():
             axes.plot(times, numbers, label=place or service.name, marker="." if len(times) < 50 else "")

@@ -141,8 +141,7 @@ class Session:
         lost, self._holds = list(self._holds.values()), {}
         broken, self._open = list(self._open.values()), {}
         actions: list[Action] = [Tell(hold.lost, ("the connection to the broker broke",)) for hold in lost if hold.lost]
-        return actions + [self._fail(call, errors.Unproven(f"{call.what}: the connection to the broker broke before the answer came; it may or "
-                                                 f"may not have been executed", reason="disconnected", **call.names)) for call in broken]
+        return actions + [self._unproven(call, "connection") for call in broken]
 
     # Calls --------------------------------------------------------------------------------------------------------------
 
@@ -158,6 +157,11 @@ class Session:
 
     def query(self, now: float, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
         return self._begin(Call(self._next_id(), self.topics.query(), "registry", members, now + timeout, is_command=False, is_query=True), now)
+
+    def question(self, now: float, board: str, service: str, timeout: float) -> tuple[Call, list[Action]]:
+        """Asks a board's agent how the properties of a service stand; it ends within `timeout`."""
+        members = {"services": {service: 0}, "list": True}
+        return self._begin(Call(self._next_id(), self.topics.question(board), board, members, now + timeout - ANSWER_GRACE, is_command=False), now)
 
     def _next_id(self) -> str:
         return f"{self._client}-{next(self._count)}"
@@ -243,9 +247,8 @@ class Session:
         self._demands.setdefault(board, {})[id(sink)] = (service, hz)
         return self._want(topic, 0) + self._demand(board, now)
 
-    def watch_set(self, board: str, service: str, sink: Sink) -> list[Action]:
-        """`sink(payload, now)` for what was set on the service, by whichever program; without members where nothing is known."""
-        topic = self.topics.set(board, service)
+    def watch_topic(self, topic: str, sink: Sink) -> list[Action]:
+        """`sink(payload, now)` for each document there, the retained one first; without members where it was cleared."""
         self._values.setdefault(topic, []).append(sink)
         return self._want(topic, 1)
 
@@ -301,7 +304,7 @@ class Session:
     # Messages and time --------------------------------------------------------------------------------------------------
 
     def is_value(self, topic: str) -> bool:
-        """Whether reports of a service that is watched, or what was set on it, come on this topic."""
+        """Whether reports of a service that is watched, or how a board stands, come on this topic."""
         return topic in self._values
 
     def message(self, topic: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> list[Action]:
@@ -390,7 +393,7 @@ class Session:
         for call in [*self._open.values()]:
             if now >= call.deadline + ANSWER_GRACE:
                 del self._open[call.id]
-                actions.append(self._fail(call, self._unanswered(call)))
+                actions.append(self._unanswered(call))
             due = min(due, call.deadline + ANSWER_GRACE)
         if self.ready:
             for hold in [*self._holds.values()]:
@@ -406,10 +409,14 @@ class Session:
         expiry = self.catalogue.next_expiry() if self._connected else None
         return actions, max(now + 0.001, min(due, expiry if expiry is not None else due))
 
-    def _unanswered(self, call: Call) -> errors.Error:
+    def _unanswered(self, call: Call) -> Action:
         if call.is_query:
-            return errors.NotThere("no registry answered; is asip-registry running on this bus?", reason="no-registry", **call.names)
-        return errors.Unproven(f"{call.what}: no answer; it may or may not have been executed", reason="no-answer", **call.names)
+            return self._fail(call, errors.NotThere("no registry answered; is asip-registry running on this bus?", reason="no-registry", **call.names))
+        return self._unproven(call, "no-answer")
+
+    @staticmethod
+    def _unproven(call: Call, reason: str) -> Action:
+        return Resolve(call.future, error=errors.from_answer({"status": "timeout", "reason": reason}, **call.names))
 
     def close(self, why: str = "the bus was closed") -> list[Action]:
         """Ends every call and every demand. What was sent may have been executed."""

@@ -61,8 +61,15 @@ class Topics:
     def fault(self, board: str, service: str) -> str:
         return f"{self.root}/{board}/{service}/error"
 
-    def set(self, board: str, service: str) -> str:
-        return f"{self.root}/{board}/{service}/set"
+    def properties(self, board: str) -> str:
+        return f"{self.root}/servicebus/{board}/$properties"
+
+    def values(self, board: str) -> str:
+        return f"{self.root}/{board}/$values"
+
+    def question(self, board: str) -> str:
+        """Of an agent how its board stands. A level of its own: the demand of this program stays as it is."""
+        return f"{self.demand(board)}-values"
 
     def query(self) -> str:
         return f"{self.root}/registry/query"

@@ -28,10 +28,15 @@ def forbid() -> None:
     _forbidden.here = True
 
 
-def result(future: "Future[Any]") -> Any:
-    """Waits until `future` ends; its owner limits how long that takes."""
+def check() -> None:
+    """Raises in a thread that must not wait."""
     if getattr(_forbidden, "here", False):
         raise RuntimeError("what is called when a future ends runs in the thread that carries messages: it must not wait for one")
+
+
+def result(future: "Future[Any]") -> Any:
+    """Waits until `future` ends; its owner limits how long that takes."""
+    check()
     while True:
         try:
             return future.result(_SLICE)

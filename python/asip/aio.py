@@ -18,13 +18,14 @@ import inspect
 import logging
 import threading
 from concurrent.futures import Future
-from typing import Any, AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, AsyncIterator, Awaitable, Callable, Iterable, Iterator, Mapping, Sequence
 
 from . import bus as _bus
 from . import errors, settings
 from ._callbacks import takes
 from .board import Board as _Board
 from .pin import Pin as _Pin
+from .property import Property as _Property
 from .service import Element as _Element
 from .service import Held as _Held
 from .service import Service as _Service
@@ -173,6 +174,21 @@ class Board:
     async def name_pins(self, names: Mapping[int, str | None]) -> None:
         await _run(self._board.name_pins, names)
 
+    async def set_meaning(self, id: str, kind: str | None = "", **members: Any) -> None:
+        await _run(self._board.set_meaning, id, kind, **members)
+
+    @property
+    def properties(self) -> "Awaitable[list[Property]]":
+        """`await board.properties`"""
+        return self._all_properties()
+
+    async def _all_properties(self) -> "list[Property]":
+        return [Property(self, one) for one in await _run(lambda: self._board.properties)]
+
+    def property(self, id: str) -> "Property":
+        """It is looked for when it is read or written."""
+        return Property(self, self._board._property(id))
+
     async def stop(self, *, hold: bool = False, why: str = "", timeout: float | None = None) -> None:
         await _run(self._board.stop, hold=hold, why=why, timeout=timeout)
 
@@ -182,8 +198,8 @@ class Board:
     def pin(self, which: int | str) -> "Pin":
         return Pin(self, self._board.pin(which))
 
-    def __getitem__(self, name: str) -> "Service":
-        return Service(self, self._board[name])
+    def __getitem__(self, name: str) -> Any:
+        return self.property(name) if isinstance(name, str) and "/" in name else Service(self, self._board[name])
 
     def __contains__(self, name: object) -> bool:
         return name in self._board
@@ -316,6 +332,7 @@ class Pin:
         self._pin = pin
 
     number = property(lambda self: self._pin.number)
+    level = property(lambda self: self._pin.level)
     name = property(lambda self: self._pin.name)
 
     async def mode(self, word: str, *, timeout: float | None = None) -> None:
@@ -352,6 +369,34 @@ class Pin:
         await _run(self._pin.on_change, lambda level: call(level), initial=initial, pull_up=pull_up)
 
 
+class Property:
+    """As `asip.Property`; its value is `await one.read()`."""
+
+    def __init__(self, board: Board, one: _Property):
+        self.board = board
+        self.id = one.id
+        self._one = one
+
+    async def read(self, *, timeout: float | None = None) -> Any:
+        return await _run(self._one.read, timeout=timeout)
+
+    async def write(self, value: Any = None, *, timeout: float | None = None) -> None:
+        await _run(self._one.write, value, timeout=timeout)
+
+    async def on_change(self, function: Callable[..., Any] | None, *, hz: float = 10) -> None:
+        """Calls `function(value)` in the event loop."""
+        call = None if function is None else _in_loop(self.board.bus, function, 1)
+        await _run(self._one.on_change, None if call is None else lambda value: call(value), hz=hz)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "value":
+            raise AttributeError(name)
+        return getattr(self._one, name)
+
+    def __repr__(self) -> str:
+        return repr(self._one)
+
+
 class _Connecting:
     """For `async with connect() as bus` and `bus = await connect()`."""
 
@@ -381,4 +426,4 @@ def connect(broker: str | None = None, *, credentials: str | None = None, user: 
                                          timeout=timeout, by=by))
 
 
-__all__ = ["Board", "Bus", "Held", "Pin", "Service", "connect"]
+__all__ = ["Board", "Bus", "Held", "Pin", "Property", "Service", "connect"]

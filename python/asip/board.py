@@ -5,20 +5,15 @@ from __future__ import annotations
 import json
 import os
 import threading
-import time
-from typing import TYPE_CHECKING, Any, Iterator, Mapping
+from typing import Any, Iterator, Mapping
 
 from . import _model, _wait, errors
 from ._bank import Bank
-from ._description import STATES
-from ._entry import THERE, Entry
+from ._followed import Followed, Home
 from ._topics import valid_name
 from .pin import Pin
+from .property import Property
 from .service import Service, class_of
-
-if TYPE_CHECKING:
-    from ._engine import Engine
-    from .bus import Bus
 
 _standard_models: dict[str, _model.Model] = {}
 
@@ -50,96 +45,21 @@ def model_of(described: dict[str, Any], known: Mapping[str, _model.Model]) -> _m
     return None
 
 
-class Board:
-    """A board on the bus. Services are attributes, `board.servo`, or `board["servo"]`.
+class Board(Followed):
+    """A board on the bus. Services are attributes, `board.servo`, or `board["servo"]`; what can be read and set stands in
+    `board.properties`, `board["io/13"]`.
 
     Get one by `bus.board("desk")`. Its state is followed from then on.
     """
 
-    def __init__(self, bus: "Bus", name: str):
-        self.name = name
-        self.bus = bus
-        self._engine: Engine = bus._engine
-        self._followed = False
+    def __init__(self, bus: Home, name: str):
+        super().__init__(bus, name)
         self._services: dict[str, Service] = {}
         self._described: tuple[str, int] = ("", -2)
         self._reading = threading.Lock()
         self._bank = Bank(self)
-
-    # State --------------------------------------------------------------------------------------------------------------
-
-    def _entry(self) -> Entry | None:
-        entry: Entry | None = self._engine.peek(lambda session: session.catalogue.boards.get(self.name))
-        return entry
-
-    def _unheard_since(self) -> float | None:
-        since: float | None = self._engine.peek(lambda session: session.catalogue.unheard_since)
-        return since
-
-    def _follow(self) -> None:
-        if not self._followed:
-            self._followed = True
-            self._engine.do(lambda session, now: session.look_at(self.name))
-
-    @property
-    def state(self) -> str:
-        """`online`, `sleeping`, `updating`, `offline`, `lost`, or `unknown` while nothing was heard of it, or the broker is not heard."""
-        entry = self._entry()
-        return entry.state if entry and self._unheard_since() is None else "unknown"
-
-    @property
-    def reason(self) -> str:
-        """Why it is in its state: `unplugged`, `silent`, `agent-gone`, `expired`, `released`, `stopped`, `conflict`, `latched`, or empty."""
-        entry = self._entry()
-        return entry.reason if entry and self._unheard_since() is None else ""
-
-    @property
-    def status(self) -> str:
-        """State, since when and why, for people: `lost 3 min ago: cable unplugged`."""
-        entry, unheard, now = self._entry(), self._unheard_since(), time.monotonic()
-        if entry is None:
-            return "unknown"
-        if unheard is None:
-            return entry.words(now)
-        at = time.strftime("%H:%M:%S", time.localtime(time.time() - (now - unheard)))
-        return f"not known since {at}, when the broker was heard last; it was {entry.words(unheard)}"
-
-    @property
-    def online(self) -> bool:
-        return self.state == "online"
-
-    @property
-    def description(self) -> dict[str, Any]:
-        """The board's `$description` as its agent published it last; empty where none came."""
-        entry = self._entry()
-        return dict(entry.description) if entry else {}
-
-    @property
-    def labels(self) -> dict[str, str]:
-        return dict(self.description.get("labels") or {})
-
-    def _is_gone(self) -> bool:
-        return self.state not in (*THERE, "unknown")
-
-    def _must_be_there(self) -> None:
-        self._engine.check_open()
-        if self._is_gone():
-            raise errors.NotThere(f"{self.name} is {self.status}", board=self.name, reason="board-not-there")
-
-    def wait_for(self, state: str = "online", *, timeout: float | None = 60) -> None:
-        """Waits until the board is in this state; NotThere after `timeout` seconds (None: no limit)."""
-        if state not in STATES:
-            raise errors.Invalid(f"there is no state {state!r}" + (_model.near(str(state), STATES) or f"; there are {', '.join(STATES)}"), board=self.name)
-        if timeout is not None:
-            _wait.seconds(timeout)
-        self._follow()
-        changed = self._engine.changed
-        with changed:
-            _wait.until(changed, lambda: self.state == state or self._engine.closed, timeout)
-        self._engine.check_open()
-        if self.state != state:
-            raise errors.NotThere(f"{self.name} was not {state} within {timeout:g} s; it is {self.status}", board=self.name,
-                                  reason="board-not-there")
+        self._pins: dict[int, Pin] = {}
+        self._properties: dict[str, Property] = {}
 
     # Services -----------------------------------------------------------------------------------------------------------
 
@@ -168,14 +88,46 @@ class Board:
         described = [one for one in self.description.get("services") or [] if isinstance(one.get("model"), str)]
         return {one["model"] for one in described if model_of(one, self.bus._models) is None}
 
-    def __getitem__(self, name: str) -> Service:
-        """The service of this name; KeyError (NotThere) names the nearest one."""
+    def __getitem__(self, name: str) -> Any:
+        """The service of this name, or the property of this id (`io/13`); KeyError (NotThere) names the nearest one."""
+        if isinstance(name, str) and "/" in name:
+            return self.property(name)
         services = self.services
         found = services.get(name) or next((one for own, one in services.items() if _model.identifier(own) == name), None)
         if found is None:
             raise errors.NotThere(f"{self.name} has no service {name!r}" + (_model.near(str(name), services) or (
                 f"; it has {', '.join(services)}" if services else "; it has none")), board=self.name, service=name)
         return found
+
+    @property
+    def properties(self) -> list[Property]:
+        """What can be read and set, as the board's agent tells it, in its order; of a board that is away, what it told last. Unproven where
+        its agent is of a version that tells nothing."""
+        return [self._property(id) for id in self._known_properties()]
+
+    def _known_properties(self) -> list[str]:
+        bank = self._bank
+        if self._is_gone():
+            bank.hear()
+            with bank.changed:
+                _wait.until(bank.changed, lambda: bank.standing.listed, min(1.0, self._timeout(None)))
+        else:
+            bank.ask("*", self._timeout(None))
+        return [*bank.standing.properties]
+
+    def property(self, id: str) -> Property:
+        """The property of this id, `servo/0/angle`; NotThere (a LookupError) names the nearest one."""
+        known = self._bank.standing.properties
+        if id not in known and id not in self._known_properties():
+            ids = self._bank.standing.properties
+            raise errors.NotThere(f"{self.name} has no property {id!r}" + (_model.near(str(id), ids) or (
+                f"; it has {', '.join([*ids][:12])}" if ids else "; it has none")), board=self.name)
+        return self._property(id)
+
+    def _property(self, id: str) -> Property:
+        if id not in self._properties:
+            self._properties[id] = Property(self, self._bank, lambda: self.services, id)
+        return self._properties[id]
 
     def __contains__(self, name: object) -> bool:
         return name in self.services
@@ -198,10 +150,17 @@ class Board:
         """Gives pins friendly names: `board.name_pins({13: "status lamp"})`. None removes one."""
         wanted = {str(number): name for number, name in names.items()}
         self._ask({"names": {"pins": wanted}}, "name", timeout=None)
-        self._until_told(lambda: all(self._pin_names().get(number) == name for number, name in wanted.items()))
+        self._until_told(lambda: all(self._bank.names().get(number) == name for number, name in names.items()))
 
-    def _pin_names(self) -> dict[str, str]:
-        return (self.description.get("names") or {}).get("pins") or {}
+    def set_meaning(self, id: str, kind: str | None = "", **members: Any) -> None:
+        """Says what a property is, for every program; the board's agent keeps it: `board.set_meaning("io/2", "door", inverted=True)`.
+        `kind` is its class (docs/service-bus.md, "Properties and their values"), None: the meaning is removed. Members are `inverted`,
+        `debounce` (ms), `unit` with `line` (`[0, 1023, 0, 100]`), `icon`, `hidden`; None removes one."""
+        wanted = None if kind is None else {**({"class": kind} if kind else {}), **members}
+        if wanted == {}:
+            raise errors.Invalid(f"{self.name}/{id}: nothing is said of it", board=self.name, reason="invalid")
+        self._ask({"meanings": {id: wanted}}, "meaning", timeout=None)
+        self._until_told(lambda: _says(self.description.get("meanings"), id, wanted))
 
     def _until_told(self, true: Any) -> None:
         """What was accepted stands in the next description: it comes soon, and what follows here may count on it."""
@@ -235,12 +194,12 @@ class Board:
             which = number
         if not isinstance(which, int) or isinstance(which, bool) or not 0 <= which <= 255:
             raise errors.Invalid(f"{self.name}: {which!r} is no pin: a number from 0 to 255, or a name", board=self.name)
-        if which not in self._bank.pins:
-            self._bank.pins[which] = Pin(self._bank, which)
-        return self._bank.pins[which]
+        if which not in self._pins:
+            self._pins[which] = Pin(self, self._bank, self._io, which)
+        return self._pins[which]
 
-    def _timeout(self, given: float | None) -> float:
-        return max(0.05, _wait.seconds(self.bus.timeout if given is None else given, "timeout", 0.001, 60))
+    def _io(self) -> Service:
+        return self._bank.io(self.services)
 
     # For people ---------------------------------------------------------------------------------------------------------
 
@@ -265,6 +224,11 @@ class Board:
             return self[name]
         except errors.NotThere as fault:
             raise AttributeError(str(fault)) from None
+
+
+def _says(meanings: Any, id: str, wanted: dict[str, Any] | None) -> bool:
+    told: dict[str, Any] = meanings.get(id, {}) if isinstance(meanings, dict) else {}
+    return told == {} if wanted is None else all(told.get(name) == value for name, value in wanted.items())
 
 
 def _told(model: _model.Model | None) -> tuple[str, str]:

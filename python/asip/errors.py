@@ -82,32 +82,67 @@ def _rebuild(cls: type[Error], args: tuple[Any, ...], state: dict[str, Any]) -> 
     return made
 
 
-def from_answer(answer: dict[str, Any], *, board: str, service: str | None = None, command: str | None = None) -> Error | None:
-    """The error that a final answer of an agent stands for; None where its status is `ok`."""
-    status = answer.get("status")
-    reason = str(answer["reason"]) if answer.get("reason") else None
-    where = f"{board}/{service}" if service else board
-    what = f"{where} {command}" if command else where
-    words = str(answer.get("error") or "")
-    names = {"board": board, "service": service, "command": command, "reason": reason}
-    if status == "ok":
-        return None
-    if status == "error":
-        code = answer.get("code")
-        number = code if isinstance(code, int) and not isinstance(code, bool) else 0
-        return BoardError(f"{what}: the board refused it: {words or 'no reason given'} (error {number})", code=number, **names)
-    if status == "refused":
-        kind = NotThere if reason == "board-not-there" else Invalid if reason == "invalid" else Refused
-        return kind(f"{what}: not sent to the board: {words or reason or 'no reason given'}", **names)
-    if status == "timeout":
-        return Unproven(f"{what}: {_UNPROVEN.get(reason or '', 'the board gave no proof in time')}; "
-                        f"it may or may not have been executed", **names)
-    return Unproven(f"{what}: the answer cannot be read (status {status!r}); it may or may not have been executed", **names)
-
-
-_UNPROVEN = {
+_MAYBE = "; it may or may not have been executed"
+_TIMEOUTS = {
+    "": "the board gave no proof in time",
     "doubt": "something on the line to the board was lost or damaged",
     "partly": "some of its lines were sent and others were not",
-    "no-value": "executed, but the value that was asked for did not come",
+    "no-value": "it was executed, but the value that was asked for did not come",
     "board-not-there": "the board did not confirm it in time",
+    "no-answer": "nothing answered in time",
+    "connection": "the connection to the broker broke before the answer came",
 }
+_REFUSALS = {
+    "invalid": "the board has no such command, or not with these arguments",
+    "queue-full": "too many commands wait",
+    "board-not-there": "the board is not there",
+    "deadline": "its time was over before it could be sent",
+    "id-reused": "another command had this id within the last minute",
+    "retained": "a stored command is never executed",
+    "stopped": "the board was stopped",
+    "not-held": "there is nothing to renew",
+    "released": "the port is in other hands",
+    "not-released": "the port was not released",
+    "speaks-asip": "the board runs ASIP already",
+    "not-loaded": "the firmware was not loaded",
+    "not-kept": "it could not be kept",
+    "denied": "the broker's access rules deny it",
+}
+
+
+def _member(answer: dict[str, Any], name: str) -> str:
+    value = answer.get(name)
+    return value if isinstance(value, str) else ""
+
+
+def sentence(answer: dict[str, Any]) -> str:
+    """What a final answer means, as every program says it: tests/vectors/answers.json. Empty: it was executed."""
+    status, reason, words = answer.get("status"), _member(answer, "reason"), _member(answer, "error")
+    if status == "ok":
+        return ""
+    if status == "error":
+        return f"the board refused it{f': {words}' if words else ''} (error {_code(answer)})"
+    if status == "refused":
+        words = words or _REFUSALS.get(reason, "")
+        return f"refused{f' ({reason})' if reason else ''}{f': {words}' if words else ''}"
+    if status != "timeout":
+        return f"the answer cannot be read{_MAYBE}"
+    return (words or _TIMEOUTS.get(reason, _TIMEOUTS[""])) + ("" if reason == "no-value" else _MAYBE)
+
+
+def _code(answer: dict[str, Any]) -> int:
+    code = answer.get("code")
+    return code if type(code) is int else 0
+
+
+def from_answer(answer: dict[str, Any], *, board: str, service: str | None = None, command: str | None = None) -> Error | None:
+    """The error that a final answer of an agent stands for; None where its status is `ok`."""
+    text, status, reason = sentence(answer), answer.get("status"), _member(answer, "reason") or None
+    if not text:
+        return None
+    what = " ".join(filter(None, [f"{board}/{service}" if service else board, command]))
+    names = {"board": board, "service": service, "command": command, "reason": reason}
+    if status == "error":
+        return BoardError(f"{what}: {text}", code=_code(answer), **names)
+    kind = Unproven if status != "refused" else NotThere if reason == "board-not-there" else Invalid if reason == "invalid" else Refused
+    return kind(f"{what}: {text}", **names)

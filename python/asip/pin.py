@@ -3,41 +3,44 @@
 from __future__ import annotations
 
 import contextlib
-from concurrent.futures import Future
-from typing import TYPE_CHECKING, Any, Callable
+from typing import Any, Callable
 
 from . import _wait, errors
-from ._bank import ANALOG, INPUT, OUTPUT, PULLUP, PWM, Bank, by_pin
+from ._bank import ANALOG, INPUT, OUTPUT, PULLUP, PWM, Bank
 from ._callbacks import takes
-
-if TYPE_CHECKING:
-    from .service import Watch
+from ._followed import Followed
+from ._properties import UNKNOWN
+from .service import Service
 
 _WORDS = {"input": INPUT, "input-pullup": PULLUP, "output": OUTPUT, "analog": ANALOG, "pwm": PWM}
-_SET_SECONDS = 1.0  # agents tell at most twice a second what was set
 
 
 class Pin:
     """`mode()` sets its mode, and so do `write()` and the like, and `pwm()`. Reading sets nothing; `wait_for()` and `on_change()` make a
-    pin that nothing was decided about an input. A mode of an input is set again each time the board comes back. Levels of outputs
-    are not: a board that restarted keeps them off until the program sets them."""
+    pin that nothing was decided about an input. An input that this program made is one again when the board comes back. Levels of outputs
+    are not set again: a board that restarted keeps them off until the program sets them."""
 
-    def __init__(self, bank: Bank, number: int):
-        self.board = bank.board
+    def __init__(self, board: Followed, bank: Bank, io: Callable[[], Service], number: int):
+        self.board = board
         self.number = number
-        self.level: bool | int | None = None  # as the board reported it
         self._bank = bank
+        self._io = io
         self._changed = bank.changed
         self._again: int | None = None  # the mode of an input that this program set
         self._shown: bool | int | None = None
-        self._watch: "Watch | None" = None
         self._function: Callable[..., Any] | None = None
+        self._heard = False
         self._was_there = True
 
     @property
     def name(self) -> str:
         """Its friendly name; empty where people gave it none."""
         return self._bank.names().get(self.number, "")
+
+    @property
+    def level(self) -> bool | int | None:
+        """What is known of it at this moment; None: nothing. `read()` asks."""
+        return self._present()
 
     def mode(self, word: str, *, timeout: float | None = None) -> None:
         """`input`, `input-pullup`, `output`, `analog` or `pwm`."""
@@ -48,25 +51,21 @@ class Pin:
     def _set_mode(self, mode: int, timeout: float | None) -> None:
         if mode in (INPUT, PULLUP):
             self._hear()
-            if self._bank.modes.get(self.number) not in (INPUT, PULLUP):
-                self.level = None
         self._command("mode", mode, timeout)
         self._again = mode if mode in (INPUT, PULLUP) else None
 
     def _command(self, name: str, value: int, timeout: float | None) -> None:
-        bank, told = self._bank, list[int]()
-        future = bank.hear().begin(name, self.number, value, timeout=timeout)
-        future.add_done_callback(lambda _: told.append(bank.told))
+        future = self._io().begin(name, self.number, value, timeout=timeout)
+        if name == "mode":
+            future.add_done_callback(lambda done: None if done.exception() else self._bank.mode_set(self.number, value))
         _wait.result(future)
-        bank.executed(self.number, name, value, told)
-        self._look()
 
     # Outputs ------------------------------------------------------------------------------------------------------------
 
     def write(self, level: bool | int, *, timeout: float | None = None) -> None:
         """Sets an output. Returns when the board has executed it."""
         wanted = self._level_of(level)
-        if self._bank.modes.get(self.number) != OUTPUT:
+        if self._bank.mode(self.number) != OUTPUT:
             self._set_mode(OUTPUT, timeout)
         self._command("write", 1 if wanted else 0, timeout)
 
@@ -87,16 +86,47 @@ class Pin:
 
     def toggle(self, *, timeout: float | None = None) -> None:
         """The other level than the one that was set last, by whichever program; on, where none is known."""
-        mode = self._bank.mode(self.number, timeout)
-        self.write(not (mode in (OUTPUT, PWM) and self._within(_SET_SECONDS)), timeout=timeout)
+        self._ask(timeout)
+        self.write(not (self._is_output() and self._present()), timeout=timeout)
 
     def pwm(self, duty: int, *, timeout: float | None = None) -> None:
         """Sets the duty of a PWM pin, 0 to 255."""
         if isinstance(duty, bool) or not isinstance(duty, int) or not 0 <= duty <= 255:
             raise errors.Invalid(f"{self}: {duty!r} is no duty: a whole number from 0 to 255", board=self.board.name)
-        if self._bank.modes.get(self.number) != PWM:
+        if self._bank.mode(self.number) != PWM:
             self._set_mode(PWM, timeout)
         self._command("pwm", duty, timeout)
+
+    # What it is ---------------------------------------------------------------------------------------------------------
+
+    def _ask(self, timeout: float | None) -> None:
+        """Asks the board's agent how its pins stand."""
+        self._bank.ask(self._io().name, self.board._timeout(timeout))
+
+    def _kind(self) -> str:
+        """`input`, `output`, `number`, or empty where nothing was decided about it; of what people and commands made it, else of what the
+        sketch did."""
+        told = self._bank.told(self.number)
+        if told is not None:
+            return "input" if told.kind == "binary" else "output" if told.kind == "switch" or told.choices else "number"
+        mode = self._bank.mode(self.number)
+        if mode > PWM:
+            raise errors.Invalid(f"{self} belongs to the board itself, or to one of its services", board=self.board.name)
+        return {OUTPUT: "output", ANALOG: "number", PWM: "number"}.get(mode, "")
+
+    def _is_output(self) -> bool:
+        told = self._bank.told(self.number)
+        return told is not None and told.kind not in ("binary", "sensor")
+
+    def _present(self) -> bool | int | None:
+        """What is known at this moment."""
+        told, wire = self._bank.told(self.number), self._bank.wire(self.number)
+        is_number = told is not None and not told.choices or told is None and self._bank.mode(self.number) in (ANALOG, PWM)
+        return wire if wire is None or is_number else bool(wire)
+
+    def _why(self) -> str:
+        value = self._bank.standing.values.get(f"io/{self.number}")
+        return UNKNOWN[value.why if value is not None and value.why else "never"]
 
     # Inputs -------------------------------------------------------------------------------------------------------------
 
@@ -104,45 +134,30 @@ class Pin:
         """The level of an input; the value of an analog pin, 0 to 1023; of an output the level or duty that was set, by whichever
         program. It changes nothing: a pin without a mode is Invalid until `mode("input-pullup")`. Unproven where nothing is known."""
         seconds = self.board._timeout(timeout)
+        if not (self._bank.busy() and self._bank.hears(self.number)):
+            self._ask(seconds)
         self.board._must_be_there()
-        mode = self._bank.mode(self.number, seconds)
-        if mode == ANALOG:
+        kind, told = self._kind(), self._bank.told(self.number)
+        if kind == "number" and not self._is_output() and (told is not None or self._bank.mode(self.number) == ANALOG):
             channel = self._bank.channel(self.number)
             if channel is None:
                 raise errors.Unproven(f"{self}: the board did not tell which analog channel it is", board=self.board.name, reason="no-value")
-            return int(self._bank.io()[channel].read("analog", timeout=seconds))
-        decided = mode == PULLUP or self.number in self._bank.chosen
-        if mode not in (OUTPUT, PWM):
-            if not decided and self.level is None:
-                raise errors.Invalid(f'{self} has no mode: pin({self.number}).mode("input-pullup") makes it an input', board=self.board.name)
-            self._hear()
-        value = self._within(min(seconds, _SET_SECONDS) if mode in (OUTPUT, PWM) else seconds)
-        if value is None:
-            self.board._engine.check_open()
-            why = "it is not known what was set on it" if mode in (OUTPUT, PWM) else (
-                f"the board told no level within {seconds:g} s; it tells one when it changes, and behind mode()")
-            raise errors.Unproven(f"{self}: {why}", board=self.board.name, reason="no-value")
-        return value
-
-    def _present(self) -> bool | int | None:
-        """What is known at this moment."""
-        mode = self._bank.modes.get(self.number)
-        if mode == OUTPUT:
-            level = self._bank.levels.get(self.number)
-            return None if level is None else bool(level)
-        return self._bank.duties.get(self.number) if mode == PWM else self.level
-
-    def _within(self, seconds: float) -> bool | int | None:
-        with self._changed:
-            _wait.until(self._changed, lambda: self._present() is not None or self.board._engine.closed, seconds)
-            return self._present()
+            return int(self._io()[channel].read("analog", timeout=seconds))
+        if kind in ("", "input"):
+            self._hear()  # a program that reads a level again and again is told it
+        value = self._present()
+        if value is not None:
+            return value
+        if kind == "":
+            raise errors.Invalid(f'{self} has no mode: pin({self.number}).mode("input-pullup") makes it an input', board=self.board.name)
+        raise errors.Unproven(f"{self}: its {'level' if kind == 'input' else 'value'} is not known: {self._why()}", board=self.board.name, reason="no-value")
 
     def wait_for(self, level: bool, *, pull_up: bool = True, timeout: float | None = None) -> None:
         """Waits until the pin has this level; Unproven after `timeout` seconds (None: no limit)."""
         wanted = self._level_of(level)
         if timeout is not None:
             _wait.seconds(timeout)
-        if self._listen(pull_up) in (ANALOG, PWM):
+        if self._listen(pull_up) == "number":
             raise errors.Invalid(f'{self} has numbers, not levels; pin({self.number}).mode("input-pullup") makes it an input', board=self.board.name)
         with self._changed:
             if not _wait.until(self._changed, lambda: self._present() is wanted or self.board._engine.closed, timeout):
@@ -174,30 +189,22 @@ class Pin:
         self.on_change(function)
 
     def _hear(self) -> None:
-        if self._watch is None:
-            self._watch = self._bank.hear()._watched(self._reported, 10)
+        if not self._heard:
+            self._heard = True
+            self._bank.hear()
+            self._bank.hear_reports(self._io())
+            self._bank.lookers[self] = self
             self.board._engine.listen(self)
             self.board._engine.peek(lambda session: session.watch_boards(self._board_changed))
 
-    def _listen(self, pull_up: bool) -> int:
-        """Its mode. A pin that nothing was decided about becomes an input; an input gets the mode that it has once more, because a
-        board tells the level then. No other pin gets one."""
+    def _listen(self, pull_up: bool) -> str:
+        """What it is. A pin that nothing was decided about, and of which no level came, becomes an input. No other pin gets a mode."""
         self._hear()
-        mode = self._bank.mode(self.number, None)
-        if mode > PWM:
-            raise errors.Invalid(f"{self} belongs to the board itself, or to one of its services", board=self.board.name)
-        if mode not in (OUTPUT, ANALOG, PWM) and self.level is None:
-            decided = mode == PULLUP or self.number in self._bank.chosen
-            self._set_mode(mode if decided and mode != 0 else PULLUP if pull_up else INPUT, None)
-        return mode
-
-    def _reported(self, payload: dict[str, Any], _now: float) -> None:
-        analog = self._bank.modes.get(self.number) == ANALOG
-        told = payload.get("analog" if analog else "digital")
-        value = told.get(str(self._bank.channel(self.number) if analog else self.number)) if isinstance(told, dict) else None
-        if type(value) is int:  # boards report levels of inputs only
-            self.level = value if analog else bool(value)
-            self._look()
+        self._ask(None)
+        kind = self._kind()
+        if kind == "" and self._present() is None:
+            self._set_mode(PULLUP if pull_up else INPUT, None)
+        return kind
 
     def _look(self) -> None:
         """Something was told: whoever waits looks again, and the function is told a change."""
@@ -211,30 +218,24 @@ class Pin:
             self.board._engine.dispatcher.put(self._function, (value,)[:self._count])
 
     def _board_changed(self, name: str) -> None:
-        """In paho's thread: the mode of an input is set again when the board is back, and its level is told as a change."""
+        """In paho's thread: an input of this program is one again when the board is back. Another program may have made it an output
+        meanwhile: the description says."""
         if name != self.board.name:
             return
         there = not self.board._is_gone()
         came_back, self._was_there = there and not self._was_there, there
-        if came_back and self._again is not None:
-            self.board._engine.dispatcher.put(self._ask_again, ())
+        if came_back and self._again is not None and self._bank.mode(self.number) in {0, INPUT, PULLUP} - {self._again}:
+            self.board._engine.dispatcher.put(self._set_again, ())
+
+    def _set_again(self) -> None:
+        if self._again is not None:
+            with contextlib.suppress(errors.Error):
+                self._io().begin("mode", self.number, self._again)
 
     def _told(self) -> None:
         """The bus ended, or a board changed: `wait_for()` looks again."""
         with self._changed:
             self._changed.notify_all()
-
-    def _ask_again(self) -> None:
-        """Another program may have made it an output meanwhile: the board says."""
-        put = self.board._engine.dispatcher.put
-        with contextlib.suppress(errors.Error):
-            self._bank.io().begin("modes").add_done_callback(lambda answer: put(self._set_again, (answer,)))
-
-    def _set_again(self, answer: "Future[Any]") -> None:
-        modes = by_pin(answer.result()) if answer.exception() is None else {}
-        if self._again is not None and modes.get(self.number, OUTPUT) <= PULLUP:
-            with contextlib.suppress(errors.Error):
-                self._bank.io().begin("mode", self.number, self._again)
 
     def __repr__(self) -> str:
         return f"<asip pin {self.number} of {self.board.name}>"

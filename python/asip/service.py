@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Sequence
 
 from . import _model, _wait, errors
 from ._callbacks import takes
+from ._followed import Followed
 from ._session import Call, Hold
 from .stream import Reading, Stream
-
-if TYPE_CHECKING:
-    from .board import Board
 
 # Names that stay ours where a model has a command of the same name: service.command("read") reaches that one.
 _OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "on_value", "hold", "begin", "plot")
@@ -40,7 +38,7 @@ class Service:
 
     model: _model.Model | None = None
 
-    def __init__(self, board: "Board", name: str, title: str = ""):
+    def __init__(self, board: Followed, name: str, title: str = ""):
         self.name = name
         self.board = board
         self.title = title

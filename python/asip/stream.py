@@ -8,12 +8,10 @@ import logging
 import queue
 import time
 import weakref
-from typing import TYPE_CHECKING, Any, Callable, Iterator, NamedTuple
+from typing import Any, Callable, Iterator, NamedTuple, Protocol
 
 from . import _model, _wait, errors
-
-if TYPE_CHECKING:
-    from .service import Service
+from ._followed import Followed
 
 # A loop that is woken for each of many values does little else. So where values that are kept come faster than one in
 # _FAST_SECONDS, it takes those of _GATHER_SECONDS together.
@@ -21,6 +19,21 @@ _FAST_SECONDS = 0.001
 _GATHER_SECONDS = 0.004
 _SILENCE_SECONDS = 3.0
 log = logging.getLogger("asip")
+
+
+class Ends(Protocol):
+    def cancel(self) -> None: ...
+
+
+class Source(Protocol):
+    """A service whose values come."""
+
+    name: str
+    board: Followed
+    updated: float | None
+
+    def _watched(self, sink: Callable[..., None], hz: float) -> Ends: ...
+    def _how_to_report(self) -> str: ...
 
 
 class Reading(NamedTuple):
@@ -35,7 +48,7 @@ class Stream(Iterator[Any]):
     """The iterator that `service.stream()` returns. It begins to listen at once, and ends with `close()`, with the end of a
     `with` block, or when nothing refers to it any more. `dropped` counts values that newer ones replaced."""
 
-    def __init__(self, service: "Service", event: _model.Event, *, hz: float, keep: int, wait_for_board: bool, details: bool,
+    def __init__(self, service: Source, event: _model.Event, *, hz: float, keep: int, wait_for_board: bool, details: bool,
                  timeout: float | None):
         self.dropped = 0
         self._service, self._event, self._details, self._timeout = service, event, details, timeout

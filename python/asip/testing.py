@@ -40,7 +40,11 @@ class FakeBoard:
         self.modes: dict[int, int] = {}
         self.labels: dict[str, str] = {}
         self._pin_names: dict[str, str] = {}
-        self._set: dict[str, dict[str, int]] = {}  # what its agent says was set on its pins
+        self._pin_modes: dict[int, int] = {}  # as commands set them
+        self._meanings: dict[str, dict[str, Any]] = {}
+        self._offered: dict[str, dict[str, Any]] = {}  # properties by id
+        self._stands: dict[str, Any] = {}              # their values, as on the wire
+        self._told: dict[str, str] = {}
         self.state = "online"
         self._memory = memory
         self._seq = 0
@@ -60,11 +64,17 @@ class FakeBoard:
         """Publishes a value as the board's agent would; later `read()` calls that ask the board get it, too."""
         name = self._models[service].event(event).name
         self._values[service, name] = value
+        for one in self._offered.values():
+            place = one.get("read", "").split("/")[1:]
+            if one["service"] == service and place[:1] == [name]:
+                self._stands[one["id"]] = value if len(place) == 1 else value[place[1] if isinstance(value, dict) else int(place[1])]
+        self._tell()
         self._memory._publish(f"{self.name}/{service}/out", {name: value})
 
     def press(self, pin: int, level: int = 1) -> None:
         """Changes the level of an input pin."""
         self._inputs[pin] = level
+        self._tell()
         self._memory._publish(f"{self.name}/io/out", {"digital": {str(pin): level}})
 
     def fail(self, code: int, text: str = "INVALID_DEVICE_NUMBER", command: str | None = None) -> None:
@@ -95,17 +105,17 @@ class FakeBoard:
         self._say("online", "")
 
     def _say(self, state: str, reason: str) -> None:
+        if state == "online" and self.state != state:  # nothing is known of what it did meanwhile
+            self._stands = {id: None for id in self._stands}
         self.state = state
-        if state != "online" and self._set:
-            self._set = {}
-            self._memory._publish(f"{self.name}/io/set", "", retained=True)
         self._seq += 1
         self._announce(reason)
+        self._tell()
 
     def _announce(self, reason: str = "") -> None:
         described = [{"name": name, "id": model.letter, "title": model.title, "model": model.document} for name, model in self._models.items()]
         self._memory._publish(f"servicebus/{self.name}/$description", {
-            "board": self.name, "session": "00000000000000aa", "seq": self._seq, "lease": 86400, "services": described, "labels": self.labels, "names": {"pins": self._pin_names},
+            "board": self.name, "session": "00000000000000aa", "seq": self._seq, "lease": 86400, "services": described, "labels": self.labels, "names": {"pins": self._pin_names}, "meanings": self._meanings,
             "pins": {"modes": "".join(map(str, self._all_modes())), "analog": {str(14 + channel): channel for channel in range(6)}},
             "state": {"is": self.state, "reason": reason, "age": 0}}, retained=True)
         self._memory._publish(f"servicebus/{self.name}/$state", self.state, retained=True)
@@ -117,7 +127,9 @@ class FakeBoard:
                 kept.pop(key, None)
                 if value is not None:
                     kept[key] = value
-        if "labels" in request or "names" in request:
+        for id, meaning in (request.get("meanings") or {}).items():
+            self._meanings[id] = {name: value for name, value in {**self._meanings.get(id, {}), **(meaning or {})}.items() if meaning and value is not None}
+        if {"labels", "names", "meanings"} & {*request}:
             self._say(self.state, "")
 
     def _asked(self, service: str | None, request: dict[str, Any]) -> Answer | None:
@@ -153,6 +165,11 @@ class FakeBoard:
         self.commands.append((service, command.name, values))
         if model.name == "io" and faulty is None:
             self._set_pin(command.name, values)
+        for one in self._offered.values():
+            call = one.get("write", {})
+            if faulty is None and one["service"] == service and call.get("command") == command.name and all(own in (None, given) for own, given in zip(call["args"], values)):
+                self._stands[one["id"]] = next((given for own, given in zip(call["args"], values) if own is None), None)
+        self._tell()
         event = model.answer_of(command)
         if faulty is None and event is not None:
             if (service, event.name) not in self._values:
@@ -172,13 +189,82 @@ class FakeBoard:
         if command == "write":
             self.levels[pin] = value
         else:
-            self.modes[pin] = 5 if command == "pwm" else value
-        if command != "mode":
-            self._set.get("pwm" if command == "write" else "write", {}).pop(str(pin), None)
-        self._set.setdefault(command, {})[str(pin)] = value
-        self._memory._publish(f"{self.name}/io/set", {name: told for name, told in self._set.items() if told}, retained=True)
+            self.modes[pin] = self._pin_modes[pin] = 5 if command == "pwm" else value
+        if command == "mode":
+            self._stands.pop(f"io/{pin}", None)
+        else:
+            self._stands[f"io/{pin}"] = value
+        if command == "write":
+            self._tell()
+        else:
+            self._say(self.state, "")  # its modes stand in its description
         if command == "mode" and value in (1, 2):
             self._memory._publish(f"{self.name}/io/out", {"digital": {str(pin): self._inputs.get(pin, 0)}})
+
+    # How it stands, as its agent tells it ---------------------------------------------------------------------------------
+
+    def offer(self, id: str, kind: str, **members: Any) -> None:
+        """Adds a property beside those of pins, as the agent of such a board tells it (docs/service-bus.md, "Properties and their values"):
+        `offer("servo/0/angle", "number", min=0, max=180, write={"command": "write", "args": [0, None]})`,
+        `offer("distance/0", "sensor", unit="cm", read="/distance/0")`."""
+        type = {"binary": "boolean", "switch": "boolean", "select": "choice", "button": "action", "light": "light", "text": "text"}.get(kind, "integer")
+        self._offered[id] = {"id": id, "name": id, "service": id.partition("/")[0], "kind": kind, "type": type,
+                             "access": "both" if "write" in members else "read", **members}
+        self._tell()
+
+    def _properties(self) -> list[dict[str, Any]]:
+        """Those that were offered, and the pins that a command or a meaning made something."""
+        inputs = ("button", "door", "window", "motion", "occupancy", "moisture", "smoke", "vibration")
+        pins = {**self._pin_modes, **{int(id[3:]): 2 if one.get("class") in inputs else 3 for id, one in self._meanings.items() if one.get("class") and id.startswith("io/")}}
+        return [*self._offered.values(), *(self._pin(pin, mode) for pin, mode in sorted(pins.items()) if mode in (1, 2, 3, 4, 5))]
+
+    def _pin(self, pin: int, mode: int) -> dict[str, Any]:
+        meaning = self._meanings.get(f"io/{pin}", {})
+        one: dict[str, Any] = {"id": f"io/{pin}", "name": self._pin_names.get(str(pin), f"Pin {pin}"), "service": "io", "meaning": meaning, "type": "integer",
+                               "access": "both" if mode in (3, 5) else "read", "kind": {3: "switch", 4: "sensor", 5: "number"}.get(mode, "binary")}
+        if mode in (4, 5):
+            one.update(min=0, max=255 if mode == 5 else 1023)
+        else:
+            on = 0 if meaning.get("inverted", mode == 2) else 1
+            one.update(type="boolean", choices=[["off", 1 - on], ["on", on]])
+        if mode in (3, 5):
+            one["write"] = {"command": "write" if mode == 3 else "pwm", "args": [pin, None]}
+        else:
+            one["read"] = f"/analog/{pin - 14}" if mode == 4 else f"/digital/{pin}"
+        if mode in (3, 5) and self.modes.get(pin) != mode:
+            one["before"] = {"command": "mode", "args": [pin, mode]}
+        return one
+
+    def _value(self, one: dict[str, Any]) -> dict[str, Any]:
+        pin = int(one["id"][3:]) if one["id"].startswith("io/") else None
+        raw = self._inputs.get(pin, 0) if one["kind"] == "binary" and pin is not None else self._stands.get(one["id"])
+        if raw is None:
+            return {"unknown": "restart" if one["id"] in self._stands else "never", "age": 0}
+        value = {number: word == "on" for word, number in one.get("choices", [])}.get(raw, raw)
+        return {"value": value, "how": "set" if "write" in one else "reported", "age": 0}
+
+    def _document(self, **members: Any) -> dict[str, Any]:
+        return {"version": 1, "board": self.name, "session": "00000000000000aa", "seq": self._seq, **members}
+
+    def _tell(self) -> None:
+        """Publishes what is told now, where it is something else than before."""
+        listed = self._properties()
+        documents: dict[str, dict[str, Any]] = {
+            f"servicebus/{self.name}/$properties": {"properties": listed},
+            f"{self.name}/$values": {"values": {one["id"]: self._value(one) for one in listed if one["kind"] != "button"}}}
+        for topic, members in documents.items():
+            text = json.dumps(members)
+            if self._told.get(topic) != text:
+                self._told[topic] = text
+                self._seq += 1
+                self._memory._publish(topic, self._document(**members), retained=True)
+
+    def _questioned(self, services: Iterable[str]) -> Answer | None:
+        if self._silent:
+            return None
+        listed = [one for one in self._properties() if any(fnmatch.fnmatchcase(one["service"], service) for service in services)]
+        pins = {"digital": {str(pin): level for pin, level in self._inputs.items()}, "analog": self._values.get(("io", "analog"), {})}
+        return {"status": "ok", "proof": "memory", "answer": self._document(properties=listed, pins=pins, values={one["id"]: self._value(one) for one in listed})}
 
 
 class MemoryBus:
@@ -194,6 +280,7 @@ class MemoryBus:
         self.boards = {name: FakeBoard(self, name, services) for name, services in boards.items()}
         for board in self.boards.values():
             board._announce()
+            board._tell()
 
     def connect(self, *, timeout: float = 1.0, by: str | None = None) -> Bus:
         """A bus of this memory; the MemoryBus closes it."""
@@ -243,6 +330,13 @@ class MemoryBus:
             return
         if levels == ["registry", "query"]:
             self._asked(json.loads(payload))
+            return
+        if levels[0] == "servicebus" and levels[1] in self.boards and levels[2] == "$demand" and payload:
+            demand = json.loads(payload)
+            with self._lock:
+                told = self.boards[levels[1]]._questioned([name for name, hz in demand["services"].items() if hz == 0]) if "reply_to" in demand else None
+            if told is not None:
+                self._publish(demand["reply_to"].split("/", 1)[1], {**told, "id": demand["id"]})
             return
         board = self.boards.get(levels[0])
         if board is None or levels[-1] not in ("in", "$stop"):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Wheel and source archive: built, installed in a fresh virtual environment, used from there."""
+import ast
 import os
 import pathlib
 import shutil
@@ -35,6 +36,31 @@ class Package(unittest.TestCase):
     def test_version_is_that_of_the_project(self):
         text = (HERE.parent / "asip" / "_version.py").read_text()
         self.assertEqual(text.split('"')[1], (HERE.parents[1] / "VERSION").read_text().strip())
+
+
+class Imports(unittest.TestCase):
+    def test_no_file_of_the_package_imports_itself_by_way_of_others(self):
+        """Types and functions count, too: who reads one file need not read all."""
+        folder = HERE.parent / "asip"
+        needs = {file.stem: set(needed(file)) for file in folder.glob("*.py") if file.stem != "__init__"}
+        self.assertIn("_session", needs["_engine"])
+        while needs:
+            free = [name for name, wanted in needs.items() if not wanted & {*needs}]
+            self.assertTrue(free, f"these import each other: {sorted(needs)}")
+            for name in free:
+                del needs[name]
+
+    def test_importing_the_package_needs_little_that_paho_does_not(self):
+        text = "import sys, paho.mqtt.client; before = {*sys.modules}; import asip; print(*sorted(one for one in {*sys.modules} - before if one[0] != '_'))"
+        done = subprocess.run([sys.executable, "-c", text], cwd=HERE.parent, check=True, capture_output=True, text=True)
+        others = {one.partition(".")[0] for one in done.stdout.split()} - {"asip"}
+        self.assertLessEqual(others, {"concurrent", "heapq", "json", "queue", "typing"})
+
+
+def needed(file):
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            yield from [node.module] if node.module else [one.name for one in node.names]
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ import os
 import pathlib
 import unittest
 
-from asip import _catalogue, _entry, _envelope
+from asip import _catalogue, _envelope
 
 VECTORS = json.loads(pathlib.Path(os.environ.get("ASIP_PRESENCE_VECTORS", pathlib.Path(__file__).resolve().parents[2] / "tests" / "vectors" / "presence.json")).read_text())
 
@@ -47,9 +47,6 @@ class Presence(unittest.TestCase):
                         self.assertAlmostEqual(told[2], wanted[2], delta=0.001)
                 steps += 1
         self.assertGreater(steps, 1000)
-
-    def test_reasons_have_one_wording(self):
-        self.assertEqual({"": "", **_entry.WORDS}, VECTORS["reasons"])
 
     def test_word_that_the_broker_kept_alone_is_not_shown_as_lost(self):
         catalogue = _catalogue.Catalogue()

@@ -197,7 +197,7 @@ class End(Memory):
         self.bus.run()
 
     def test_public_names(self):
-        self.assertEqual(sorted(asip.__all__), ["Board", "BoardError", "Bus", "Closed", "Disconnected", "Error", "Invalid", "NotThere", "Pin",
+        self.assertEqual(sorted(asip.__all__), ["Board", "BoardError", "Bus", "Closed", "Disconnected", "Error", "Invalid", "NotThere", "Pin", "Property",
                                                 "Reading", "Refused", "Service", "Unproven", "__version__", "connect"])
         pickle.dumps(asip.Reading([1], "cm", 1.0))
 

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The vectors that every implementation of the bus reads: tests/vectors/bus.json."""
+import copy
 import json
 import pathlib
 import unittest
 
-from asip import _brokers, _clock, _envelope, _topics, errors
+from asip import _brokers, _clock, _entry, _envelope, _properties, _topics, errors
 
-VECTORS = json.loads((pathlib.Path(__file__).resolve().parents[2] / "tests" / "vectors" / "bus.json").read_text())
+
+def vectors(name):
+    return json.loads((pathlib.Path(__file__).resolve().parents[2] / "tests" / "vectors" / f"{name}.json").read_text())
+
+
+VECTORS = vectors("bus")
 
 
 class Vectors(unittest.TestCase):
@@ -25,7 +31,7 @@ class Vectors(unittest.TestCase):
             topics, board, service = _topics.Topics(vector["root"], vector["user"], vector["client"]), vector["board"], vector["service"]
             made = {"state": topics.state(board), "description": topics.description(board), "demand": topics.demand(board), "probe": topics.probe(),
                     "lines": topics.lines_in(board), "command": topics.command(board, service), "stop": topics.stop(board),
-                    "event": topics.event(board, service), "fault": topics.fault(board, service), "set": topics.set(board, service), "reply": topics.reply(board),
+                    "event": topics.event(board, service), "fault": topics.fault(board, service), "properties": topics.properties(board), "values": topics.values(board), "question": topics.question(board), "reply": topics.reply(board),
                     "replies": topics.replies(), "own": topics.own()}
             self.assertEqual(made, {name: vector[name] for name in made})
 
@@ -56,8 +62,7 @@ class Vectors(unittest.TestCase):
             self.assertEqual(clocks.reading("desk", vector["now"]), vector["reading"], vector["about"])
 
     def test_versions_of_mqtt(self):
-        vectors = json.loads((pathlib.Path(__file__).resolve().parents[2] / "tests" / "vectors" / "mqtt_version.json").read_text())
-        for broker in vectors["brokers"]:
+        for broker in vectors("mqtt_version")["brokers"]:
             choice = _brokers.VersionChoice()
             for attempt in broker["attempts"]:
                 if attempt["ended"] == "accepted":
@@ -65,6 +70,78 @@ class Vectors(unittest.TestCase):
                 else:
                     choice.failed(attempt["ended"], choice.v5)
                 self.assertEqual((5 if choice.v5 else 4, choice.suspected), (attempt["then"], attempt["same"]), (broker["about"], attempt))
+
+    def test_sentences_of_answers(self):
+        told = vectors("answers")
+        for one in told["answers"] + told["unreadable"]:
+            error = errors.from_answer(one["answer"], board="desk")
+            self.assertEqual(errors.sentence(one["answer"]), one["text"])
+            self.assertEqual(None if error is None else str(error), None if one["executed"] == "yes" and not one["text"] else f"desk: {one['text']}")
+            self.assertEqual(one["text"].endswith(told["maybe"]), one["executed"] == "maybe")
+        for status, words in told["words"].items():
+            for reason, text in words.items():
+                self.assertIn(text, errors.sentence({"status": status, "reason": reason}))
+        self.assertEqual((errors._TIMEOUTS, errors._REFUSALS), (told["words"]["timeout"], told["words"]["refused"]))
+
+    def test_words_of_reasons(self):
+        told = vectors("reasons")
+        self.assertEqual({"": "", **_entry.WORDS}, told["states"])
+        self.assertEqual({name: f"unknown: {text}" for name, text in _properties.UNKNOWN.items()}, told["unknown"])
+
+
+class Properties(unittest.TestCase):
+    """tests/vectors/properties.json."""
+
+    def setUp(self):
+        self.told = vectors("properties")
+        self.standing = _properties.Standing()
+        self.standing.take_list(self.told["list"], "desk", "")
+
+    def changed(self, name, change):
+        place, value = change
+        document = copy.deepcopy(self.told[name])
+        *path, last = [one.replace("~1", "/").replace("~0", "~") for one in place.split("/")[1:]]
+        at = document
+        for one in path:
+            at = at[int(one)] if isinstance(at, list) else at[one]
+        at[int(last) if isinstance(at, list) else last] = value
+        return document
+
+    def test_list(self):
+        listed = self.told["list"]["properties"]
+        self.assertEqual([*self.standing.properties], [one["id"] for one in listed])
+        for one in listed:
+            told = self.standing.properties[one["id"]]
+            for name in ("name", "service", "kind", "type", "access", "unit", "min", "max", "meaning"):
+                self.assertEqual(getattr(told, name), one.get(name, getattr(told, name)), (one["id"], name))
+
+    def test_damaged_documents_are_refused(self):
+        for change in self.told["damaged_lists"]:
+            with self.assertRaises(ValueError, msg=change):
+                _properties.Standing().take_list(self.changed("list", change), "desk", "")
+        for change in self.told["damaged_values"]:
+            with self.assertRaises(ValueError, msg=change):
+                _properties.Standing().take_values(self.changed("values", change), "desk", "", 100)
+        self.assertTrue(self.standing.take_values(self.told["values"], "desk", "", 100))
+        self.assertEqual(self.standing.values["io/13"], _properties.Value(True, "set", "", 83))
+        self.assertEqual(self.standing.values["servo/0/angle"], _properties.Value(None, "", "restart", 100 - 3.1))
+
+    def test_commands_that_set_a_value(self):
+        for one in self.told["set"]:
+            told = self.standing.properties.get(one["id"])
+            self.assertEqual([[service, request] for service, request in told.requests(one["value"])] if told else [], one["requests"], one)
+
+    def test_words(self):
+        for one in self.told["text"]:
+            self.assertEqual(self.standing.properties[one["id"]].words(one["value"]), one["text"], one)
+
+    def test_which_documents_count(self):
+        for one in self.told["order"]:
+            for take in ("take_list", "take_values"):
+                standing = _properties.Standing()
+                for session, seq, counts in one["documents"]:
+                    document = {"version": 1, "board": "desk", "session": session, "seq": seq, "properties": [], "values": {}}
+                    self.assertEqual(getattr(standing, take)(document, "desk", one["holder"], *[0] * (take == "take_values")), counts, one)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be read and set on a board, and how it stands, as its agent tells it (docs/service-bus.md, "Properties and their values").
+Pure. tests/vectors/properties.json binds it to the C++ programs, which make the list."""
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, NamedTuple
+
+from ._description import whole
+from ._topics import valid_board, valid_name
+
+VERSION = 1
+UNKNOWN = {"never": "nothing was reported or set yet", "restart": "nothing was reported or set since the board came back",
+           "doubt": "a command may or may not have been executed"}
+_KINDS = ("sensor", "binary", "switch", "number", "light", "button", "text", "select")
+_MAX_PROPERTIES = 256
+_MAX_BYTES = 256  # of a text
+_TWO_WORDS = {"button": ("pressed", "released"), "door": ("open", "closed"), "window": ("open", "closed"), "moisture": ("wet", "dry"),
+              **dict.fromkeys(("motion", "occupancy", "smoke", "vibration"), ("detected", "clear"))}
+_FULL = 255  # brightness
+
+
+class Told(NamedTuple):
+    """A property as the list tells it."""
+
+    id: str
+    name: str
+    service: str
+    kind: str
+    type: str
+    access: str
+    unit: str
+    quantity: str
+    min: float | None
+    max: float | None
+    step: float | None
+    max_length: int
+    choices: dict[str, float]
+    read: str
+    calls: dict[str, tuple[str, list[float | None]]]  # `before`, `write`, `color`: a command and its arguments, None for the value
+    is_whole: bool
+    meaning: dict[str, Any]
+
+    def words(self, value: Any) -> str:
+        """A value for people: `open`, `42 cm`."""
+        if value is None:
+            return "none"
+        if isinstance(value, bool):
+            return _TWO_WORDS.get(self.meaning.get("class", ""), ("on", "off"))[not value]
+        if isinstance(value, dict):
+            return _light_words(value)
+        text = value if isinstance(value, str) else f"{value}"
+        return text if isinstance(value, str) or not self.unit else f"{text}{'' if self.unit == '%' else ' '}{self.unit}"
+
+    def requests(self, value: Any) -> list[tuple[str, dict[str, Any]]]:
+        """What sets it to a value, in order: service and command. Empty: it has no such value, or cannot be set."""
+        if self.kind == "light":
+            made = self._light(value)
+        elif "write" not in self.calls or self.kind != "button" and (value := self.wire(value)) is None:
+            made = []
+        else:
+            made = [self._request("write", value)]
+        return [self._request("before", None), *made] if made and "before" in self.calls else made
+
+    def wire(self, value: Any) -> Any:
+        """What stands for a value on the wire to the board; None: it has no such value."""
+        if self.kind == "text":
+            return value if isinstance(value, str) and len(value.encode("utf-8", "replace")) <= self.max_length else None
+        if self.kind in ("number", "sensor") and not self.choices:
+            good = _is_number(value) and self._within(value) and (not self.is_whole or value == math.floor(value))
+            return (int(value) if value == math.floor(value) else value) if good else None
+        if self.kind == "light" and isinstance(value, dict) and type(value.get("on")) is bool:
+            if self.choices:
+                return self.choices["on" if value["on"] else "off"]
+            return _round(value.get("brightness", _FULL if value["on"] else 0) * (_FULL if self.max is None else self.max) / _FULL)
+        if type(value) is bool and self.kind in ("switch", "binary"):
+            return self.choices["on" if value else "off"]
+        return self.choices.get(value) if isinstance(value, str) and self.kind in ("select", "sensor") else None
+
+    def _within(self, value: float) -> bool:
+        return math.isfinite(value) and (self.min is None or value >= self.min) and (self.max is None or value <= self.max)
+
+    def _request(self, name: str, value: Any) -> tuple[str, dict[str, Any]]:
+        command, args = self.calls[name]
+        return self.service, {command: [value if one is None else one for one in args]}
+
+    def _light(self, value: Any) -> list[tuple[str, dict[str, Any]]]:
+        if not isinstance(value, dict) or type(value.get("on")) is not bool or any(
+                name in value and not (_is_number(value[name]) and 0 <= value[name] <= most) for name, most in (("brightness", _FULL), ("color", 0xFFFFFF))):
+            return []
+        on, made = value["on"], []
+        dims = "write" in self.calls
+        if "color" in self.calls and (not on or "color" in value or not dims) and (on or not dims):
+            made.append(self._request("color", value.get("color", 0xFFFFFF) if on else 0))
+        if dims:
+            level = self.wire(value)
+            made.append(self._request("write", level if self.choices or not on or value.get("brightness", 1) == 0 else max(1, level)))
+        return made
+
+
+def _light_words(value: dict[str, Any]) -> str:
+    if value.get("on") is not True:
+        return "off"
+    bright: Any = value.get("brightness")
+    color: Any = value.get("color")
+    return "on" + (f", {int(bright)} of {_FULL}" if _is_number(bright) else "") + (f", #{color & 0xFFFFFF:06x}" if type(color) is int else "")
+
+
+class Value(NamedTuple):
+    """How a property stands. `how`: `reported`, `answered` or `set`; empty, and `why` says why it is not known."""
+
+    value: Any
+    how: str
+    why: str
+    since: float  # when it was last said or set, by the monotonic clock
+
+
+class Standing:
+    """The list and the values of one board, of the documents that come. Raises ValueError for what is none."""
+
+    def __init__(self) -> None:
+        self.properties: dict[str, Told] = {}
+        self.values: dict[str, Value] = {}
+        self.listed = False  # a list came
+        self._heads = {"list": ("", (-1, 0)), "values": ("", (-1, 0))}
+
+    def take_list(self, document: dict[str, Any], board: str, holder: str) -> bool:
+        """`holder`: the session of the board's description. Whether it counts; an empty one clears."""
+        if not document:
+            self.properties, self.listed = {}, False
+            return True
+        session, seq = _head(document, board)
+        listed = _list(document.get("properties"))
+        if not self._counts("list", session, (seq, 0), holder):
+            return False
+        self.properties, self.listed = listed, True
+        return True
+
+    def take_values(self, document: dict[str, Any], board: str, holder: str, now: float) -> bool:
+        if not document:
+            self.values = {}
+            return True
+        session, seq = _head(document, board)
+        values = _values(document, now)
+        if not self._counts("values", session, (seq, 0), holder):
+            return False
+        self.values = values
+        return True
+
+    def take_answer(self, document: Any, board: str, holder: str, now: float, of: Callable[[str], bool]) -> dict[str, Any] | None:
+        """The answer of the agent that was asked, about the services that `of` accepts: newer than what it published until then.
+        Returns the levels of pins in it; None: it does not count."""
+        _need(isinstance(document, dict), "answer")
+        session, seq = _head(document, board)
+        values, listed = _values(document, now), _list(document.get("properties", []))
+        if not self._counts("values", session, (seq, 1), holder) or not self._counts("list", session, (seq, 1), holder):
+            return None
+        self.properties = {**{id: one for id, one in self.properties.items() if not of(one.service)}, **listed}
+        self.values = {**{id: one for id, one in self.values.items() if not of(id.partition("/")[0])}, **values}
+        self.listed = True
+        pins: dict[str, Any] = document.get("pins", {})
+        return pins
+
+    def _counts(self, what: str, session: str, place: tuple[int, int], holder: str) -> bool:
+        """Of two sessions that of the description, else the later one; of one session the later document."""
+        old, newest = self._heads[what]
+        if session == old:
+            good = place >= newest
+        else:  # its description may be on its way
+            good = session == holder or (not old or old != holder) and session >= old and session >= holder
+        if good:
+            self._heads[what] = session, place
+        return good
+
+
+def _need(true: Any, what: str) -> None:
+    if not true:
+        raise ValueError(f"a board's properties or values are damaged: {what}")
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and math.isfinite(value)
+
+
+def _round(value: float) -> int:
+    return math.floor(value + 0.5)
+
+
+def _head(document: dict[str, Any], board: str) -> tuple[str, int]:
+    session, seq = document.get("session"), document.get("seq")
+    _need(document.get("version") == VERSION and type(document["version"]) is int, "version")
+    _need(document.get("board") == board and valid_board(board), "board")
+    _need(isinstance(session, str) and valid_name(session), "session")
+    _need(whole(seq), "seq")
+    return str(session), document["seq"]
+
+
+def _list(properties: Any) -> dict[str, Told]:
+    _need(isinstance(properties, list) and len(properties) <= _MAX_PROPERTIES, "properties")
+    told = {}
+    for one in properties:
+        made = _property(one)
+        _need(made.id not in told, f"{made.id} twice")
+        told[made.id] = made
+    return told
+
+
+def _property(one: Any) -> Told:
+    _need(isinstance(one, dict), "property")
+    texts = {name: one.get(name, "") for name in ("id", "name", "service", "kind", "type", "access", "unit", "quantity", "read")}
+    for name, text in texts.items():
+        _need(isinstance(text, str) and len(text.encode("utf-8", "replace")) <= _MAX_BYTES and not any(ord(c) < 32 or ord(c) == 127 for c in text), name)
+    numbers = {name: one.get(name) for name in ("min", "max", "step")}
+    _need(all(number is None or _is_number(number) for number in numbers.values()), "min, max or step")
+    length, choices, meaning = one.get("max_length", 0), one.get("choices", []), one.get("meaning", {})
+    _need(texts["id"] and valid_name(texts["service"]) and texts["kind"] in _KINDS, "id, service or kind")
+    _need(whole(length, _MAX_BYTES) and (length > 0 or texts["kind"] != "text"), "max_length")
+    _need(isinstance(choices, list) and len(choices) <= 64 and all(
+        isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str) and _is_number(pair[1]) for pair in choices), "choices")
+    two = {pair[0]: pair[1] for pair in choices}
+    _need({*two} == {"on", "off"} if texts["kind"] in ("switch", "binary") or texts["kind"] == "light" and two else True, "choices")
+    _need(isinstance(meaning, dict) and isinstance(meaning.get("class", ""), str), "meaning")
+    calls = {name: _call(one[name]) for name in ("before", "write", "color") if name in one}
+    _need(texts["read"].startswith("/") if texts["read"] else "write" in calls or "color" in calls, "read")
+    return Told(**texts, **numbers, max_length=length, choices=two, calls=calls, is_whole=texts["type"] == "integer" or one.get("whole") is True, meaning=meaning)
+
+
+def _call(call: Any) -> tuple[str, list[float | None]]:
+    _need(isinstance(call, dict) and isinstance(call.get("command"), str) and isinstance(call.get("args"), list) and len(call["args"]) <= 16
+          and all(one is None or _is_number(one) for one in call["args"]), "command")
+    return call["command"], call["args"]
+
+
+def _values(document: dict[str, Any], now: float) -> dict[str, Value]:
+    values = document.get("values")
+    _need(isinstance(values, dict) and len(values) <= _MAX_PROPERTIES and isinstance(document.get("clock", ""), str), "values")
+    pins, left_out = document.get("pins", {}), document.get("left_out", 0)
+    _need(isinstance(pins, dict) and all(isinstance(one, dict) for one in pins.values()) and whole(left_out, _MAX_PROPERTIES), "pins")
+    return {id: _value(one, now) for id, one in (values or {}).items()}
+
+
+def _value(one: Any, now: float) -> Value:
+    _need(isinstance(one, dict), "value")
+    age, how, why = one.get("age", 0), one.get("how", ""), one.get("unknown", "")
+    _need(_is_number(age) and 0 <= age <= 1e10 and isinstance(how, str) and isinstance(why, str), "value")
+    known = how in ("reported", "answered", "set")
+    _need("value" in one or not known, "value")
+    return Value(one["value"] if known else None, how if known else "", "" if known else why if why in UNKNOWN else "never", now - age)
