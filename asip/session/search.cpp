@@ -11,6 +11,9 @@ namespace asip::session {
 namespace {
 constexpr Duration kAtStartRate = std::chrono::milliseconds(600);
 constexpr Duration kAtOtherRates = std::chrono::milliseconds(200);
+// The second of a 0.4 board, and the way there. Behind the third of four questions: a question that was lost
+// is asked again soon.
+constexpr Duration kSilence = std::chrono::milliseconds(1100);
 constexpr int kLongestTurn = 4;
 }  // namespace
 
@@ -24,7 +27,7 @@ void Search::start(unsigned start_baud, bool rates, int turn, Time quiet_until, 
         for (unsigned rate : {500'000u, 1'000'000u, 250'000u, 115'200u})
             if (rate != start_baud) rates_.push_back(rate);
     index_ = 0;
-    asked_ = 0;
+    asked_ = asked_at_start_ = 0;
     turn_ = turn;
     heard_ = bytes_came_ = false;
     quiet_until_ = quiet_until;
@@ -40,7 +43,9 @@ Search::Step Search::next(Time now) {
     // At the start rate twice, the second time behind a newline.
     const bool at_start = index_ == 0;
     const Step step{baud, true, !at_start || asked_ % 2 == 1};
-    deadline_ = now + (at_start ? kAtStartRate / 2 : kAtOtherRates) * turn_;
+    Duration listens = (at_start ? kAtStartRate / 2 : kAtOtherRates) * turn_;
+    if (at_start && ++asked_at_start_ % 4 == 3) listens = std::max(listens, kSilence);
+    deadline_ = now + listens;
     ++asked_;
     if (std::exchange(heard_, false) || (at_start && asked_ % 2 == 1)) return step;
     asked_ = 0;

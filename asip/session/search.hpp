@@ -10,7 +10,8 @@ namespace asip::session {
 /// The state machine that looks for a board on a line whose rate may not be the one it was left at: asks
 /// `#,?` at the start rate, then at each rate that boards step up to, in cycles. A cycle in which
 /// bytes came, but none that read as ASIP, is followed by a longer one: a board on a busy machine may answer
-/// later than its rate has its turn. On TCP there is only one rate.
+/// later than its rate has its turn. On TCP there is only one rate. Now and then more than a second passes
+/// without a question: a 0.4 board that waits inside a cut-off message goes on only then.
 class Search {
   public:
     struct Step {
@@ -37,7 +38,8 @@ class Search {
   private:
     std::vector<unsigned> rates_;
     std::size_t index_ = 0;
-    unsigned asked_ = 0;  // questions at the rate whose turn it is
+    unsigned asked_ = 0;           // questions at the rate whose turn it is
+    unsigned asked_at_start_ = 0;  // since start()
     int turn_ = 1;
     bool heard_ = false;
     bool bytes_came_ = false;  // in this cycle

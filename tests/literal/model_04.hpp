@@ -63,7 +63,7 @@ class Model04 {
         while (at < waiting_.size() && (waiting_[at] == '\n' || waiting_[at] == '\r'))
             ++at;
         waiting_.erase(0, at);
-        if (waiting_.size() < 3 || (waiting_.size() < kLeast && quiet_ms_ < kSilenceMs)) return false;
+        if (waiting_.size() < kLeast) return false;
         const char service = waiting_[0], tag = waiting_[2];
         if (waiting_[1] != ',' || !(service == '#' || (service >= 'A' && service <= 'Z'))) {
             waiting_.erase(0, 1);

@@ -39,6 +39,11 @@ TEST(LiteralBytes, ModelOf04_MakesOneRequestOfTwoHalves) {
 // What was measured on its images.
 TEST(LiteralBytes, ModelOf04_HasItsKnownFaults) {
     test::Model04 model;
+    model.receive("I,M");
+    model.pass(5000);
+    EXPECT_EQ(model.take_executed(), Requests{}) << "fewer than four bytes sit until more come";
+    model.receive("\n");
+    EXPECT_EQ(model.take_executed(), Requests{"I,M"});
     model.receive("I,d,13\n");
     model.pass(500);
     EXPECT_EQ(model.take_executed(), Requests{}) << "it waits for the number that is missing";

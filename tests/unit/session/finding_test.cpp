@@ -83,7 +83,27 @@ TEST(Search, BoardThatAnswersLate_IsHeardAtItsRate) {
         EXPECT_LT(heard_at(start, start, 1s), Time{} + 4s);
         EXPECT_LT(heard_at(start, start, 2s), Time{} + 8s);
         EXPECT_LT(heard_at(start, 500'000, 10ms), Time{} + 1s);
-        EXPECT_LT(heard_at(start, 500'000, 700ms), Time{} + 9s);
+        EXPECT_LT(heard_at(start, 500'000, 700ms), Time{} + 10s);
+    }
+}
+
+/// When a board is asked that goes on only after a second without a byte, whatever it says meanwhile.
+Time goes_on_at(bool rates, bool says_something) {
+    Search search;
+    search.start(57600, rates, 1, Time{}, Time{});
+    Time asked{};
+    for (Time now{}; now < Time{} + 60s; now = search.next_deadline()) {
+        if (search.next(now).baud == 57600 && now >= asked + 1s) return now;
+        asked = now;
+        if (says_something) search.heard();
+    }
+    return Time::max();
+}
+
+TEST(Search, BoardOf04InACutOffMessage_HasASecondOfSilence) {
+    for (const bool says_something : {false, true}) {
+        EXPECT_LT(goes_on_at(false, says_something), Time{} + 2s);
+        EXPECT_LT(goes_on_at(true, says_something), Time{} + 3s);
     }
 }
 

@@ -83,7 +83,7 @@ TEST(BoardSession, ChecksumsStillOnAndTurningThemOffIsLost_IdentityIsWhole) {
         bench.board.checksum = true;
         bench.board.lose_lines = lost;
         bench.plug();
-        ASSERT_TRUE(bench.ready_within(10s)) << lost;
+        ASSERT_TRUE(bench.ready_within(11s)) << lost;
         EXPECT_EQ(bench.session.identity().info.sketch, "Script");
         EXPECT_EQ(bench.session.identity().services.size(), 3u);
     }
