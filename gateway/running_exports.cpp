@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/running_exports.hpp"
 
+#include "asip/bus/request/answer_words.hpp"
 #include "asip/program/log.hpp"
 #include "gateway/gateway.hpp"
 
@@ -50,8 +51,8 @@ exports::Export::Port Exports::port() {
 std::optional<exports::Export::Present> Exports::board(const std::string& name) {
     auto found = gateway_.things().find(gateway_.mirror(), name, gateway_.now());
     if (!found) return std::nullopt;
-    return exports::Export::Present{model::takes_commands(found->state), std::move(found->board), found->state,
-                                    std::move(found->session)};
+    return exports::Export::Present{model::takes_commands(found->state), std::move(found->board),
+                                    found->state, std::move(found->session)};
 }
 
 void Exports::command(const std::string& board, const property::Request& request,
@@ -67,7 +68,7 @@ void Exports::command(const std::string& board, const property::Request& request
     start.topic = gateway_.mirror().topics().service_in(board, request.service);
     start.payload = request.payload;
     gateway_.command(std::move(start), [done = std::move(done)](const CommandRecord& record) {
-        done(record.reply->succeeded() ? std::string() : sentence_of(*record.reply));
+        done(record.reply->succeeded() ? std::string() : bus::why_of(*record.reply));
     });
 }
 

@@ -162,7 +162,7 @@ void Safety::refuse_waiting(session::Actions& actions) {
 void Safety::answer(const OpenStop& stop, bool in_time, Time now, Effects& out) {
     bus::Reply reply = bus::Reply::ok("fence");
     if (!in_time) {
-        reply = bus::Reply::timeout("board-not-there");
+        reply = bus::Reply::timeout(bus::kTimeoutBoardNotThere);
         reply.error = "the board did not confirm it; it is stopped as soon as it answers";
     } else if (stop.error) {
         reply = bus::Reply::board_error(stop.error->code, stop.error->line + ": " + stop.error->text);

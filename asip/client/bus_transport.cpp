@@ -5,7 +5,7 @@
 #include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/request/reply.hpp"
+#include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/failure.hpp"
@@ -40,26 +40,20 @@ Expected<mqtt::Options> mqtt_options(const Address& address, const Options& opti
     return mqtt;
 }
 
-std::string timeout_text(std::string_view reason) {
-    if (reason == bus::kTimeoutDoubt) return "the line was disturbed: the board may have executed it or not";
-    if (reason == bus::kTimeoutNoValue) return "the board executed it, but did not send the value";
-    return "the board did not acknowledge it";
-}
-
 Error error_of(const bus::Reply& reply) {
     switch (reply.status) {
         case bus::Reply::Status::kError:
-            return {Error::Kind::kBoard, reply.code, reply.error};
+            return {Error::Kind::kBoard, reply.code, bus::why_of(reply)};
         case bus::Reply::Status::kRefused:
             if (reply.reason == bus::kRefusedInvalid) {
-                return {Error::Kind::kInvalid, 0, reply.error};
+                return {Error::Kind::kInvalid, 0, bus::why_of(reply)};
             }
             if (reply.reason == bus::kRefusedBoardNotThere) {
-                return {Error::Kind::kUnreachable, 0, reply.error};
+                return {Error::Kind::kUnreachable, 0, bus::why_of(reply)};
             }
-            return {Error::Kind::kRefused, 0, reply.error.empty() ? reply.reason : reply.error};
+            return {Error::Kind::kRefused, 0, bus::why_of(reply)};
         default:
-            return {Error::Kind::kTimeout, 0, timeout_text(reply.reason)};
+            return {Error::Kind::kTimeout, 0, bus::why_of(reply)};
     }
 }
 
@@ -185,7 +179,8 @@ Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
                                        [this, id](const mqtt::Message& answer) { take_reply(id, answer); });
     calls_.begin(id);
     const auto unanswered = "neither the board nor its agent answered; the agent may be gone" +
-                            mqtt::unanswered_text(user_, message.topic);
+                            mqtt::unanswered_text(user_, message.topic) +
+                            std::string(bus::kMayHaveBeenExecuted);
     const auto asked_topics = asked_;
     asked_topics->emplace(id, message.topic);
     if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
@@ -341,7 +336,8 @@ void BusTransport::look_again() {
     if (there != there_) {
         there_ = there;
         if (!there) {
-            calls_.finish_all({Error::Kind::kUnreachable, 0, why_not_there()});
+            calls_.finish_all(
+                {Error::Kind::kUnreachable, 0, why_not_there() + std::string(bus::kMayHaveBeenExecuted)});
         }
         listener_->on_presence(there);
     }

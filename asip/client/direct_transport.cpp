@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/request/answer_words.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
@@ -54,12 +55,11 @@ Error error_of(const session::Finished& end) {
                     end.not_sent == session::NotSent::kDeadline ? "the board was busy until it was too late"
                                                                 : "the board went away before it was sent"};
         case Ending::kDoubt:
-            return {Error::Kind::kTimeout, 0,
-                    "the line was disturbed: the board may have executed it or not"};
+            return {Error::Kind::kTimeout, 0, bus::why_of(bus::Reply::timeout(bus::kTimeoutDoubt))};
         case Ending::kNoValue:
-            return {Error::Kind::kTimeout, 0, "the board executed it, but did not send the value"};
+            return {Error::Kind::kTimeout, 0, bus::why_of(bus::Reply::timeout(bus::kTimeoutNoValue))};
         default:
-            return {Error::Kind::kTimeout, 0, "the board did not acknowledge it"};
+            return {Error::Kind::kTimeout, 0, bus::why_of(bus::Reply::timeout())};
     }
 }
 
@@ -152,7 +152,7 @@ Awaitable<Json> DirectTransport::request(std::string line, char answer_tag, mode
     calls_.begin(*id);
     perform(actions);
     const auto answer =
-        co_await calls_.wait(*id, options_.command_timeout, "the board did not acknowledge it");
+        co_await calls_.wait(*id, options_.command_timeout, bus::why_of(bus::Reply::timeout()));
     if (!answer || !answer->is_string()) {
         co_return answer;
     }

@@ -92,11 +92,12 @@ Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& sessio
     if (session.stopped()) return interrupted();
     if (!reply && session.denied(command.topic)) return refused_by_broker(command.topic);
     if (!reply) {
-        return tl::unexpected(session.unanswered("no answer to " + command.line + " on " + command.topic +
-                                                 " within " + std::to_string(environment.timeout.count()) +
-                                                 " ms; is the board's agent running? Try: asipctl doctor"));
+        return tl::unexpected(unproven(session,
+                                       "no answer to " + command.line + " on " + command.topic + " within " +
+                                           std::to_string(environment.timeout.count()) + " ms",
+                                       kIsAgentThere));
     }
-    if (!*reply) return failure(program::kExitNoAnswer, "the answer cannot be read: " + reply->error());
+    if (!*reply) return tl::unexpected(unreadable());
     return std::move(**reply);
 }
 
@@ -123,26 +124,29 @@ std::string answer_text(const bus::Reply& reply) {
     return document && document->is_string() ? document->get<std::string>() : reply.answer;
 }
 
-std::string explain(const bus::Reply& reply) {
-    switch (reply.status) {
-        case bus::Reply::Status::kOk:
-            return {};
-        case bus::Reply::Status::kError:
-            return "the board answered error " + std::to_string(reply.code) + ", " + reply.error;
-        case bus::Reply::Status::kTimeout:
-            return "the board did not answer its agent in time";
-        case bus::Reply::Status::kRefused:
-            break;
-    }
-    return "refused (" + reply.reason + ")" + (reply.error.empty() ? "" : ": " + reply.error);
+std::string why_not(const bus::Reply& reply) {
+    return reply.status == bus::Reply::Status::kError ? bus::sentence_of(reply) : bus::why_of(reply);
 }
 
 Failure failure_of(const bus::Reply& reply, const std::string& where) {
-    return {exit_status(reply), where + explain(reply), reply.reason, reply.code};
+    return {exit_status(reply), where + bus::sentence_of(reply), reply.reason, reply.code};
+}
+
+Failure unproven(const BusSession& session, const std::string& text, std::string_view hint) {
+    auto failed = session.unanswered(text);
+    failed.text.append(bus::kMayHaveBeenExecuted);
+    if (failed.status == program::kExitNoAnswer) failed.text.append(hint);
+    failed.reason = bus::kTimeoutNoAnswer;
+    return failed;
+}
+
+Failure unreadable() {
+    return {program::kExitNoAnswer, std::string(bus::kUnreadableAnswer)};
 }
 
 bus::Reply refused_by_broker(const std::string& topic) {
-    return bus::Reply::refused("denied", "the broker's access rules deny writing to " + topic);
+    return bus::Reply::refused(std::string(bus::kRefusedDenied),
+                               "the broker's access rules deny writing to " + topic);
 }
 
 bus::Reply refused_as_lost(const bus::BoardItem& board, const std::string& so) {
@@ -153,7 +157,7 @@ bus::Reply refused_as_lost(const bus::BoardItem& board, const std::string& so) {
 Outcome<KnownBoard> find_living_board(BoardSource& source, const std::string& name) {
     auto board = source.board(name);
     if (!board) return board;
-    if (const auto state = model::board_state_from_text(board->item.state); state && !model::is_there(*state))
+    if (model::is_gone(board->item.state))
         return failure(program::kExitFailure,
                        name + " is " + state_text(board->item) + "; " + what_to_do(board->item));
     return board;

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/reply.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
@@ -45,13 +46,17 @@ std::string who_asks(const Environment& environment);
 int exit_status(const bus::Reply& reply);
 /// What is printed for a success: `ok`, or what the board answered (a raw line as it came, JSON otherwise).
 std::string answer_text(const bus::Reply& reply);
-/// Why it failed, for a person; empty for a success.
-std::string explain(const bus::Reply& reply);
-/// The same as a failure of the command; `where` stands before it: `desk: `.
+/// Why it failed, in a table that has the status beside it; and as a failure of the command; `where` stands
+/// before it: `desk: `.
+std::string why_not(const bus::Reply& reply);
 Failure failure_of(const bus::Reply& reply, const std::string& where);
 
-/// Why a board has no answer to show: none came.
-inline constexpr std::string_view kNoAnswer = "no-answer";
+/// No answer came to a command that was sent: the session's words for that, that it may have been executed,
+/// and then `hint`.
+Failure unproven(const BusSession& session, const std::string& text, std::string_view hint = {});
+/// The same where an answer came that is none.
+Failure unreadable();
+inline constexpr std::string_view kIsAgentThere = ". Is the board's agent running? Try: asipctl doctor";
 
 /// Answers for a board that was not asked: the broker denies writing to its topic; it is lost, and `so` (for
 /// a person: `nothing was sent`).

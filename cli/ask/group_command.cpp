@@ -97,7 +97,7 @@ class GroupSender {
     bus::Reply reply_of(const Member& member) const {
         if (member.reply) return *member.reply;
         if (session_.denied(member.command.topic)) return refused_by_broker(member.command.topic);
-        auto reply = bus::Reply::timeout(std::string(kNoAnswer));
+        auto reply = bus::Reply::timeout(bus::kTimeoutNoAnswer);
         reply.error = session_.stopped() ? "interrupted" : unanswered().text;
         return reply;
     }
@@ -122,7 +122,7 @@ class GroupSender {
             const bool ok = reply.succeeded();
             if (ok) ++executed;
             if (!ok && status == program::kExitOk)
-                status = reply.reason == kNoAnswer ? unanswered().status : exit_status(reply);
+                status = reply.reason == bus::kTimeoutNoAnswer ? unanswered().status : exit_status(reply);
             if (!group_.output.for_people()) {
                 auto record = *model::parse_json(bus::to_json_text(reply));
                 record["board"] = member.board;
@@ -131,10 +131,9 @@ class GroupSender {
                 records.print(record);
                 continue;
             }
-            const auto why = reply.error.empty() || reply.code != 0 ? explain(reply) : reply.error;
             table.add({member.board,
                        Cell(std::string(bus::to_string(reply.status)), ok ? Colour::kGreen : Colour::kRed),
-                       ok ? (reply.answer.empty() ? "" : answer_text(reply)) : why});
+                       ok ? (reply.answer.empty() ? "" : answer_text(reply)) : why_not(reply)});
         }
         records.finish();
         if (group_.output.for_people())

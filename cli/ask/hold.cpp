@@ -33,7 +33,8 @@ class Hold {
         if (!reply) return environment_.fail_with(reply.error());
         print(command_.line, *reply);
         if (!reply->succeeded())
-            return environment_.fail_with({exit_status(*reply), command_.line + ": " + explain(*reply)});
+            return environment_.fail_with(
+                {exit_status(*reply), command_.line + ": " + bus::sentence_of(*reply)});
         const Time end = during ? Clock::now() + *during : Time::max();
         // Two of three may get lost.
         const auto between = std::max<Duration>(hold_ / 3, std::chrono::milliseconds(10));
@@ -43,7 +44,8 @@ class Hold {
             if (!session_.stopped() && !refused_) renew();
         }
         if (refused_)
-            return environment_.fail_with({program::kExitFailure, command_.line + ": " + explain(*refused_)});
+            return environment_.fail_with(
+                {program::kExitFailure, command_.line + ": " + bus::sentence_of(*refused_)});
         return undo();
     }
 
@@ -64,7 +66,7 @@ class Hold {
         if (!reply) return environment_.fail_with(reply.error());
         print(undoing.line, *reply);
         if (reply->succeeded()) return program::kExitOk;
-        return environment_.fail_with({exit_status(*reply), undoing.line + ": " + explain(*reply)});
+        return environment_.fail_with({exit_status(*reply), undoing.line + ": " + bus::sentence_of(*reply)});
     }
 
     Outcome<bus::Reply> ask_at_the_end(const BoardCommand& undoing) {

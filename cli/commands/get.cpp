@@ -170,7 +170,7 @@ class Getter {
         if (!reply) return tl::unexpected(reply.error());
         // A recorded board cannot be asked, but it reports.
         if (reply->reason == kRefusedRecorded) return {};
-        if (!reply->succeeded()) return failure(exit_status(*reply), request->line + ": " + explain(*reply));
+        if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, request->line + ": "));
         take(reply->answer, "asked");
         if (!printed_ && !other_fields_.empty()) return without_field();
         return {};

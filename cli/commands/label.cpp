@@ -249,7 +249,8 @@ class Labeller {
             if (!reply.succeeded()) {
                 environment_.note(asked.board + ": " + why_not(asked, reply));
                 if (status == program::kExitOk)
-                    status = reply.reason == kNoAnswer ? session_.unanswered({}).status : exit_status(reply);
+                    status = reply.reason == bus::kTimeoutNoAnswer ? session_.unanswered({}).status
+                                                                   : exit_status(reply);
             }
             if (!asked.set_aside.empty())
                 environment_.note(asked.board +
@@ -277,16 +278,17 @@ class Labeller {
         if (const auto topic = environment_.topics.board_in(asked.board); session_.denied(topic))
             return refused_by_broker(topic);
         if (asked.lost) return refused_as_lost(*asked.lost, "nothing was kept");
-        return bus::Reply::timeout(std::string(kNoAnswer));
+        return bus::Reply::timeout(bus::kTimeoutNoAnswer);
     }
 
     std::string why_not(const Asked& asked, const bus::Reply& reply) const {
         if (!asked.reply && reply.status == bus::Reply::Status::kTimeout)
-            return session_
-                .unanswered("no agent answered within " + std::to_string(environment_.timeout.count()) +
-                            " ms; is the board's agent running? Try: asipctl doctor")
+            return unproven(
+                       session_,
+                       "no agent answered within " + std::to_string(environment_.timeout.count()) + " ms",
+                       kIsAgentThere)
                 .text;
-        return reply.error.empty() ? explain(reply) : reply.error;
+        return cli::why_not(reply);
     }
 
     const LabelOptions& options_;

@@ -176,10 +176,11 @@ class PinGroup {
         if (member.failed) return *member.failed;
         if (member.done) return bus::Reply{};
         if (session_.denied(topic_of(member))) return refused_by_broker(topic_of(member));
-        auto reply = bus::Reply::timeout(std::string(kNoAnswer));
+        const bool silent_pin = member.wants_value && member.unanswered == 0 && !session_.stopped();
+        auto reply = bus::Reply::timeout(silent_pin ? bus::kTimeoutNoValue : bus::kTimeoutNoAnswer);
         reply.error =
             session_.stopped() ? "interrupted"
-            : member.wants_value
+            : silent_pin
                 ? "the board reports no value of pin " + std::to_string(member.pin) + " now"
                 : session_
                       .unanswered("no answer within " + std::to_string(environment_.timeout.count()) + " ms")
@@ -197,10 +198,9 @@ class PinGroup {
             const auto reply = reply_of(member);
             done += ok ? 1 : 0;
             if (!ok && status == program::kExitOk)
-                status = reply.reason == kNoAnswer ? session_.unanswered({}).status : exit_status(reply);
-            auto why = ok                                       ? std::string()
-                       : reply.error.empty() || reply.code != 0 ? explain(reply)
-                                                                : reply.error;
+                status = reply.reason == bus::kTimeoutNoAnswer ? session_.unanswered({}).status
+                                                               : exit_status(reply);
+            auto why = ok ? std::string() : why_not(reply);
             if (reply.code != 0) why += why_taken(member.description, member.pin);
             const auto label = member.description.labels.pin(member.pin);
             if (!options_.output.for_people()) {

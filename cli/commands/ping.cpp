@@ -72,7 +72,7 @@ class Pinger {
         if (!boards) return tl::unexpected(boards.error());
         std::string away;
         for (const auto& board : *boards) {
-            const bool is_away = board.item.state == "offline" || board.item.state == "lost";
+            const bool is_away = model::is_gone(board.item.state);
             if (is_away) {
                 away += (away.empty() ? "" : ", ") + board.item.board + " is " + board.item.state;
             } else {
@@ -155,7 +155,7 @@ class Pinger {
                               : one.denied ? "the broker does not let us ask"
                                            : "no answer within " + text::duration_text(environment_.timeout);
         if (took && !answered) {
-            problem = explain(*one.reply);
+            problem = bus::sentence_of(*one.reply);
             ++one.summary.failed;
         }
         const double milliseconds = took ? std::chrono::duration<double, std::milli>(*took).count() : 0;

@@ -140,36 +140,32 @@ class Sender {
 
     void report(const Waiting& done) {
         if (!done.answer && session_.denied(done.command.topic)) {
-            print(done, {{"status", "refused"},
-                         {"reason", "denied"},
-                         {"error", "the broker's access rules deny writing to " + done.command.topic}});
+            print(done, *model::parse_json(bus::to_json_text(refused_by_broker(done.command.topic))));
             status_ = program::kExitFailure;
             return;
         }
         if (!done.answer) {
             auto failed =
-                session_.unanswered("no answer to " + done.command.line + " on " + done.command.topic +
-                                    " within " + std::to_string(environment_.timeout.count()) + " ms");
+                unproven(session_, "no answer to " + done.command.line + " on " + done.command.topic +
+                                       " within " + std::to_string(environment_.timeout.count()) + " ms");
             if (session_.stopped())
-                failed = {program::kExitNoAnswer,
-                          "interrupted before " + done.command.line + " was answered"};
-            print(done, {{"status", "timeout"}, {"reason", kNoAnswer}, {"error", failed.text}});
+                failed = {program::kExitNoAnswer, "interrupted before " + done.command.line +
+                                                      " was answered" +
+                                                      std::string(bus::kMayHaveBeenExecuted)};
+            print(done, {{"status", "timeout"}, {"reason", bus::kTimeoutNoAnswer}, {"error", failed.text}});
             report_failure(done.where, failed);
             return;
         }
         const auto reply = bus::parse_reply(done.answer->payload);
         if (!reply) {
-            report_failure(done.where,
-                           {program::kExitNoAnswer, "the answer cannot be read: " + reply.error()});
-            return;
+            return report_failure(done.where, unreadable());
         }
         if (options_.output.for_people()) {
             if (reply->succeeded()) environment_.say(answer_text(*reply));
         } else {
             print(done, *model::parse_json(bus::to_json_text(*reply)));
         }
-        if (!reply->succeeded())
-            report_failure(done.where, {exit_status(*reply), done.command.line + ": " + explain(*reply)});
+        if (!reply->succeeded()) report_failure(done.where, failure_of(*reply, done.command.line + ": "));
     }
 
     void print(const Waiting& done, nlohmann::json record) {

@@ -119,7 +119,8 @@ class Stopper {
             if (!reply.succeeded()) {
                 environment_.note(asked.board + ": " + why_not(reply));
                 if (status == program::kExitOk)
-                    status = reply.reason == kNoAnswer ? session_.unanswered({}).status : exit_status(reply);
+                    status = reply.reason == bus::kTimeoutNoAnswer ? session_.unanswered({}).status
+                                                                   : exit_status(reply);
             }
             const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
             if (!options_.output.for_people()) {
@@ -157,16 +158,17 @@ class Stopper {
     bus::Reply reply_of(const Asked& asked) const {
         if (asked.reply) return *asked.reply;
         return denied(asked) ? refused_by_broker(topic(asked.board))
-                             : bus::Reply::timeout(std::string(kNoAnswer));
+                             : bus::Reply::timeout(bus::kTimeoutNoAnswer);
     }
 
     std::string why_not(const bus::Reply& reply) const {
-        if (reply.reason == kNoAnswer)
-            return session_
-                .unanswered("no agent answered within " + std::to_string(environment_.timeout.count()) +
-                            " ms; is the board's agent running? Try: asipctl doctor")
+        if (reply.reason == bus::kTimeoutNoAnswer)
+            return unproven(
+                       session_,
+                       "no agent answered within " + std::to_string(environment_.timeout.count()) + " ms",
+                       kIsAgentThere)
                 .text;
-        return reply.error.empty() ? explain(reply) : reply.error;
+        return cli::why_not(reply);
     }
 
     const StopOptions& options_;

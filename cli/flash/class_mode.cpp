@@ -166,8 +166,7 @@ class ClassRoom {
 
     void loaded(const std::string& port, Seat& seat, const bus::Reply& reply) {
         seat.load.reset();
-        if (!reply.succeeded())
-            return failed(port, seat, reply.error.empty() ? explain(reply) : for_terminal(reply.error));
+        if (!reply.succeeded()) return failed(port, seat, for_terminal(why_not(reply)));
         const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
         seat.sketch = value_at(answer, "after.sketch");
         seat.chip = value_at(answer, "after.chip");
@@ -188,7 +187,7 @@ class ClassRoom {
     // Its agent asks a board for its name when it opens the port.
     void named(const std::string& port, Seat& seat) {
         if (!seat.named->succeeded())
-            return failed(port, seat, "it is loaded, but keeps no name: " + explain(*seat.named));
+            return failed(port, seat, "it is loaded, but keeps no name: " + bus::sentence_of(*seat.named));
         session_.publish(environment_.topics.board_in(port),
                          bus::encode({bus::PortRequest::What::kRelease, kReopen}, "class"), 1);
         wait_for(seat);

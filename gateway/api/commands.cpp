@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
@@ -35,7 +36,7 @@ bool valid_key(std::string_view key) {
 }
 
 std::string reply_text(const CommandRecord& record) {
-    return bus::to_json_text(*record.reply);
+    return text_for_clients(*record.reply);
 }
 
 }  // namespace
@@ -66,7 +67,7 @@ http::Response response_for(const CommandRecord& record, const std::string& base
     }
     json members = json::parse(reply_text(record), nullptr, false);
     members["outcome"] = members["status"];
-    auto response = problem(status, sentence_of(reply), std::move(members));
+    auto response = problem(status, bus::why_of(reply), std::move(members));
     response.headers.emplace_back("Location", location);
     return response;
 }
@@ -99,10 +100,6 @@ std::optional<std::pair<int, std::string>> wrong(const model::ModelPtr& model,
     const auto encoded = model::encode_control_json(model.get(), model->id, payload);
     if (!encoded) return std::pair(400, encoded.error());
     return std::nullopt;
-}
-
-bool is_alive(const std::string& state) {
-    return state != "lost" && state != "offline";
 }
 
 }  // namespace
@@ -171,7 +168,7 @@ void send_command(Call& call, const bus::BoardItem& board, const bus::ServiceIte
     if (!hold) return send_problem(call, 400, hold.error());
     if (const auto fault = wrong(model, service, command, payload))
         return send_problem(call, fault->first, fault->second);
-    if (!is_alive(board.state)) {
+    if (model::is_gone(board.state)) {
         return call.reply.send(
             problem(503, "board " + board.board + " is " + board.state, {{"reason", "board-not-there"}}));
     }
@@ -197,7 +194,7 @@ void post_raw(Call& call) {
         if (!text.empty()) text += '\n';
         text += line.get_ref<const std::string&>();
     }
-    if (!is_alive(board->state)) {
+    if (model::is_gone(board->state)) {
         return call.reply.send(
             problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
     }
@@ -316,7 +313,7 @@ void renew(Gateway& gateway, const Principal& principal, const std::string& clie
         if (record.reply->succeeded()) return;
         auto reply = *record.reply;
         reply.id = named;
-        answer(bus::to_json_text(reply));
+        answer(text_for_clients(std::move(reply)));
     });
 }
 
@@ -366,7 +363,8 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
         return refuse("invalid",
                       "board " + name + " has no service \"" + text::printable(service_name) + "\"");
     if (!gateway.mirror().ready()) return refuse("broker-not-there", "the broker is not connected");
-    if (!is_alive(board->state)) return refuse("board-not-there", "board " + name + " is " + board->state);
+    if (model::is_gone(board->state))
+        return refuse("board-not-there", "board " + name + " is " + board->state);
     if (!gateway.command_rates().take(client, gateway.now().time))
         return refuse("too-many", "too many commands; try again in a moment");
     if (is_renewal(gateway, *board, service_name, request))

@@ -23,7 +23,7 @@ struct Answers {
     std::size_t missing = 0;
 
     void answered(const std::string& board, const bus::Reply& answer) {
-        boards[board] = json::parse(bus::to_json_text(answer), nullptr, false);
+        boards[board] = json::parse(text_for_clients(answer), nullptr, false);
         boards[board].erase("id");
         if (--missing == 0) send();
     }
@@ -103,7 +103,7 @@ void stop_boards(Call& call, const std::vector<std::string>& boards) {
     for (const auto& board : boards) {
         const auto item = call.gateway.mirror().board(board, call.now());
         if (!item || item->names_only) continue;
-        (item->state == "lost" || item->state == "offline" ? lost : alive).push_back(board);
+        (model::is_gone(item->state) ? lost : alive).push_back(board);
     }
     ask_all(call, alive, send_stop);
     for (const auto& board : lost)

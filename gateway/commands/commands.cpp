@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/requester.hpp"
 #include "asip/model/json.hpp"
 
@@ -109,7 +110,8 @@ bool Commands::take(const mqtt::Message& message, const Instant& now) {
     if (bus::is_command_topic(entry.topic))
         clocks_.note(replies_.to(entry.topic), bus::clock_in(message), entry.record.sent.time, now.time);
     reply->clock.clear();
-    if (entry.answered && (!entry.record.reply || entry.record.reply->reason != kNoAnswer)) return true;
+    if (entry.answered && (!entry.record.reply || entry.record.reply->reason != bus::kTimeoutNoAnswer))
+        return true;
     finish(entry, std::move(*reply), now.time);
     return true;
 }
@@ -146,7 +148,7 @@ void Commands::tick(const Instant& now) {
     while (!due_.empty() && due_.begin()->first <= now.time) {
         const auto found = entries_.find(due_.begin()->second);
         if (!found->second.answered) {
-            finish(found->second, bus::Reply::timeout(kNoAnswer), now.time);
+            finish(found->second, bus::Reply::timeout(bus::kTimeoutNoAnswer), now.time);
             continue;
         }
         due_.erase(due_.begin());
@@ -157,8 +159,8 @@ void Commands::tick(const Instant& now) {
 void Commands::leave(const Instant& now) {
     for (auto& [key, entry] : entries_) {
         if (entry.answered) continue;
-        auto reply = bus::Reply::timeout(kNoAnswer);
-        reply.error = "the gateway ended before the answer: the command may or may not have been executed";
+        auto reply = bus::Reply::timeout(bus::kTimeoutNoAnswer);
+        reply.error = "the gateway ended before the answer";
         finish(entry, std::move(reply), now.time);
     }
 }
@@ -171,6 +173,11 @@ const CommandRecord* Commands::find(std::string_view session, std::string_view i
 std::string Commands::topic_of(std::string_view session, std::string_view id) const {
     const auto found = entries_.find(bus_id(session, id));
     return found == entries_.end() ? std::string() : found->second.topic;
+}
+
+std::string text_for_clients(bus::Reply reply) {
+    if (!reply.succeeded()) reply.error = bus::why_of(reply);
+    return bus::to_json_text(reply);
 }
 
 int http_status(const bus::Reply& reply) {
@@ -188,14 +195,6 @@ int http_status(const bus::Reply& reply) {
     if (reply.reason == bus::kRefusedBoardNotThere || reply.reason == bus::kRefusedDeadline) return 503;
     if (reply.reason == bus::kRefusedInvalid || reply.reason == bus::kRefusedRetained) return 400;
     return 409;  // id-reused, stopped, ...: it contradicts what was done before
-}
-
-std::string sentence_of(const bus::Reply& reply) {
-    if (!reply.error.empty()) return reply.error;
-    if (reply.status != bus::Reply::Status::kTimeout) return reply.reason.empty() ? "refused" : reply.reason;
-    if (reply.reason == Commands::kNoAnswer)
-        return "nothing answered in time: the command may or may not have been executed";
-    return "the board gave no proof in time: the command may or may not have been executed";
 }
 
 }  // namespace asip::gateway

@@ -39,8 +39,7 @@ class Commands {
     static constexpr std::size_t kMaxRecords = 65'536;
     static constexpr std::size_t kMaxUrgent = 4096;  ///< beyond those
     static constexpr std::size_t kMaxIdBytes = 64;
-    static constexpr std::size_t kMaxAnswerBytes = 64 * 1024;   ///< a longer one is left out of the reply
-    static constexpr std::string_view kNoAnswer = "no-answer";  ///< reason: not even the agent answered
+    static constexpr std::size_t kMaxAnswerBytes = 64 * 1024;  ///< a longer one is left out of the reply
 
     struct Start {
         std::string session;  ///< letters, digits and dashes: it becomes a level of the reply topic
@@ -118,9 +117,9 @@ class Commands {
     Counters counters_;
 };
 
+/// An answer as clients get it: as on the bus, and `error` is its sentence (bus::why_of()) unless it is `ok`.
+std::string text_for_clients(bus::Reply reply);
 /// What an answer is in HTTP: its status.
 int http_status(const bus::Reply& reply);
-/// Why a command that did not succeed failed, as a sentence for a person.
-std::string sentence_of(const bus::Reply& reply);
 
 }  // namespace asip::gateway

@@ -145,16 +145,11 @@ export function answer_text(answer) {
     case "refused":
       return { kind: "refused", text: `Not sent: ${answer.error ?? answer.reason}` };
     default:
-      return { kind: "timeout", text: timeout_texts[answer.reason] ?? "No answer in time: it may or may not have been executed." };
+      return { kind: "timeout", text: sentence(answer.error ?? "the connection was lost; it may or may not have been executed") };
   }
 }
 
-const timeout_texts = {
-  doubt: "The line was disturbed: it may or may not have been executed.",
-  "no-value": "Executed, but the value did not come.",
-  partly: "Only a part of it was sent.",
-  connection: "The connection was lost: it may or may not have been executed.",
-};
+const sentence = (text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
 
 function words_of_error(error) { return String(error ?? "unknown").toLowerCase().replaceAll("_", " "); }
 

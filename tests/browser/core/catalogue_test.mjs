@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import test from "node:test";
 import { Catalogue, value_service } from "../../../gateway/page/core/catalogue.js";
+import { reason_text } from "../../../gateway/page/core/text.js";
 
 const board = (name, more = {}) => ({ board: name, state: "online", services: [{ name: "io" }], ...more });
 const names = (rows) => rows.map((row) => row.name);
@@ -12,6 +14,11 @@ function catalogue(...boards) {
   result.apply({ event: "snapshot-end", place: "e-1" });
   return result;
 }
+
+test("ReasonOfAState_IsSaidAsInEveryProgram", () => {
+  const { reasons } = JSON.parse(readFileSync(new URL("../../vectors/presence.json", import.meta.url)));
+  for (const [reason, words] of Object.entries(reasons)) assert.equal(reason_text(reason), words);
+});
 
 test("Names_AreSortedAsPeopleCount", () => {
   assert.deepEqual(names(catalogue(board("uno10"), board("uno9"), board("Uno1")).view()), ["Uno1", "uno9", "uno10"]);

@@ -78,7 +78,7 @@ TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
     EXPECT_TRUE(sim_.wait_for_output("servo (89|90|91)"));
     const auto refused = asipctl({"send", "desk/servo", "write", "9", "90"});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_THAT(refused.errors, HasSubstr("7, INVALID_DEVICE_NUMBER"));
+    EXPECT_THAT(refused.errors, HasSubstr("INVALID_DEVICE_NUMBER (error 7)"));
     EXPECT_EQ(asipctl({"get", "desk/servo/0/angle"}).output, "90 degrees\n");
     EXPECT_EQ(asipctl({"get", "des*/servo", "-o", "json"}).status, 0);
     EXPECT_EQ(asipctl({"get", "nobody*"}).status, 4);

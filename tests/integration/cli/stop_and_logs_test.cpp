@@ -123,7 +123,8 @@ TEST_F(StopTest, BoardRefuses_IsStatus1WithItsWords) {
         {{"robot",
           R"({"status":"error","code":8,"error":"M,S: DEVICE_NOT_AVAILABLE","answer":{"executed":[]}})"}});
     EXPECT_EQ(stopped.status, 1);
-    EXPECT_THAT(stopped.errors, HasSubstr("robot: M,S: DEVICE_NOT_AVAILABLE"));
+    EXPECT_THAT(stopped.errors,
+                HasSubstr("robot: the board refused it: M,S: DEVICE_NOT_AVAILABLE (error 8)"));
 }
 
 TEST_F(StopTest, NothingOrNoName_IsWrongUse) {

@@ -71,10 +71,10 @@ TEST_F(BusAnswers, Command_CarriesItsDeadline) {
 TEST_F(BusAnswers, TimeoutInDoubt_SaysThatItMayHaveBeenExecuted) {
     const Error doubt = ends_with(R"({"status":"timeout","reason":"doubt"})");
     EXPECT_EQ(doubt.kind, Error::Kind::kTimeout);
-    EXPECT_THAT(doubt.text, HasSubstr("may have executed it or not"));
+    EXPECT_THAT(doubt.text, HasSubstr("it may or may not have been executed"));
     const Error late = ends_with(R"({"status":"timeout"})");
     EXPECT_EQ(late.kind, Error::Kind::kTimeout);
-    EXPECT_THAT(late.text, HasSubstr("did not acknowledge"));
+    EXPECT_THAT(late.text, HasSubstr("gave no proof in time; it may or may not have been executed"));
 }
 
 TEST_F(BusAnswers, Refusals_AreInvalidUnreachableOrRefused) {
@@ -83,7 +83,7 @@ TEST_F(BusAnswers, Refusals_AreInvalidUnreachableOrRefused) {
     EXPECT_EQ(ends_with(R"({"status":"refused","reason":"board-not-there","error":"gone"})").kind,
               Error::Kind::kUnreachable);
     EXPECT_EQ(ends_with(R"({"status":"refused","reason":"queue-full"})"),
-              (Error{Error::Kind::kRefused, 0, "queue-full"}));
+              (Error{Error::Kind::kRefused, 0, "too many commands wait"}));
     EXPECT_EQ(ends_with(R"({"status":"error","code":6,"error":"WRONG_MODE"})"),
               (Error{Error::Kind::kBoard, 6, "WRONG_MODE"}));
 }

@@ -74,8 +74,8 @@ TEST(ExitStatus, OfEachAnswer_IsAsDocumented) {
     EXPECT_EQ(exit_status(bus::Reply::board_error(7, "INVALID_DEVICE_NUMBER")), 1);
     EXPECT_EQ(exit_status(bus::Reply::refused("queue-full", "")), 1);
     EXPECT_EQ(exit_status(bus::Reply::timeout()), 4);
-    EXPECT_THAT(explain(bus::Reply::board_error(7, "INVALID_DEVICE_NUMBER")),
-                HasSubstr("7, INVALID_DEVICE_NUMBER"));
+    EXPECT_EQ(failure_of(bus::Reply::board_error(7, "INVALID_DEVICE_NUMBER"), "desk: ").text,
+              "desk: the board refused it: INVALID_DEVICE_NUMBER (error 7)");
 }
 
 TEST(AnswerText, RawLine_IsNotQuoted) {
