@@ -185,9 +185,12 @@ class Bank:
                 if one.how and wire != level and now - when > _REPAIR_SECONDS:
                     del self._levels[pin]
 
-    def forget(self) -> None:
-        """The board is away, or was."""
+    def forget(self, number: int | None = None) -> None:
+        """Levels of a pin, or of all: the board is away, or was."""
         with self.changed:
+            if number is not None:
+                self._levels.pop(number, None)
+                return
             self._levels.clear()
             self._analog.clear()
 

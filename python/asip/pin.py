@@ -49,10 +49,15 @@ class Pin:
         self._set_mode(_WORDS[word], timeout)
 
     def _set_mode(self, mode: int, timeout: float | None) -> None:
-        if mode in (INPUT, PULLUP):
+        is_input = mode in (INPUT, PULLUP)
+        if is_input:
             self._hear()
+            self._bank.forget(self.number)  # what floated there before
         self._command("mode", mode, timeout)
-        self._again = mode if mode in (INPUT, PULLUP) else None
+        self._again = mode if is_input else None
+        if is_input:
+            with contextlib.suppress(errors.Unproven):  # an agent that tells nothing
+                self._ask(timeout)
 
     def _command(self, name: str, value: int, timeout: float | None) -> None:
         future = self._io().begin(name, self.number, value, timeout=timeout)
@@ -104,15 +109,15 @@ class Pin:
         self._bank.ask(self._io().name, self.board._timeout(timeout))
 
     def _kind(self) -> str:
-        """`input`, `output`, `number`, or empty where nothing was decided about it; of what people and commands made it, else of what the
-        sketch did."""
+        """`input`, `output`, `number`, or empty where nothing was decided about it: what people and commands made it, else what the sketch
+        did. That it left a pin an input without a resistor decides nothing: so boards start."""
         told = self._bank.told(self.number)
         if told is not None:
             return "input" if told.kind == "binary" else "output" if told.kind == "switch" or told.choices else "number"
         mode = self._bank.mode(self.number)
         if mode > PWM:
             raise errors.Invalid(f"{self} belongs to the board itself, or to one of its services", board=self.board.name)
-        return {OUTPUT: "output", ANALOG: "number", PWM: "number"}.get(mode, "")
+        return {PULLUP: "input", OUTPUT: "output", ANALOG: "number", PWM: "number"}.get(mode, "")
 
     def _is_output(self) -> bool:
         told = self._bank.told(self.number)
@@ -143,13 +148,13 @@ class Pin:
             if channel is None:
                 raise errors.Unproven(f"{self}: the board did not tell which analog channel it is", board=self.board.name, reason="no-value")
             return int(self._io()[channel].read("analog", timeout=seconds))
-        if kind in ("", "input"):
+        if kind == "":
+            raise errors.Invalid(f'{self} has no mode: pin({self.number}).mode("input-pullup") makes it an input', board=self.board.name)
+        if kind == "input":
             self._hear()  # a program that reads a level again and again is told it
         value = self._present()
         if value is not None:
             return value
-        if kind == "":
-            raise errors.Invalid(f'{self} has no mode: pin({self.number}).mode("input-pullup") makes it an input', board=self.board.name)
         raise errors.Unproven(f"{self}: its {'level' if kind == 'input' else 'value'} is not known: {self._why()}", board=self.board.name, reason="no-value")
 
     def wait_for(self, level: bool, *, pull_up: bool = True, timeout: float | None = None) -> None:
@@ -198,11 +203,11 @@ class Pin:
             self.board._engine.peek(lambda session: session.watch_boards(self._board_changed))
 
     def _listen(self, pull_up: bool) -> str:
-        """What it is. A pin that nothing was decided about, and of which no level came, becomes an input. No other pin gets a mode."""
+        """What it is. A pin that nothing was decided about becomes an input. No other pin gets a mode."""
         self._hear()
         self._ask(None)
         kind = self._kind()
-        if kind == "" and self._present() is None:
+        if kind == "":
             self._set_mode(PULLUP if pull_up else INPUT, None)
         return kind
 

@@ -155,11 +155,46 @@ class Board(Live):
             with asip.connect(self.address, timeout=20) as bus:
                 lamp, seen = bus.board("desk", timeout=20).pin(13), []
                 lamp.when_changed = seen.append
-                eventually(lambda: lamp.read(timeout=20) is (word == "high"), "what was set")
+                self.assertIs(lamp.read(timeout=20), word == "high")
                 self.assertEqual(self.part("led"), "on" if word == "high" else "off")
         with asip.connect(self.address, timeout=20) as bus:
             bus.board("desk", timeout=20).pin(13).toggle()
         self.assertEqual(self.part("led"), "off")
+
+    def asipctl(self, *words):
+        return subprocess.run([str(BIN / "asipctl"), *words], env={**os.environ, "ASIP_BROKER": self.address}, check=True, capture_output=True, text=True).stdout
+
+    def test_properties_are_those_of_asipctl(self):
+        self.asipctl("pin", "desk", "13", "high")
+        self.asipctl("send", "desk/servo", "write", "0", "45")
+        self.desk.set_meaning("io/2", "door", inverted=True)
+        self.addCleanup(self.desk.set_meaning, "io/2", None)
+        shown = {one["property"]: one for one in json.loads(self.asipctl("get", "desk", "-o", "json"))}
+        told = {one.id: one for one in self.desk.properties}
+        self.assertEqual([*shown], [id for id in told if id in shown])
+        self.assertGreaterEqual({*shown}, {"distance/0", "servo/0/angle", "io/2", "io/13"})
+        self.assertEqual((told["io/13"].value, told["servo/0/angle"].value, told["distance/0"].value), (True, 45, 42))
+        for id, one in shown.items():
+            self.assertEqual((one.get("value"), one.get("unit", "")), (told[id].read(timeout=20) if "value" in one else None, told[id].unit), id)
+        self.assertIn('"class":"door"', json.dumps(self.desk.description["meanings"], separators=(",", ":")))
+        self.desk["servo/0/angle"].value = 90
+        self.desk["io/13"].value = False
+        self.assertEqual(self.part("led"), "off")
+        again = {one["property"]: one.get("value") for one in json.loads(self.asipctl("get", "desk", "-o", "json"))}
+        self.assertEqual((again["servo/0/angle"], again["io/13"]), (90, False))
+
+    def test_lamp_that_is_on_is_never_dark_while_it_is_read_a_thousand_times(self):
+        self.asipctl("pin", "desk", "13", "high")
+        sent = lambda: self.desk.bus.query({"find": "history", "board": "desk", "limit": 1})["items"]
+        lamp, seen, before = self.desk.pin(13), set(), sent()
+        lamp.on_change(seen.add)
+        for _ in range(50):
+            seen.update((lamp.read(timeout=20), self.desk["io/13"].read(timeout=20)))
+        for _ in range(1000):
+            seen.add(self.desk["io/13"].text)
+        self.assertEqual(seen, {True, "on"})
+        self.assertEqual(self.part("led"), "on")
+        self.assertEqual(sent(), before)
 
     def test_pins_of_a_board_that_nothing_decided_yet(self):
         lamp = self.bus.board("lamp", timeout=20)
