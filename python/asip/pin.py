@@ -223,19 +223,22 @@ class Pin:
             self.board._engine.dispatcher.put(self._function, (value,)[:self._count])
 
     def _board_changed(self, name: str) -> None:
-        """In paho's thread: an input of this program is one again when the board is back. Another program may have made it an output
-        meanwhile: the description says."""
+        """In paho's thread: the board is back."""
         if name != self.board.name:
             return
         there = not self.board._is_gone()
         came_back, self._was_there = there and not self._was_there, there
-        if came_back and self._again is not None and self._bank.mode(self.number) in {0, INPUT, PULLUP} - {self._again}:
-            self.board._engine.dispatcher.put(self._set_again, ())
+        if came_back:
+            self.board._engine.dispatcher.put(self._come_back, ())
 
-    def _set_again(self) -> None:
-        if self._again is not None:
-            with contextlib.suppress(errors.Error):
-                self._io().begin("mode", self.number, self._again)
+    def _come_back(self) -> None:
+        """An input of this program is one again, unless another program made it an output meanwhile: the description says. A level that
+        changed meanwhile is told."""
+        with contextlib.suppress(errors.Error):
+            if self._again is not None and self._bank.mode(self.number) in {0, INPUT, PULLUP} - {self._again}:
+                self._set_mode(self._again, None)
+            else:
+                self._ask(None)
 
     def _told(self) -> None:
         """The bus ended, or a board changed: `wait_for()` looks again."""
