@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// The connection, and commands with their answers; holds: holds.cpp; boards: boards.cpp.
+#include "asip/caller/caller.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "asip/caller/entries.hpp"
+
+namespace asip::caller {
+
+Caller::Caller(Options options, const Random& random, Port port)
+    : options_(std::move(options)),
+      port_(std::move(port)),
+      requester_(options_.name, bus::ReplyTopics(options_.topics, options_.user, options_.name)),
+      demander_(options_.topics, options_.user, options_.name, random),
+      view_(options_.topics, options_.units_of),
+      router_([this](const std::string& filter) { port_.unsubscribe(filter); }),
+      access_(options_.user),
+      watched_(options_.topics.board_names() + "/") {
+    port_.subscribe(replies().filter(), {.qos = options_.qos, .retained = false});
+}
+
+void Caller::connected(Time now) {
+    access_.connected();
+    view_.connected(now);
+    demander_.connected(now);
+    publish_demands(now);
+}
+
+void Caller::disconnected(const mqtt::ConnectionFailure& why, Time now) {
+    access_.disconnected(why);
+    view_.disconnected();
+    told_.clear();
+    demander_.disconnected();
+    publish_demands(now);
+}
+
+void Caller::message(const mqtt::Message& message, Time now) {
+    now_ = now;
+    if (requester_.take(message, now)) return;
+    if (message.topic.starts_with(watched_)) look_at(message, now);
+    router_.dispatch(message);
+    if (message.retain) retained_at_ = now;
+}
+
+void Caller::tick(Time now) {
+    publish_demands(now);
+    finish_due(now);
+    for (auto each = holds_.begin(); each != holds_.end();) {
+        const auto hold = each->lock();
+        if (hold && hold->next && *hold->next <= now) renew(hold, now);
+        each = hold ? std::next(each) : holds_.erase(each);
+    }
+    look_at_leases(now);
+}
+
+std::optional<Time> Caller::next_deadline() const {
+    auto next = demander_.next_deadline();
+    const auto also = [&next](std::optional<Time> when) {
+        if (when && (!next || *when < *next)) next = when;
+    };
+    if (!due_.empty()) also(due_.begin()->first);
+    for (const auto& each : holds_)
+        if (const auto hold = each.lock()) also(hold->next);
+    also(view_.next_expiry());
+    return next;
+}
+
+bool Caller::leave() {
+    auto last = demander_.leave();
+    for (auto& message : last)
+        port_.publish(std::move(message));
+    return !last.empty();
+}
+
+bool Caller::publish(mqtt::Message message) {
+    access_.sent(message.topic);
+    return port_.publish(std::move(message));
+}
+
+bool Caller::publish_asked(mqtt::Message message) {
+    access_.asked(message.topic, !port_.v5() || message.qos == 0);
+    return port_.publish(std::move(message));
+}
+
+const std::string& Caller::Call::id() const {
+    static const std::string none;
+    return entry_ ? entry_->request.id() : none;
+}
+
+Caller::Call Caller::command(Command command, Done done, Time now) {
+    mqtt::Message message;
+    message.topic = command.topic;
+    message.payload = std::move(command.payload);
+    message.qos = command.qos;
+    // What reaches the broker while the agent is away is not delivered when it is no longer wanted.
+    if (!command.lasts) message.expire_after(command.deadline);
+    const bool v5 = port_.v5();
+    // What names its sender itself stays as it is.
+    if (v5 && !command.plain && !command.by.empty() && message.payload.find("\"by\":") == std::string::npos)
+        message.user_properties = {{"by", std::move(command.by)}};
+    bus::Requester::More more{.plain = command.plain};
+    if (!command.lasts) more.deadline = command.deadline;
+    const auto due = now + command.deadline + kAnswerTime;
+    const auto call = std::make_shared<Call::Entry>(Call::Entry{std::move(command), std::move(done)});
+    call->sent = now;
+    call->request = requester_.ask(
+        message, v5,
+        [this, weak = std::weak_ptr(call)](const mqtt::Message& answer) {
+            if (const auto asked = weak.lock()) answered(asked, answer);
+        },
+        now, more);
+    call->no_room = !publish_asked(std::move(message));
+    due_.emplace(call->no_room ? now : due, call);
+    return Call(call);
+}
+
+void Caller::answered(const std::shared_ptr<Call::Entry>& call, const mqtt::Message& message) {
+    auto reply = bus::parse_reply(message.payload);
+    if (!reply) {
+        reply = bus::Reply::timeout();
+        reply->error = "the answer cannot be read";
+    }
+    finish(call, *reply);
+}
+
+// Its place among those that are due is found empty later.
+void Caller::finish(const std::shared_ptr<Call::Entry>& call, const bus::Reply& reply) {
+    call->request.reset();
+    if (const auto done = std::exchange(call->done, {})) done(reply);
+}
+
+void Caller::finish_due(Time now) {
+    while (!due_.empty() && due_.begin()->first <= now) {
+        const auto call = due_.begin()->second.lock();
+        due_.erase(due_.begin());
+        if (!call || !call->done) continue;
+        if (call->no_room)
+            finish(call, bus::Reply::refused(std::string(bus::kRefusedQueueFull),
+                                             "too much waits for the broker: it is slow, or away"));
+        else
+            finish(call, silence(call->command.silence, now - call->sent));
+    }
+}
+
+bus::Reply Caller::silence(std::string text, Duration waited) const {
+    auto reply = bus::Reply::timeout(bus::kTimeoutConnection);
+    if (const auto& why = access_.why_lost()) {
+        reply.error = *why + ", and was not back in time";
+    } else if (waited >= kTimeToAcknowledge && port_.unacknowledged() != 0) {
+        reply.error = "the broker does not acknowledge what it is sent; does it stand still?";
+    } else {
+        reply.reason = bus::kTimeoutNoAnswer;
+        if (text.empty()) text = bus::words_of(bus::Reply::Status::kTimeout, bus::kTimeoutNoAnswer);
+        reply.error = std::move(text) + access_.may_be_denied();
+    }
+    return reply;
+}
+
+bool Caller::denied(const std::string& topic, const std::string& reason) {
+    std::vector<std::shared_ptr<Call::Entry>> those;
+    for (const auto& [due, weak] : due_)
+        if (const auto call = weak.lock(); call && call->done && call->command.topic == topic)
+            those.push_back(call);
+    const auto reply =
+        bus::Reply::refused(std::string(bus::kRefusedDenied), access_.denied_text(topic, reason));
+    for (const auto& call : those)
+        finish(call, reply);
+    return !those.empty();
+}
+
+void Caller::end_all(const bus::Reply& reply) {
+    for (const auto& [due, weak] : std::exchange(due_, {}))
+        if (const auto call = weak.lock(); call && call->done) finish(call, reply);
+}
+
+std::string Caller::waiting_topic() const {
+    for (const auto& [due, weak] : due_)
+        if (const auto call = weak.lock(); call && call->done) return call->command.topic;
+    return {};
+}
+
+Caller::Question Caller::ask(mqtt::Message question, mqtt::Router::OnMessage on_answer, Time now,
+                             bool plain) {
+    auto asked = requester_.ask(question, port_.v5(), std::move(on_answer), now, {.plain = plain});
+    publish_asked(std::move(question));
+    return asked;
+}
+
+}  // namespace asip::caller

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "asip/caller/caller.hpp"
+
+namespace asip::caller {
+
+struct Caller::Call::Entry {
+    Command command;
+    Done done;  // empty: it was told
+    bus::Requester::Request request{};
+    Time sent{};
+    bool no_room = false;  // it was not sent
+};
+
+struct Caller::Hold::Entry {
+    std::string topic;
+    std::chrono::milliseconds hold;
+    Done begun, ended;
+    Call call{};
+    std::string id{};  // of the command
+    bus::Requester::Request renewal{};
+    std::optional<Time> next{};  // renewal; none: it has not begun, or has ended
+};
+
+}  // namespace asip::caller
