@@ -83,10 +83,16 @@ def matches(expected, got):
 
 
 def end_all(groups):
-    """What a command left running in the background is of the process group that it had."""
-    for group in groups:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(group, signal.SIGTERM)
+    """What a command left running in the background is of the process group that it had. A broker writes its store before it ends."""
+    number, end = signal.SIGTERM, time.monotonic() + 10
+    while groups and time.monotonic() < end:
+        for group in [*groups]:
+            try:
+                os.killpg(group, number)
+            except ProcessLookupError:
+                groups.remove(group)
+        number = 0
+        time.sleep(0.02)
 
 
 def run(step, folder, background):
