@@ -74,7 +74,7 @@ std::optional<Time> Catalogue::Impl::published(const Announcement& a, std::uint3
 // same one.
 bool Catalogue::Impl::challenge(Board& b, const DescriptionMembers& members, Time now, Events& events) {
     UncommonBoardData& uncommon = b.uncommon_data();
-    const auto lease = std::chrono::seconds(members.lease == 0 ? b.lease_seconds : members.lease);
+    const auto lease = std::chrono::seconds(lease_of(members));
     if (auto* seq = uncommon.old_seq(members.session)) *seq = members.seq;
     if (!uncommon.challenger) uncommon.challenger = std::make_unique<Challenger>();
     Challenger& other = *uncommon.challenger;
@@ -133,7 +133,7 @@ void Catalogue::Impl::take_over(Board& b, const DescriptionMembers& members) {
     }
     b.session = members.session;
     b.seq = 0;
-    b.session_ends = Time{};
+    b.deadline = b.session_ends = Time{};  // those of the session that is over
     b.proven = false;
     b.epoch_heard = 0;
 }

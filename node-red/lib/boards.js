@@ -132,7 +132,7 @@ class Board {
       if (other.confirmed) Object.assign(other, { session: this.session, seq: this.seq, deadline: this.deadline });
       else this.challenger = undefined;
     }
-    Object.assign(this, { session, seq: 0, sessionEnds: -Infinity, proven: false, epochHeard: 0 });
+    Object.assign(this, { session, seq: 0, sessionEnds: -Infinity, deadline: -Infinity, proven: false, epochHeard: 0 });
   }
 
   // Brings the effective state into line with what was reported and the lease; whether it changed.

@@ -4,39 +4,39 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import test from 'node:test';
+import { isDeepStrictEqual } from 'node:util';
 import { Broker, Flow } from './flow.mjs';
 
 const require = createRequire(import.meta.url);
-const { Boards, WORDS, words } = require('../lib/boards.js');
+const { Boards, words } = require('../lib/boards.js');
 const vectors = JSON.parse(readFileSync(process.env.ASIP_PRESENCE_VECTORS ?? new URL('../../tests/vectors/presence.json', import.meta.url)));
 
-function take(boards, step) {
+function take(boards, step, name) {
   if (step.heard === true) boards.connected(step.at);
   else if (step.heard === false) boards.disconnected();
-  else if ('state' in step) boards.onState('desk', Buffer.from(step.state), Boolean(step.kept), step.expiry, step.at);
+  else if ('state' in step) boards.onState(name, Buffer.from(step.state), Boolean(step.kept), step.expiry, step.at);
   else if ('say' in step || 'text' in step) {
-    boards.onDescription('desk', Buffer.from(step.text ?? JSON.stringify({ board: 'desk', services: [], ...step.say })), Boolean(step.kept), step.expiry, step.at);
+    boards.onDescription(name, Buffer.from(step.text ?? JSON.stringify({ board: name, services: [], ...step.say })), Boolean(step.kept), step.expiry, step.at);
   }
 }
 
 test('what is shown after each message is what the file says', () => {
   let steps = 0;
-  for (const { about, steps: history } of vectors.histories) {
+  for (const { about, board: name = 'desk', steps: history } of vectors.histories) {
     const boards = new Boards();
     for (const step of history) {
-      take(boards, step);
+      take(boards, step, name);
       boards.expire(step.at);
-      const board = boards.get('desk');
-      const told = board ? [board.effective, board.reason, board.since === -Infinity ? null : Math.round((step.at - board.since) * 1000)] : null;
-      const wanted = step.then && [step.then[0], step.then[1], step.then[2] === null ? null : Math.round(step.then[2] * 1000)];
-      assert.deepEqual(told, wanted, `${about}: ${JSON.stringify(step)}`);
+      const board = boards.get(name);
+      const told = board ? [board.effective, board.reason, board.since === -Infinity ? null : step.at - board.since] : null;
+      const isKnown = told && step.then && told[2] !== null && step.then[2] !== null;
+      const alike = isKnown ? told[0] === step.then[0] && told[1] === step.then[1] && Math.abs(told[2] - step.then[2]) < 0.001 : isDeepStrictEqual(told, step.then);
+      assert.ok(alike, `${about}: ${JSON.stringify(step)} is ${JSON.stringify(told)}`);
       steps += 1;
     }
   }
   assert.ok(steps > 1000);
 });
-
-test('reasons have one wording', () => assert.deepEqual({ '': '', ...WORDS }, vectors.reasons));
 
 test('a word that the broker kept alone is not shown as lost, and times are told', () => {
   const boards = new Boards();
