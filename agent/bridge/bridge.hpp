@@ -68,8 +68,9 @@ struct BridgeOptions {
 ///
 /// The order of a life: link_up() and receive() until Effects::board_known. Then name() is valid, and the
 /// caller connects to the broker with will() and subscriptions(). From Effects::name_claimed on it subscribes
-/// to control_subscriptions(), too: only then commands are for this agent. Times that are passed do not go
-/// back.
+/// to control_subscriptions(), too, and listens for stops over a connection of their own (StopLine): only
+/// then commands are for this agent, and bus_subscribed() says that all of them arrive. Times that are passed
+/// do not go back.
 class Bridge {
   public:
     Bridge(BridgeOptions options, model::ModelSet models, Random random);
@@ -88,6 +89,8 @@ class Bridge {
     /// The answer to session::SetLineRate.
     void line_rate_set(bool ok, Time now, Effects& out);
 
+    /// Not a stop that the broker stored, and none that was sent before the board was resumed.
+    bool obeys(const Stop& stop) const;
     /// A stop holds: what may move the board is refused.
     bool is_stopped() const { return latch_.stopped().has_value(); }
 
@@ -220,6 +223,7 @@ class Bridge {
     Safety safety_;
     ReportPeriods periods_;
     StopLatch latch_;
+    std::optional<Time> resumed_;  // the last resume that was obeyed was sent then, as its sender told
     Control control_;
     ClientRequests client_requests_;
     Context context_;

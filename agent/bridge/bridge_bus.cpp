@@ -28,8 +28,7 @@ std::vector<member::Announcer::Subscription> Bridge::subscriptions() const {
 
 std::vector<std::string> Bridge::control_subscriptions() const {
     const auto& topics = board_.topics;
-    std::vector<std::string> filters{topics.stop(name()), topics.board_in(name()),
-                                     topics.service_in(name(), "+")};
+    std::vector<std::string> filters{topics.board_in(name()), topics.service_in(name(), "+")};
     if (options_.context.client_side) filters.push_back(topics.board_out(name()));
     filters.push_back(topics.demand(name(), "+/+"));
     return filters;
@@ -83,7 +82,20 @@ void Bridge::on_message(const Renewal& renewal, Time now, Effects& out) {
     control_.on_renewal(renewal, now, out);
 }
 
+bool Bridge::obeys(const Stop& stop) const {
+    const auto sent = stop.arrival.told;
+    return !stop.retained && !(sent && resumed_ && *sent < *resumed_);
+}
+
 void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
+    if (!stop.retained && !obeys(stop)) {
+        const auto reply =
+            bus::Reply::refused(std::string(bus::kRefusedDeadline),
+                                "the board was resumed after this stop was sent; stop it again");
+        if (auto message = bus::reply_message(stop.reply(), reply))
+            out.publish.push_back({std::move(*message), mqtt::Priority::kUrgent});
+        return;
+    }
     session::Actions actions;
     safety_.on_stop(stop, now, actions, out);
     if (stop.latch && !stop.retained &&
@@ -113,6 +125,7 @@ void Bridge::on_message(const Resume& resume, Time now, Effects& out) {
         reply = bus::Reply::refused(std::string(bus::kRefusedDeadline), "it came too late; send it again");
     else if (resume.envelope.object.value("resume", nlohmann::json()) != nlohmann::json(true))
         reply = bus::Reply::refused(std::string(bus::kRefusedInvalid), "write {\"resume\":true}");
+    if (reply.succeeded() && resume.arrival.told) resumed_ = resume.arrival.told;
     const bool resumed = reply.succeeded() && latch_.resume();
     if (resumed) {
         out.keep_stop = std::optional<model::StopInfo>();

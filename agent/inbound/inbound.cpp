@@ -149,6 +149,12 @@ const BusRequest* request_of(const Inbound& inbound) {
         inbound);
 }
 
+bool sent_behind(const Stop& stop, const Inbound& message) {
+    const auto* request = request_of(message);
+    return request != nullptr && stop.arrival.told && request->arrival.told && !stop.reply().by.empty() &&
+           request->reply().by == stop.reply().by && *request->arrival.told > *stop.arrival.told;
+}
+
 bool takes_turns(const Inbound& inbound) {
     return std::holds_alternative<Command>(inbound) || std::holds_alternative<PortRequest>(inbound) ||
            std::holds_alternative<LabelRequest>(inbound);

@@ -92,6 +92,8 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
 
 /// The request in it; null for a demand and an announcement.
 const BusRequest* request_of(const Inbound& inbound);
+/// Whether the sender of `stop` sent `message` behind it, by the agent's clock in both.
+bool sent_behind(const Stop& stop, const Inbound& message);
 /// Whether such a message takes its turn behind earlier ones: commands, port requests and label requests.
 /// All other kinds are handled at once; a stop and a renewal must not wait.
 bool takes_turns(const Inbound& inbound);

@@ -26,9 +26,6 @@ class Inbox {
     bool empty() const { return entries_.empty(); }
     bool full() const { return entries_.size() >= kMaxMessages || bytes_ >= kMaxBytes; }
     std::size_t size() const { return entries_.size(); }
-    /// Messages that no stop has caught yet.
-    std::size_t waiting() const { return entries_.size() - stopped_; }
-
     /// A message arrives, and takes its turn. Returns what is to be handled now.
     std::optional<Inbound> arrive(Inbound message) {
         ++arrived_;
@@ -54,30 +51,38 @@ class Inbox {
     void push(Inbound message) {
         const auto bytes = bytes_of(message);
         bytes_ += bytes;
-        entries_.push_back({std::move(message), bytes});
+        entries_.push_back({std::move(message), bytes, false});
     }
     /// Takes out the oldest message; a command that a stop has caught says so. Not when empty().
     Inbound pop() {
         Entry entry = std::move(entries_.front());
         entries_.pop_front();
         bytes_ -= entry.bytes;
-        if (stopped_ > 0) {
-            --stopped_;
-            if (auto* command = std::get_if<Command>(&entry.message)) command->stopped = true;
-        }
+        if (auto* command = std::get_if<Command>(&entry.message)) command->stopped = entry.stopped;
         return std::move(entry.message);
     }
-    /// Everything that waits now came before a stop.
-    void stop() { stopped_ = entries_.size(); }
+    /// A stop came: it catches what waits, but for what its sender sent behind it. `sent_behind` says that of
+    /// a message: stops come over a connection of their own, which may be the slower one. Returns how many it
+    /// caught.
+    template <class SentBehind>
+    std::size_t stop(SentBehind&& sent_behind) {
+        std::size_t caught = 0;
+        for (auto& entry : entries_) {
+            if (entry.stopped || sent_behind(std::as_const(entry.message))) continue;
+            entry.stopped = true;
+            ++caught;
+        }
+        return caught;
+    }
 
   private:
     struct Entry {
         Inbound message;
         std::size_t bytes = 0;
+        bool stopped = false;  // a stop has caught it
     };
     std::deque<Entry> entries_;
     std::size_t bytes_ = 0;
-    std::size_t stopped_ = 0;
     std::size_t arrived_ = 0;  // since the last turn
     bool asked_ = false;       // for a turn
 };

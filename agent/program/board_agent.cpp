@@ -90,7 +90,8 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       counters_timer_(io_),
       statistics_timer_(io_),
       safe_timer_(io_),
-      check_timer_(io_) {}
+      check_timer_(io_),
+      stops_timer_(io_) {}
 
 void BoardAgent::start() {
     for (const auto& [address, framing] : options_.listen) {
@@ -111,7 +112,7 @@ void BoardAgent::start() {
 
 void BoardAgent::note_online() {
     using State = session::BoardSession::State;
-    const bool usable = bridge_.may_publish() && bridge_.session().state() == State::kReady;
+    const bool usable = hears_stops_ && bridge_.may_publish() && bridge_.session().state() == State::kReady;
     const auto now = usable ? Presence::kOnline : Presence::kAway;
     if (std::exchange(presence_, now) != now) handlers_.on_changed();
 }
@@ -281,6 +282,9 @@ void BoardAgent::finish(int status) {
     statistics_timer_.cancel();
     safe_timer_.cancel();
     check_timer_.cancel();
+    stops_timer_.cancel();
+    stops_.reset();
+    boost::asio::post(io_, [line = std::move(stop_line_)] {});  // this may be a call of its own
     clients_.close();
     loader_.reset();
     link_.stop();

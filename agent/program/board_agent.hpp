@@ -20,6 +20,7 @@
 #include "agent/program/broker_reports.hpp"
 #include "agent/program/loader.hpp"
 #include "agent/program/option_checks.hpp"
+#include "agent/program/stop_line.hpp"
 #include "agent/safety/stop_files.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/backoff.hpp"
@@ -38,8 +39,9 @@ class BoardAgent {
     struct Host {
         boost::asio::io_context& io;
         boost::asio::thread_pool& disk;  ///< a slow one must not hold up the boards
-        bool goes_on = false;            ///< does not end over what may pass
-        bool several = false;            ///< each line of the log says which board it is about
+        StopLines& stops;
+        bool goes_on = false;  ///< does not end over what may pass
+        bool several = false;  ///< each line of the log says which board it is about
     };
     /// In place of an exit status: another board is at the port. To be started again at once.
     static constexpr int kBeginAnew = -1;
@@ -84,6 +86,10 @@ class BoardAgent {
     // The connection to the broker (board_agent_bus.cpp)
     void connect_bus();
     void subscribe_to_commands();
+    /// All that a user may say to the board arrives, or does not any more.
+    void note_subscribed();
+    void stops_heard(bool heard, const std::string& why);
+    void wait_for_stops();
     Expected<void> use_credentials(const std::string& file);
     bool look_for_credentials();
 
@@ -141,12 +147,19 @@ class BoardAgent {
     link::KeptStream link_;
     PointToPoint clients_;
     std::unique_ptr<mqtt::Client> bus_;
+    std::shared_ptr<StopLine> stop_line_;
+    StopLine::Listening stops_;
+    bool hears_stops_ = false;
+    bool stops_missing_ = false;  // and that was said
+    bool announced_ = false;      // over the present connection
+    std::string why_no_stops_ = "the broker does not answer";
     boost::asio::steady_timer timer_;
     boost::asio::steady_timer reset_timer_;
     boost::asio::steady_timer counters_timer_;
     boost::asio::steady_timer statistics_timer_;
     boost::asio::steady_timer safe_timer_;
     boost::asio::steady_timer check_timer_;
+    boost::asio::steady_timer stops_timer_;
     std::optional<Loader> loader_;  // while firmware is loaded
     Inbox inbox_;
     std::optional<Time> reads_since_;  // what sockets hold may have been sent since then

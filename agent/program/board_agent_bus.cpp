@@ -17,6 +17,8 @@ namespace log = program::log;
 namespace {
 
 constexpr auto kCountersEvery = std::chrono::seconds(10);
+// A connection that was lost is back before that, where the broker is.
+constexpr auto kStopsMissing = std::chrono::seconds(5);
 
 }  // namespace
 
@@ -28,6 +30,12 @@ void BoardAgent::connect_bus() {
     }
     mqtt::Options options = options_.mqtt;
     options.packet_log = log::enabled(log::Level::kTrace);
+    if (auto line = host_.stops.line(options); line != stop_line_) {
+        stops_.reset();
+        hears_stops_ = false;
+        stop_line_ = std::move(line);
+    }
+    announced_ = false;
     options.will = bridge_.will();
     // 10,000 commands at once get as many answers at once; twice this many of them may wait.
     options.max_queued_messages = 16 * 1024;
@@ -42,6 +50,44 @@ void BoardAgent::subscribe_to_commands() {
     for (const auto& filter : bridge_.control_subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
     bus_->subscribe(bridge_.set_subscription(), {.qos = 1, .no_local = true});
+    if (stops_) return;
+    stops_ = stop_line_->listen(topics_.stop(bridge_.name()),
+                                {[this](const mqtt::Message& message) { message_received(message); },
+                                 [this](bool heard, const std::string& why) { stops_heard(heard, why); }});
+    wait_for_stops();
+}
+
+void BoardAgent::note_subscribed() {
+    if (!hears_stops_ || !bus_ || !bus_->subscribed()) return;
+    announced_ = bridge_.name_claimed();
+    with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
+}
+
+void BoardAgent::stops_heard(bool heard, const std::string& why) {
+    if (ended()) return;
+    if (!heard) why_no_stops_ = why;
+    if (std::exchange(hears_stops_, heard) == heard) return;
+    if (!heard) return wait_for_stops();
+    stops_timer_.cancel();
+    if (std::exchange(stops_missing_, false)) log_.info("stops arrive again", {});
+    note_subscribed();
+}
+
+/// A board that does not hear stops is not online: its connection ends without a goodbye, so that the broker
+/// says that the board is lost, and the next one announces it when stops arrive.
+void BoardAgent::wait_for_stops() {
+    stops_timer_.expires_after(kStopsMissing);
+    stops_timer_.async_wait([this](boost::system::error_code error) {
+        if (error || ended() || hears_stops_ || !bus_ || !bus_->connected()) return;
+        if (!std::exchange(stops_missing_, true))
+            log_.warning("stops do not arrive: the board is not online until they do",
+                         {{"why", why_no_stops_}});
+        if (!announced_) return;
+        bridge_.bus_disconnected();
+        note_online();
+        bus_.reset();
+        connect_bus();
+    });
 }
 
 Expected<void> BoardAgent::use_credentials(const std::string& file) {
@@ -90,11 +136,11 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
         with_bridge([&](Time now, Effects& out) {
             bridge_.bus_connected(now, connected.client_id, connected.v5, out);
         });
+        if (stops_ && !hears_stops_) wait_for_stops();
     };
-    handlers.on_subscribed = [this] {
-        with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
-    };
+    handlers.on_subscribed = [this] { note_subscribed(); };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
+        announced_ = false;
         bridge_.bus_disconnected();
         note_online();
         bus_failed(failure, true);
@@ -125,14 +171,13 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     auto inbound = bridge_.read(message, now);
     if (!inbound) return;
     if (auto* stop = std::get_if<Stop>(&*inbound)) {
-        stop->waiting = inbox_.waiting();
-        const bool retained = stop->retained;
-        take(*inbound);
-        if (!retained) inbox_.stop();
-        return;
+        if (bridge_.obeys(*stop))
+            stop->waiting = inbox_.stop([&](const Inbound& other) { return sent_behind(*stop, other); });
+        return take(*inbound);
     }
     // What waits came while the board was stopped, if it was.
-    if (std::holds_alternative<Resume>(*inbound) && bridge_.is_stopped()) inbox_.stop();
+    if (std::holds_alternative<Resume>(*inbound) && bridge_.is_stopped())
+        inbox_.stop([](const Inbound&) { return false; });
     if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
     const bool in_turn = takes_turns(*inbound);
     if (!in_turn) return take(*inbound);

@@ -50,6 +50,7 @@ class Supervisor {
 
     boost::asio::io_context io_{1};
     boost::asio::thread_pool disk_{1};
+    StopLines stops_{io_};
     const bool several_;
     const std::function<Expected<Plan>()> read_again_;
     const bool has_terminal_;

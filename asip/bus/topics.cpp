@@ -2,8 +2,12 @@
 #include "asip/bus/topics.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
+#include "asip/bus/request/demand.hpp"
+#include "asip/bus/request/request_envelope.hpp"
+#include "asip/model/description.hpp"
 #include "asip/model/names.hpp"
 
 namespace asip::bus {
@@ -117,6 +121,31 @@ std::optional<TopicRef> Topics::parse(std::string_view topic) const {
     if (first == "servicebus") return parse_service_bus(second, rest, has_third);
     if (first == "registry") return parse_registry(second, rest, has_third);
     return parse_board(first, second, rest, has_third);
+}
+
+std::size_t Topics::longest_payload(std::string_view topic) const {
+    constexpr auto kAny = std::numeric_limits<std::size_t>::max() - 1;
+    const auto known = parse(topic);
+    if (!known) return kAny;
+    switch (known->kind) {
+        case TopicKind::kBoardNames:
+        case TopicKind::kServiceNames:
+        case TopicKind::kState:
+        case TopicKind::kProbe:
+            return model::kMaxNameBytes;
+        case TopicKind::kDemand:
+            return kMaxDemandBytes;
+        case TopicKind::kBoardIn:
+        case TopicKind::kServiceIn:
+        case TopicKind::kStop:
+        case TopicKind::kRegistryQuery:
+        case TopicKind::kAnyRegistryQuery:
+            return kMaxRequestBytes;
+        case TopicKind::kDescription:
+            return model::kMaxDescriptionBytes;
+        default:
+            return kAny;
+    }
 }
 
 }  // namespace asip::bus

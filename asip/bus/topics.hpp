@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -96,6 +97,9 @@ class Topics {
     /// What `topic` is; nothing when it is not below this root, not one of these topics, or carries a name
     /// that is not valid. Any bytes may be given.
     std::optional<TopicRef> parse(std::string_view topic) const;
+    /// Bytes of the longest payload that this topic can be of use with: of a longer one nothing is read but
+    /// that it is too long. The largest number where nothing bounds it.
+    std::size_t longest_payload(std::string_view topic) const;
 
   private:
     std::string join(std::string_view a, std::string_view b) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <mqtt_protocol.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "asip/mqtt/connection.hpp"
@@ -65,8 +66,10 @@ void Connection::on_message(const mosquitto_message& received, const mosquitto_p
     if (phase_ == Phase::kDown) return;
     Message message;
     message.topic = received.topic;
-    message.payload.assign(static_cast<const char*>(received.payload),
-                           static_cast<std::size_t>(received.payloadlen));
+    auto size = static_cast<std::size_t>(received.payloadlen);
+    if (size > Options::kShortPayload && options_.longest_payload)
+        size = std::min(size, options_.longest_payload(message.topic) + 1);
+    message.payload.assign(static_cast<const char*>(received.payload), size);
     message.qos = received.qos;
     message.retain = received.retain;
     read_properties(properties, message);

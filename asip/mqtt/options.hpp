@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -75,6 +76,11 @@ struct Options {
     /// never frees the place that this message has among the 20 of QoS 1 that may be on their way to the
     /// subscriber. 0: no limit.
     std::uint32_t max_packet_bytes = kMaxPacketBytes;
+    /// What a message on this topic can be of use for, in bytes of its payload; empty: everything. Of a
+    /// longer payload one byte more than that is copied, so that whoever reads it finds it too long, at no
+    /// cost. Asked for payloads above kShortPayload only.
+    std::function<std::size_t(std::string_view topic)> longest_payload{};
+    static constexpr std::size_t kShortPayload = 4096;
     /// How often this client looks whether the broker still delivers messages of QoS 1 (MQTT 5, see
     /// StandStill). Zero: never.
     Duration check_standstill = std::chrono::seconds(60);

@@ -158,6 +158,9 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
     made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
     made.own_topics =
         bus::ReplyTopics(bus::Topics(options.topic_root), made.user, made.client_id).own_of_all();
+    made.longest_payload = [topics = bus::Topics(options.topic_root)](std::string_view topic) {
+        return topics.longest_payload(topic);
+    };
     return made;
 }
 

@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
 #include <functional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -36,9 +37,18 @@ class TcpRelay::State {
     void cut() {
         asio::post(io_, [this] { cut_ = true; });
     }
+    void cut_answers(Swallows which) {
+        asio::post(io_, [this, which = std::move(which)] {
+            is_deaf_ = which;
+            for (const auto& [client, first] : begun_)
+                if (which(first)) deaf_.insert(client);
+        });
+    }
     void restore() {
         asio::post(io_, [this] {
             cut_ = false;
+            is_deaf_ = nullptr;
+            deaf_.clear();
             for (const auto& pass : std::exchange(waiting_, {}))
                 pass();
         });
@@ -54,16 +64,22 @@ class TcpRelay::State {
             const auto to = std::make_shared<tcp::socket>(io_);
             boost::system::error_code refused;
             to->connect(to_, refused);
-            if (!refused) carry(from, to, bool(swallows_)), carry(to, from);
+            if (!refused) carry(from, to, true), carry(to, from);
             accept();
         });
+    }
+
+    void note(const Socket& client, const std::string& first) {
+        begun_.emplace_back(client, first);
+        if (is_deaf_ && is_deaf_(first)) deaf_.insert(client);
     }
 
     void carry(const Socket& from, const Socket& to, bool first = false) {
         auto bytes = std::make_shared<std::string>(65536, '\0');
         from->async_read_some(asio::buffer(*bytes),
                               [=, this](const boost::system::error_code& error, std::size_t count) {
-                                  if (first && !error && swallows_({bytes->data(), count}))
+                                  if (first && !error) note(from, bytes->substr(0, count));
+                                  if (first && !error && swallows_ && swallows_({bytes->data(), count}))
                                       return void(swallowed_.insert(swallowed_.end(), {from, to}));
                                   const auto pass = [=, this] {
                                       boost::system::error_code failed = error;
@@ -72,7 +88,7 @@ class TcpRelay::State {
                                       to->close(failed);
                                       from->close(failed);
                                   };
-                                  if (cut_)
+                                  if (cut_ || deaf_.count(to) != 0)
                                       waiting_.emplace_back(pass);
                                   else
                                       pass();
@@ -84,6 +100,9 @@ class TcpRelay::State {
     tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}};
     const Swallows swallows_;
     std::vector<Socket> swallowed_;
+    std::vector<std::pair<Socket, std::string>> begun_;  // each client with the first that it sent
+    Swallows is_deaf_;
+    std::set<Socket> deaf_;
     bool cut_ = false;
     std::vector<std::function<void()>> waiting_;
     std::thread thread_;
@@ -97,6 +116,9 @@ std::uint16_t TcpRelay::port() const {
 }
 void TcpRelay::cut() {
     state_->cut();
+}
+void TcpRelay::cut_answers(Swallows which) {
+    state_->cut_answers(std::move(which));
 }
 void TcpRelay::restore() {
     state_->restore();

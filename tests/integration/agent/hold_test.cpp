@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/agent/rig.hpp"
+#include "tests/support/tcp_relay.hpp"
 
 namespace asip::test {
 namespace {
@@ -26,10 +27,11 @@ class HoldOfMotor : public testing::Test {
   protected:
     HoldOfMotor() { start_agent(); }
 
-    void start_agent() {
-        agent = std::make_unique<ChildProcess>(std::vector<std::string>{
-            ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker", broker.url(), "--name",
-            "robot", "--takeover", "--no-step-up", "--log-level", "debug"});
+    void start_agent(const std::string& address = {}) {
+        agent = std::make_unique<ChildProcess>(
+            std::vector<std::string>{ASIP_PROGRAMS "/asip-agent", "--serial", robot.port(), "--broker",
+                                     address.empty() ? broker.url() : address, "--name", "robot",
+                                     "--takeover", "--no-step-up", "--log-level", "debug"});
     }
     bool online() { return wait_state(probe, "online", kDeadline, "robot"); }
     /// asipctl holds the motor, as a person would.
@@ -218,6 +220,35 @@ TEST_F(HoldOfMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
     EXPECT_THAT(record["executed"].dump(), HasSubstr("M,S"));
     EXPECT_EQ(sender->wait_exit(), 1);
     EXPECT_THAT(sender->errors(), HasSubstr("not-held"));
+}
+
+// The broker has more for the agent than the agent takes: what others send to the board lies in the way.
+TEST_F(HoldOfMotor, NothingElseReachesTheAgent_StopStillDoes) {
+    agent->signal(SIGKILL);
+    agent->wait_exit();
+    TcpRelay relay(broker.port());
+    start_agent("127.0.0.1:" + std::to_string(relay.port()));
+    ASSERT_TRUE(online()) << agent->errors();
+    const auto sender = hold("30s");
+    relay.cut_answers([](std::string_view first) { return first.find("-stops") == std::string_view::npos; });
+    const auto reply = probe.request("asip/robot/$stop", "{}");
+    ASSERT_TRUE(reply) << agent->errors();
+    EXPECT_EQ(json::parse(*reply)["status"], "ok");
+    EXPECT_FALSE(robot.runs());
+}
+
+TEST_F(HoldOfMotor, StopsDoNotArrive_BoardIsNotOnlineUntilTheyDo) {
+    agent->signal(SIGKILL);
+    agent->wait_exit();
+    TcpRelay relay(broker.port());
+    start_agent("127.0.0.1:" + std::to_string(relay.port()));
+    ASSERT_TRUE(online()) << agent->errors();
+    relay.cut_answers([](std::string_view first) { return first.find("-stops") != std::string_view::npos; });
+    EXPECT_TRUE(wait_state(probe, "lost", 60s, "robot")) << agent->errors();
+    EXPECT_THAT(agent->errors(), HasSubstr("stops do not arrive: the board is not online until they do"));
+    relay.restore();
+    EXPECT_TRUE(wait_state(probe, "online", 60s, "robot")) << agent->errors();
+    EXPECT_THAT(agent->errors(), HasSubstr("stops arrive again"));
 }
 
 TEST_F(HoldOfMotor, StopUnderTenThousandCommands_StopsTheMotorAtOnceAndEachIsAnswered) {

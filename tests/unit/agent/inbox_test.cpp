@@ -36,15 +36,36 @@ TEST(Inbox, Stop_CatchesWhatCameBeforeItAndNothingElse) {
     inbox.push(command("a"));
     inbox.push(LabelRequest{});
     inbox.push(command("b"));
-    EXPECT_EQ(inbox.waiting(), 3u);
-    inbox.stop();
-    EXPECT_EQ(inbox.waiting(), 0u);
+    const auto none = [](const Inbound&) { return false; };
+    EXPECT_EQ(inbox.stop(none), 3u);
+    EXPECT_EQ(inbox.stop(none), 0u) << "once";
     inbox.push(command("c"));
-    EXPECT_EQ(inbox.waiting(), 1u);
     EXPECT_TRUE(pop(inbox).stopped);
     EXPECT_TRUE(std::holds_alternative<LabelRequest>(inbox.pop())) << "labels are not stopped";
     EXPECT_TRUE(pop(inbox).stopped);
     EXPECT_FALSE(pop(inbox).stopped);
+}
+
+TEST(Inbox, StopBehindWhatItsSenderSentLater_DoesNotCatchThat) {
+    const auto sent = [](const std::string& payload, const std::string& by, int seconds) {
+        Command made = command(payload);
+        made.envelope.reply.by = by;
+        made.arrival.told = Time{} + std::chrono::seconds(seconds);
+        return made;
+    };
+    Stop stop;
+    stop.envelope.reply.by = "ann";
+    stop.arrival.told = Time{} + std::chrono::seconds(5);
+    Inbox inbox;
+    inbox.push(sent("before", "ann", 4));
+    inbox.push(sent("behind", "ann", 6));
+    inbox.push(sent("of another", "bob", 6));
+    inbox.push(command("that tells nothing"));
+    EXPECT_EQ(inbox.stop([&](const Inbound& other) { return sent_behind(stop, other); }), 3u);
+    EXPECT_TRUE(pop(inbox).stopped);
+    EXPECT_FALSE(pop(inbox).stopped);
+    EXPECT_TRUE(pop(inbox).stopped);
+    EXPECT_TRUE(pop(inbox).stopped);
 }
 
 // Steps of work in front of a stop, not milliseconds: of 10,000 commands that came before it, in reads of any
@@ -59,7 +80,7 @@ TEST(Inbox, StopBehindTenThousandCommands_IsReadAfterEightAreHandled) {
             if (inbox.asks_for_turn()) handled += static_cast<unsigned>(inbox.begin_turn());
         }
         EXPECT_EQ(handled, Inbox::kAtOnce) << in_one_read;
-        EXPECT_EQ(inbox.waiting(), 10'000u - Inbox::kAtOnce);
+        EXPECT_EQ(inbox.stop([](const Inbound&) { return false; }), 10'000u - Inbox::kAtOnce);
     }
 }
 

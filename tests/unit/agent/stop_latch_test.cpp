@@ -110,6 +110,34 @@ TEST_F(Latched, ResumeThatCameLate_ChangesNothing) {
     EXPECT_EQ(power("3")["reason"], "stopped");
 }
 
+// Stops come over a connection of their own: one may be slower than the resume that its sender sent behind
+// it.
+TEST_F(Latched, StopAndResume_InBothOrders_TheLaterWordHolds) {
+    const auto clock = [&] {
+        return bench.ask("asip/uno1/in", {{"raw", "#,?"}, {"clock", ""}}, "c")["clock"];
+    };
+    const auto first = clock();
+    ASSERT_TRUE(first.is_string());
+    bench.pass(100ms);
+    const auto second = clock();
+    const auto stop_at = [&](const json& sent) {
+        return bench.ask(kStopTopic, {{"latch", true}, {"by", "ann"}, {"clock", sent}}, "s");
+    };
+    const auto resume_at = [&](const json& sent) {
+        return bench.ask("asip/uno1/in", {{"resume", true}, {"by", "ann"}, {"clock", sent}}, "r");
+    };
+    EXPECT_EQ(stop_at(first)["status"], "ok");
+    EXPECT_EQ(resume_at(second)["status"], "ok");
+    EXPECT_EQ(power("1")["status"], "ok");
+    const auto late = stop_at(first);
+    EXPECT_EQ(late["reason"], "deadline");
+    EXPECT_THAT(late["error"].get<std::string>(), HasSubstr("resumed after this stop was sent"));
+    EXPECT_EQ(power("2")["status"], "ok");
+    bench.pass(100ms);
+    EXPECT_EQ(stop_at(clock())["status"], "ok");
+    EXPECT_EQ(power("3")["reason"], "stopped");
+}
+
 TEST_F(Latched, BoardRestartsOrIsReplugged_StaysStopped) {
     stop();
     bench.say(bench.board.reboot());

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <list>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "asip/mqtt/client.hpp"
+
+namespace asip::agent {
+
+/// A connection to the broker for stops alone. A broker delivers the messages of one connection one behind
+/// the other: a stop must not wait behind what others may send to a board. The boards of a process that have
+/// the same credentials share one.
+///
+/// One thread: all calls and handlers on the io_context.
+class StopLine {
+  public:
+    /// What a board is told.
+    struct Handlers {
+        std::function<void(const mqtt::Message&)> on_stop;
+        /// Whether stops for this board arrive now has changed. `why` they do not, for a person.
+        std::function<void(bool heard, const std::string& why)> on_changed;
+    };
+    /// Stops of one board arrive while it lives. It may outlive the line.
+    class [[nodiscard]] Listening {
+      public:
+        Listening() = default;
+        Listening(Listening&&) = default;
+        Listening& operator=(Listening&&) = default;
+        void reset() { entry_.reset(); }
+        explicit operator bool() const { return entry_ != nullptr; }
+
+      private:
+        friend class StopLine;
+        explicit Listening(std::shared_ptr<void> entry) : entry_(std::move(entry)) {}
+        std::shared_ptr<void> entry_;
+    };
+
+    StopLine(boost::asio::io_context& io, mqtt::Options options);
+
+    /// `topic` must be that of one board. Handlers are not called from inside this call.
+    Listening listen(std::string topic, Handlers handlers);
+
+  private:
+    struct Entry {
+        std::string topic;
+        Handlers handlers;
+        bool heard = false;
+    };
+    void tell(bool heard, const std::string& why);
+    /// Those that are left, for each handler may end some.
+    std::vector<std::shared_ptr<Entry>> entries();
+
+    std::vector<std::weak_ptr<Entry>> entries_;
+    std::shared_ptr<mqtt::Client> client_;
+};
+
+/// The stop lines of a process: one for each set of credentials.
+class StopLines {
+  public:
+    explicit StopLines(boost::asio::io_context& io) : io_(io) {}
+    /// The line that connects as `options` do. It lives as long as it is held, and connects at once.
+    std::shared_ptr<StopLine> line(const mqtt::Options& options);
+
+  private:
+    struct Open {
+        mqtt::Options options;
+        std::weak_ptr<StopLine> line;
+    };
+    boost::asio::io_context& io_;
+    std::list<Open> open_;
+};
+
+}  // namespace asip::agent
