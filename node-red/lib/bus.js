@@ -11,6 +11,7 @@ const { Boards, isThere, words } = require('./boards');
 const { addressOf } = require('./bus-address');
 const { Models, askerOf } = require('./models');
 const { VersionChoice } = require('./mqtt-version');
+const { Standings } = require('./properties');
 
 const LEASE_SECONDS = 15; // of a demand
 const GRACE_SECONDS = 0.5; // for an answer behind the deadline that the agent knows
@@ -47,6 +48,7 @@ class Bus extends EventEmitter {
     this.boards = new Boards();
     this.clocks = new Clocks();
     this.models = new Models();
+    this.standings = new Standings(this, now);
     this.ready = false;
     this.open = new Map();
     this.queries = new Map(); // id -> function of the answer
@@ -102,6 +104,7 @@ class Bus extends EventEmitter {
       this.boards.connected(now());
       link.subscribe([this.topics.replies(), this.topics.description('+'), this.topics.state('+')], { qos: 1 });
       for (const topic of this.values.keys()) link.subscribe(topic, { qos: 0 });
+      if (this.standings.all.size) link.subscribe(this.standings.topics(), { qos: 1 });
       link.publish(this.topics.own(), 'hello', { qos: 1 });
       this.hello = setTimeout(() => this.drop(link, 'the broker keeps answers from this user: see its access rules'), HELLO_SECONDS * 1000);
     });
@@ -136,8 +139,7 @@ class Bus extends EventEmitter {
     this.failures += 1;
     if (!this.choice.suspected && !atOnce) this.place = (this.place + 1) % this.addresses.length;
     for (const call of this.open.values()) {
-      call.end(new AsipError('Unproven', `${call.where}: the connection to the broker broke before the answer came; it may or may not have been executed`,
-        { sent: null, reason: 'disconnected', board: call.board, service: call.service }));
+      call.end(errorOf({ status: 'timeout', reason: 'connection' }, call.board, call.service));
     }
     this.emit('disconnected', this.why || attempt.why || 'the connection to the broker ended');
     this.why = undefined;
@@ -204,7 +206,7 @@ class Bus extends EventEmitter {
           if (error) reject(error); else resolve(answer);
         },
       };
-      call.timer = setTimeout(() => call.end(new AsipError('Unproven', `${where}: no answer; it may or may not have been executed`, { ...names, sent: null, reason: 'no-answer' })),
+      call.timer = setTimeout(() => call.end(errorOf({ status: 'timeout', reason: 'no-answer' }, board, service)),
         (timeout + GRACE_SECONDS) * 1000);
       this.open.set(id, call);
       this.publish(service ? this.topics.command(board, service) : this.topics.lines(board), request, timeout);
@@ -287,6 +289,7 @@ class Bus extends EventEmitter {
     if (!levels) return;
     if (topic === this.topics.own()) this.onReady();
     else if (levels[0] === 'reply') this.onReply(topic, payload);
+    else if (this.standings.take(topic, payload)) return;
     else if (levels[0] === 'servicebus' && levels.length === 3) {
       const expiry = packet.properties?.messageExpiryInterval;
       this.changed(levels[2] === '$state' ? this.boards.onState(levels[1], payload, packet.retain, expiry, now())

@@ -25,7 +25,9 @@ function makeTopics(root, user, client) {
     stop: (board) => `${root}/${board}/$stop`,
     event: (board, service) => `${root}/${board}/${service}/out`,
     fault: (board, service) => `${root}/${board}/${service}/error`,
-    set: (board, service) => `${root}/${board}/${service}/set`,
+    properties: (board) => `${root}/servicebus/${board}/$properties`,
+    values: (board) => `${root}/${board}/$values`,
+    question: (board) => `${root}/servicebus/${board}/$demand/${userLevel(user)}/${client}-values`,
     reply,
     replies: () => reply('+'),
     own: () => reply('$self'),
@@ -55,31 +57,60 @@ class AsipError extends Error {
   }
 }
 
-const UNPROVEN = {
+const MAYBE = '; it may or may not have been executed';
+const TIMEOUTS = {
   __proto__: null,
+  '': 'the board gave no proof in time',
   doubt: 'something on the line to the board was lost or damaged',
   partly: 'some of its lines were sent and others were not',
-  'no-value': 'executed, but the value that was asked for did not come',
+  'no-value': 'it was executed, but the value that was asked for did not come',
+  'board-not-there': 'the board did not confirm it in time',
+  'no-answer': 'nothing answered in time',
+  connection: 'the connection to the broker broke before the answer came',
 };
+const REFUSALS = {
+  __proto__: null,
+  invalid: 'the board has no such command, or not with these arguments',
+  'queue-full': 'too many commands wait',
+  'board-not-there': 'the board is not there',
+  deadline: 'its time was over before it could be sent',
+  'id-reused': 'another command had this id within the last minute',
+  retained: 'a stored command is never executed',
+  stopped: 'the board was stopped',
+  'not-held': 'there is nothing to renew',
+  released: 'the port is in other hands',
+  'not-released': 'the port was not released',
+  'speaks-asip': 'the board runs ASIP already',
+  'not-loaded': 'the firmware was not loaded',
+  'not-kept': 'it could not be kept',
+  denied: "the broker's access rules deny it",
+};
+const KINDS = { __proto__: null, 'board-not-there': 'NotThere', invalid: 'Invalid' };
+const textMember = (answer, name) => (typeof answer[name] === 'string' ? answer[name] : '');
+const codeOf = (answer) => (Number.isInteger(answer.code) ? answer.code : 0);
+
+// What a final answer means, as every program says it: tests/vectors/answers.json. Empty: it was executed.
+function sentenceOf(answer) {
+  const [reason, words] = [textMember(answer, 'reason'), textMember(answer, 'error')];
+  switch (answer.status) {
+    case 'ok': return '';
+    case 'error': return `the board refused it${words && `: ${words}`} (error ${codeOf(answer)})`;
+    case 'refused': return ['refused', reason && ` (${reason})`, (words || REFUSALS[reason]) && `: ${words || REFUSALS[reason]}`].filter(Boolean).join('');
+    case 'timeout': return `${words || (TIMEOUTS[reason] ?? TIMEOUTS[''])}${reason === 'no-value' ? '' : MAYBE}`;
+    default: return `the answer cannot be read${MAYBE}`;
+  }
+}
 
 // The error that a final answer stands for; null where its status is "ok".
 function errorOf(answer, board, service) {
-  const where = service ? `${board}/${service}` : board;
   const { status } = answer;
-  const reason = typeof answer.reason === 'string' && answer.reason ? answer.reason : undefined;
-  const words = typeof answer.error === 'string' ? answer.error : '';
-  const names = { board, service, reason };
   if (status === 'ok') return null;
-  if (status === 'error') {
-    const code = Number.isInteger(answer.code) ? answer.code : 0;
-    return new AsipError('BoardError', `${where}: the board refused it: ${words || 'no reason given'} (error ${code})`, { ...names, sent: true, code });
-  }
-  if (status === 'refused') {
-    const kind = reason === 'board-not-there' ? 'NotThere' : reason === 'invalid' ? 'Invalid' : 'Refused';
-    return new AsipError(kind, `${where}: not sent to the board: ${words || reason || 'no reason given'}`, names);
-  }
-  const why = status === 'timeout' ? UNPROVEN[reason] || 'the board gave no proof in time' : 'the answer cannot be read';
-  return new AsipError('Unproven', `${where}: ${why}; it may or may not have been executed`, { ...names, sent: null });
+  const reason = textMember(answer, 'reason') || undefined;
+  const names = { board, service, reason };
+  const text = `${service ? `${board}/${service}` : board}: ${sentenceOf(answer)}`;
+  if (status === 'error') return new AsipError('BoardError', text, { ...names, sent: true, code: codeOf(answer) });
+  if (status === 'refused') return new AsipError(KINDS[reason] ?? 'Refused', text, names);
+  return new AsipError('Unproven', text, { ...names, sent: null });
 }
 
 // What this program knows of the clocks of the agents that it commands. Times are seconds of a monotonic clock.
@@ -142,4 +173,4 @@ function matches(pattern, name) {
   return new RegExp(`^${text}$`).test(name);
 }
 
-module.exports = { isObject, validName, validBoard, makeTopics, makeRequest, AsipError, errorOf, Clocks, readObject, matches };
+module.exports = { isObject, validName, validBoard, makeTopics, makeRequest, AsipError, errorOf, sentenceOf, Clocks, readObject, matches };

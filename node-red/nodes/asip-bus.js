@@ -6,6 +6,7 @@ const { Bus } = require('../lib/bus');
 const { readCredentials } = require('../lib/bus-address');
 const { isThere } = require('../lib/boards');
 const { commandsOf } = require('../lib/models');
+const { validBoard } = require('../lib/protocol');
 
 module.exports = (RED) => {
   RED.nodes.registerType('asip-bus', function AsipBus(config) {
@@ -35,5 +36,15 @@ module.exports = (RED) => {
   const services = (bus, query) => bus.boards.get(query.board)?.description.services || [];
   RED.httpAdmin.get('/asip/:bus/boards', may, list((bus) => [...bus.boards.all.values()].map((board) => ({ name: board.name, there: isThere(board) }))));
   RED.httpAdmin.get('/asip/:bus/services', may, list((bus, query) => services(bus, query).map((one) => ({ name: one.name, title: one.title || '' }))));
+  // Of a board that no node looks at yet the list comes a moment later.
+  const properties = (bus, board) => [...(bus.standings.get(board)?.properties.values() ?? [])].map((one) => ({ id: one.id, name: one.name, access: one.access }));
+  RED.httpAdmin.get('/asip/:bus/properties', may, (request, response) => {
+    const { bus } = RED.nodes.getNode(request.params.bus) ?? {};
+    const { board } = request.query;
+    if (!bus) return response.status(503).json({ error: 'deploy the bus first' });
+    if (bus.standings.get(board) || !validBoard(board)) return response.json(properties(bus, board));
+    const end = bus.standings.watch(board, () => {});
+    return setTimeout(() => { response.json(properties(bus, board)); end(); }, 300);
+  });
   RED.httpAdmin.get('/asip/:bus/commands', may, list((bus, query) => commandsOf(bus.modelOf(query.board, query.service))));
 };

@@ -72,7 +72,7 @@ export class Flow {
       httpAdmin: { get: (path, _may, answer) => { this.lists[path.split('/').at(-1)] = answer; } },
       util: { evaluateNodeProperty: (text) => JSON.parse(text) },
     };
-    for (const name of ['bus', 'value', 'command', 'pin-in', 'pin-out', 'boards']) require(`../nodes/asip-${name}.js`)(RED);
+    for (const name of ['bus', 'value', 'command', 'pin-in', 'pin-out', 'property-in', 'property-out', 'boards']) require(`../nodes/asip-${name}.js`)(RED);
   }
 
   async start(configs) {

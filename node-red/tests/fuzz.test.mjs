@@ -10,6 +10,7 @@ import { Flow } from './flow.mjs';
 const require = createRequire(import.meta.url);
 const { readObject, errorOf } = require('../lib/protocol.js');
 const { commandsOf, unitOf, askerOf } = require('../lib/models.js');
+const { Standing, requestsFor, textOf } = require('../lib/properties.js');
 const RUNS = 4000;
 
 // Numbers that are the same in each run: of a seed.
@@ -131,6 +132,31 @@ test('mutations of good messages, on each topic', async () => {
     assert.equal(flow.bus.faults, 0, `seed ${seed}: ${topic} ${text.slice(0, 300)}`);
   }
   await works(flow);
+});
+
+test('properties and values are taken or refused', () => {
+  const told = JSON.parse(readFileSync(new URL('../../tests/vectors/properties.json', import.meta.url)));
+  let taken = 0;
+  for (let seed = 0; seed < RUNS / 5; seed += 1) {
+    const dice = diceOf(seed);
+    const standing = new Standing();
+    standing.takeList(Buffer.from(JSON.stringify(told.list)), 'desk', '');
+    for (const [take, document] of [['takeList', told.list], ['takeValues', told.values]]) {
+      const text = mutated(document, dice);
+      try {
+        standing[take](Buffer.from(text), 'desk', '', 1);
+        taken += 1;
+      } catch (error) {
+        assert.match(error.message, /are damaged/, `seed ${seed}: ${text.slice(0, 300)}`);
+      }
+    }
+    for (const one of standing.properties.values()) {
+      for (const value of [...[...standing.values.values()].map((each) => each.value ?? null), dice.pick(odd()), { on: true, brightness: dice.pick(odd()), color: dice.pick(odd()) }]) {
+        assert.doesNotThrow(() => [textOf(one, value), requestsFor(one, value)], `seed ${seed}`);
+      }
+    }
+  }
+  assert.ok(taken > RUNS / 40);
 });
 
 test('models are shown or passed over', () => {

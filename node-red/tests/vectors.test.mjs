@@ -8,7 +8,8 @@ import { Broker } from './flow.mjs';
 
 const require = createRequire(import.meta.url);
 const protocol = require('../lib/protocol.js');
-const { Boards } = require('../lib/boards.js');
+const { Boards, WORDS } = require('../lib/boards.js');
+const { Standing, UNKNOWN, requestsFor, textOf } = require('../lib/properties.js');
 const { Bus } = require('../lib/bus.js');
 const { addressOf } = require('../lib/bus-address.js');
 const { VersionChoice } = require('../lib/mqtt-version.js');
@@ -24,7 +25,7 @@ test('names', () => {
 });
 
 test('topics', () => {
-  for (const { root, user, client, board, service, ...wanted } of vectors.topics) {
+  for (const { root, user, client, board, service, set, ...wanted } of vectors.topics) {
     const topics = protocol.makeTopics(root, user, client);
     for (const [name, topic] of Object.entries(wanted)) assert.equal(topics[name](board, service), topic, name);
   }
@@ -42,6 +43,66 @@ test('answers', () => {
     if (!kind) { assert.equal(error, null); continue; }
     assert.deepEqual([error.kind, error.sent, error.reason], [kind, sent, reason]);
     if (code !== undefined) assert.equal(error.code, code);
+  }
+});
+
+test('sentences of answers', () => {
+  const { answers, unreadable, words, maybe } = json('../../tests/vectors/answers.json');
+  for (const { answer, text, executed } of [...answers, ...unreadable]) {
+    assert.equal(protocol.sentenceOf(answer), text);
+    assert.equal(protocol.errorOf(answer, 'desk')?.message, text ? `desk: ${text}` : undefined);
+    assert.equal(text.endsWith(maybe), executed === 'maybe');
+  }
+  for (const [status, reasons] of Object.entries(words)) for (const [reason, text] of Object.entries(reasons)) assert.ok(protocol.sentenceOf({ status, reason }).includes(text), text);
+});
+
+test('words of reasons', () => {
+  const { states, unknown } = json('../../tests/vectors/reasons.json');
+  assert.deepEqual({ '': '', ...WORDS }, states);
+  assert.deepEqual(Object.fromEntries(Object.entries(UNKNOWN).map(([name, text]) => [name, `unknown: ${text}`])), unknown);
+});
+
+const told = json('../../tests/vectors/properties.json');
+const bytes = (document) => Buffer.from(JSON.stringify(document));
+
+function changed(document, [place, value]) {
+  const copy = structuredClone(document);
+  const path = place.split('/').slice(1).map((one) => one.replaceAll('~1', '/').replaceAll('~0', '~'));
+  let at = copy;
+  for (const one of path.slice(0, -1)) at = at[one];
+  at[path.at(-1)] = value;
+  return copy;
+}
+
+test('properties', () => {
+  const standing = new Standing();
+  assert.ok(standing.takeList(bytes(told.list), 'desk', ''));
+  assert.deepEqual([...standing.properties.keys()], told.list.properties.map((one) => one.id));
+  for (const one of told.list.properties) {
+    const { name, kind, type, access, unit = '', min, max } = one;
+    const is = standing.properties.get(one.id);
+    assert.deepEqual([is.name, is.kind, is.type, is.access, is.unit, is.min, is.max], [name, kind, type, access, unit, min, max]);
+  }
+  for (const { id, value, requests } of told.set) assert.deepEqual(standing.properties.has(id) ? requestsFor(standing.properties.get(id), value) : [], requests, `${id} ${JSON.stringify(value)}`);
+  for (const { id, value, text } of told.text) assert.equal(textOf(standing.properties.get(id), value), text);
+  assert.ok(standing.takeValues(bytes(told.values), 'desk', '', 100));
+  assert.deepEqual([standing.values.get('io/13'), standing.values.get('servo/0/angle')],
+    [{ value: true, how: 'set', why: '', since: 83 }, { value: undefined, how: '', why: 'restart', since: 96.9 }]);
+});
+
+test('damaged properties and values', () => {
+  for (const change of told.damaged_lists) assert.throws(() => new Standing().takeList(bytes(changed(told.list, change)), 'desk', ''), TypeError, JSON.stringify(change));
+  for (const change of told.damaged_values) assert.throws(() => new Standing().takeValues(bytes(changed(told.values, change)), 'desk', '', 100), TypeError, JSON.stringify(change));
+});
+
+test('which properties and values count', () => {
+  for (const { about, holder, documents } of told.order) {
+    for (const take of ['takeList', 'takeValues']) {
+      const standing = new Standing();
+      for (const [session, seq, counts] of documents) {
+        assert.equal(standing[take](bytes({ version: 1, board: 'desk', session, seq, properties: [], values: {} }), 'desk', holder, 0), counts, about);
+      }
+    }
   }
 });
 

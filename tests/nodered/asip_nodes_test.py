@@ -41,9 +41,12 @@ def flow(broker_port):
         node("turn", "asip-command", ["saw-executed", "saw-failed", "saw-unknown"], bus="bus", board="desk", service="servo", command="write", timeout=5),
         node("report", "inject", ["reporting"], payload="100", payloadType="num", props=[{"p": "payload"}], repeat="", once=False),
         node("reporting", "asip-command", ["", "", ""], bus="bus", board="desk", service="distance", command="report", timeout=5),
+        node("seen", "asip-property-in", ["saw-property"], bus="bus", board="desk", property="servo/1/angle", initial=True),
+        node("set", "inject", ["angle"], payload="30", payloadType="num", props=[{"p": "payload"}], repeat="", once=False),
+        node("angle", "asip-property-out", ["", "", ""], bus="bus", board="desk", property="servo/1/angle", timeout=5),
         node("watch", "asip-boards", ["saw-board"], bus="bus", pattern="la*"),
         node("catch", "catch", ["saw-caught"], scope=None, uncaught=False),
-        *(debug(name) for name in ("saw-executed", "saw-failed", "saw-unknown", "saw-board", "saw-caught", "saw-first")),
+        *(debug(name) for name in ("saw-executed", "saw-failed", "saw-unknown", "saw-board", "saw-caught", "saw-first", "saw-property")),
     ]
 
 
@@ -113,6 +116,15 @@ class Nodes(unittest.TestCase):
     def test_first_the_present_value_of_a_board_that_reports_nothing(self):
         eventually(lambda: self.shown("saw-first"), "the present value")
         self.assertIn("payload: 42", self.shown("saw-first")[0])
+
+    def test_property_that_is_set_is_told(self):
+        self.admin("/inject/set", b"")
+        eventually(lambda: self.shown("saw-property"), "the value of the property")
+        self.assertIn("payload: 30", self.shown("saw-property")[-1])
+        self.assertIn("text: '30 degrees'", self.shown("saw-property")[-1])
+        listed = json.loads(self.admin("/asip/bus/properties?board=lamp"))
+        self.assertIn("servo/0/angle", [one["id"] for one in json.loads(self.admin("/asip/bus/properties?board=desk"))])
+        self.assertIn("io/13", [one["id"] for one in listed])
 
     def test_form_of_a_command_is_made_of_its_model(self):
         browser = Browser()

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// The nodes of properties: what a board's agent tells is shown, and what a flow sets becomes commands.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import { Flow } from './flow.mjs';
+
+const { list } = JSON.parse(readFileSync(new URL('../../tests/vectors/properties.json', import.meta.url)));
+const soon = () => new Promise(setImmediate);
+
+async function flowOf(...configs) {
+  const flow = new Flow();
+  await flow.start(configs);
+  flow.broker.tell('asip/servicebus/desk/$description', { board: 'desk', session: list.session, seq: 1, lease: 60, state: { is: 'online' }, on_demand: {}, services: [{ name: 'io', model: 'io@1' }] });
+  flow.stands = (seq, values) => flow.broker.tell('asip/desk/$values', { version: 1, board: 'desk', session: list.session, seq, values });
+  flow.answers = async (answer = { status: 'ok', proof: 'fence' }) => {
+    for (const [, request] of flow.broker.sent.splice(0)) if (request.id) flow.broker.tell(request.reply_to, { id: request.id, ...answer });
+    await soon();
+  };
+  return flow;
+}
+
+test('a property that changes is told once, with its words, and what is not known is not', async () => {
+  const flow = await flowOf({ id: 'door', type: 'asip-property-in', board: 'desk', property: 'io/2', initial: true });
+  flow.stands(8, { 'io/2': { unknown: 'never', age: 1 } });
+  flow.broker.tell('asip/servicebus/desk/$properties', list);
+  assert.deepEqual(flow.sent, []);
+  for (const [seq, value] of [[9, false], [10, false], [11, true], [10, false], [12, true]]) flow.stands(seq, { 'io/2': { value, how: 'reported', age: 0 } });
+  assert.deepEqual(flow.sent.map(([, msg]) => [msg.topic, msg.payload, msg.text, msg.retained]), [['desk/io/2', false, 'closed', true], ['desk/io/2', true, 'open', false]]);
+  const demands = flow.broker.sent.filter(([topic]) => topic.includes('/$demand/'));
+  assert.ok(demands.length > 0 && demands.every(([, demand]) => demand.services.io === 1), 'nothing but a demand was sent');
+  assert.equal(flow.broker.sent.length, demands.length);
+  await flow.close();
+});
+
+test('a property is set by the commands that its board takes', async () => {
+  const flow = await flowOf({ id: 'lamp', type: 'asip-property-out', board: 'desk', property: 'io/13' }, { id: 'servo', type: 'asip-property-out', board: 'desk', property: 'servo/0/angle' },
+    { id: 'far', type: 'asip-property-out', board: 'desk', property: 'distance/0' }, { id: 'none', type: 'asip-property-out', board: 'desk', property: 'io/99' });
+  assert.match((await flow.input('lamp', { payload: true })).message, /update asip-agent/);
+  flow.broker.tell('asip/servicebus/desk/$properties', list);
+  const done = flow.input('lamp', { payload: 'ON' });
+  await soon();
+  const commands = [];
+  while (flow.broker.sent.length) {
+    commands.push(...flow.broker.sent.map(([topic, { mode, write }]) => [topic, mode ?? write]));
+    await flow.answers();
+  }
+  assert.equal(await done, undefined);
+  assert.deepEqual(commands, [['asip/desk/io/in', [13, 3]], ['asip/desk/io/in', [13, 1]]]);
+  for (const [id, payload, fault] of [['lamp', 'up', /no value of it/], ['servo', 181, /no value of it/], ['servo', {}, /no value of it/], ['far', 1, /cannot be set/], ['none', 1, /no property io\/99; it has/]]) {
+    assert.match((await flow.input(id, { payload })).message, fault);
+  }
+  const turned = flow.input('servo', { payload: '90' });
+  await soon();
+  assert.deepEqual(flow.broker.sent.at(-1)[1].write, [0, 90]);
+  await flow.answers({ status: 'timeout', reason: 'doubt' });
+  assert.match((await turned).message, /may or may not/);
+  assert.deepEqual(flow.faults, []);
+  await flow.close();
+});
+
+test('damaged documents are counted, and the next one works; the editor lists what there is', async () => {
+  const flow = await flowOf({ id: 'door', type: 'asip-property-in', board: 'desk', property: 'io/2', initial: true });
+  for (const topic of ['asip/servicebus/desk/$properties', 'asip/desk/$values']) {
+    for (const odd of ['[[[', '7', { version: 2 }, { ...list, board: 'other' }, { ...list, properties: 7, values: [] }, { ...list, values: { x: null }, properties: [null] }]) flow.broker.tell(topic, odd);
+  }
+  assert.equal(flow.bus.faults, 12);
+  flow.broker.tell('asip/servicebus/desk/$properties', list);
+  flow.stands(9, { 'io/2': { value: true, how: 'reported', age: 0 }, __proto__: { value: 1, how: 'set' } });
+  assert.deepEqual(flow.sent.map(([, msg]) => msg.payload), [true]);
+  assert.match(flow.list('properties', { board: 'desk' }), /"id":"servo\/0\/angle"/);
+  flow.broker.tell('asip/servicebus/desk/$properties', '');
+  assert.equal(flow.list('properties', { board: 'desk' }), '[]');
+  await flow.close();
+});
