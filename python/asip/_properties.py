@@ -72,7 +72,8 @@ class Told(NamedTuple):
         if self.kind == "light" and isinstance(value, dict) and type(value.get("on")) is bool:
             if self.choices:
                 return self.choices["on" if value["on"] else "off"]
-            return _round(value.get("brightness", _FULL if value["on"] else 0) * (_FULL if self.max is None else self.max) / _FULL)
+            brightness = value.get("brightness", _FULL) if value["on"] else 0
+            return _round(brightness * (_FULL if self.max is None else self.max) / _FULL) if _is_number(brightness) else None
         if type(value) is bool and self.kind in ("switch", "binary"):
             return self.choices["on" if value else "off"]
         return self.choices.get(value) if isinstance(value, str) and self.kind in ("select", "sensor") else None
@@ -93,7 +94,7 @@ class Told(NamedTuple):
         if "color" in self.calls and (not on or "color" in value or not dims) and (on or not dims):
             made.append(self._request("color", value.get("color", 0xFFFFFF) if on else 0))
         if dims:
-            level = self.wire(value)
+            level = self.wire(value)  # what is on stays on
             made.append(self._request("write", level if self.choices or not on or value.get("brightness", 1) == 0 else max(1, level)))
         return made
 

@@ -11,7 +11,7 @@ import unittest
 import unittest.mock
 
 import asip
-from asip import _envelope, _model, board
+from asip import _envelope, _model, _properties, board
 from asip.testing import eventually
 from memory_rig import Memory
 from scripted_broker import PUBLISH, ScriptedBroker, good
@@ -28,7 +28,7 @@ GOOD = {
                  {"name": "thermo", "id": "W", "model": {"name": "thermo", "version": 1, "id": "W", "events": {"e": {"name": "heat", "fields": [{"name": "value", "type": "number"}]}},
                                                          "commands": {"set": {"tag": "S", "safe": [0], "args": [{"name": "level", "type": "integer", "min": 0, "max": 9, "names": {"off": 0}}]}}}}],
     "labels": {"room": "lab"}, "names": {"services": {"distance": "front"}, "pins": {"13": "status lamp"}}}
-TOPICS = ("asip/servicebus/desk/$description", "asip/servicebus/desk/$state", "asip/desk/io/out", "asip/desk/io/set", "asip/desk/distance/out", "REPLY/desk", "REPLY/registry",
+TOPICS = ("asip/servicebus/desk/$description", "asip/servicebus/desk/$state", "asip/desk/io/out", "asip/desk/distance/out", "REPLY/desk", "REPLY/registry",
           "asip/servicebus/__proto__/$description", "asip/servicebus/a b/$state", "asip/servicebus//$state", "asip", "")
 
 
@@ -108,6 +108,25 @@ class Fuzz(Memory):
         self.memory.desk.report("distance", [17, 4])
         eventually(lambda: [17, 4] in self.seen)
 
+    def test_properties_and_values_are_taken_or_refused(self):
+        told = json.loads((ROOT / "tests" / "vectors" / "properties.json").read_text())
+        taken = 0
+        for seed in range(RUNS // 10):
+            dice, standing = random.Random(seed), _properties.Standing()
+            standing.take_list(told["list"], "desk", "")
+            for take, document in ((standing.take_list, told["list"]), (standing.take_values, told["values"]), (standing.take_answer, {**told["list"], **told["values"]})):
+                made = _envelope.read_object(mutated(document, dice))
+                with self.subTest(seed=seed, made=str(made)[:300]):
+                    try:
+                        take(made or {}, "desk", "", *{"take_list": [], "take_values": [1.0], "take_answer": [1.0, lambda name: True]}[take.__name__])
+                        taken += 1
+                    except ValueError:
+                        pass
+                    for id, one in standing.properties.items():
+                        for value in (*(each.value for each in standing.values.values()), dice.choice(ODD), {"on": True, "brightness": dice.choice(ODD), "color": dice.choice(ODD)}):
+                            one.words(value), one.wire(value), one.requests(value)
+        self.assertGreater(taken, RUNS // 20)
+
     def test_corpora_on_each_topic(self):
         count = 0
         for payload in corpora():
@@ -121,7 +140,7 @@ class Fuzz(Memory):
     def test_mutations_on_each_topic(self):
         for seed in range(RUNS):
             dice = random.Random(seed)
-            payload = mutated(dice.choice((GOOD, GOOD, {"distance": [1, 2], "digital": {"2": 1}, "mode": {"13": 3}, "write": {"13": 1}},
+            payload = mutated(dice.choice((GOOD, GOOD, {"distance": [1, 2], "digital": {"2": 1}, "analog": {"0": 320}},
                                            {"id": "1", "status": "error", "code": 7, "error": "x", "clock": "aa-1", "items": [{"board": "desk", "state": "lost", "description": GOOD}]})), dice)
             topic = TOPICS[0] if dice.randrange(3) else dice.choice(TOPICS)
             with self.subTest(seed=seed, topic=topic, payload=payload[:300]):
