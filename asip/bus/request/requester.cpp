@@ -2,11 +2,10 @@
 #include "asip/bus/request/requester.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "asip/bus/json/json_scanner.hpp"
+#include "asip/bus/json/json_text.hpp"
 #include "asip/bus/request/request_envelope.hpp"
-#include "asip/model/json.hpp"
 
 namespace asip::bus {
 namespace {
@@ -22,6 +21,29 @@ std::string member_of(std::string_view payload, std::string_view name) {
         if (!scanner.value(value)) return {};
     }
     return {};
+}
+
+struct Members {
+    std::string text;  // each with a comma before it
+    bool has_deadline = false;
+};
+
+/// Of a JSON object, as they are written, but for those that a request has of its asker. Nothing: it is none.
+/// Building a tree of them would cost more than all the rest of a request.
+std::optional<Members> members_of(std::string_view payload, bool clock) {
+    JsonScanner scanner(payload);
+    if (!scanner.enter_object()) return std::nullopt;
+    Members members;
+    std::string_view key, value;
+    while (scanner.next_member(key)) {
+        const bool is_of_asker = key == "reply_to" || key == "id" || (clock && key == kClockName);
+        members.has_deadline = members.has_deadline || key == "deadline_ms";
+        const auto name = scanner.raw_key();
+        if (!scanner.value(value)) return std::nullopt;
+        if (!is_of_asker) ((members.text += ",\"").append(name) += "\":").append(value);
+    }
+    if (!scanner.left() || !scanner.at_end()) return std::nullopt;
+    return members;
 }
 
 }  // namespace
@@ -65,22 +87,28 @@ bool Requester::take(const mqtt::Message& message, Time now) {
     return true;
 }
 
+// Where the answer goes stands first: a reader of what is too long or broken finds it.
 std::string with_reply_members(const std::string& payload, const std::string& reply_to, const std::string& id,
                                const std::optional<std::string>& clock,
                                std::optional<std::chrono::milliseconds> deadline) {
-    auto document = model::parse_json(payload, {.max_bytes = 1u << 20, .max_depth = 32});
-    nlohmann::json object = nlohmann::json::object();
-    if (document && document->is_object()) {
-        object = std::move(*document);
-    } else {
-        object["raw"] = payload;
+    std::string out = "{";
+    const auto text = [&out](std::string_view name, std::string_view value) {
+        (out += out.size() > 1 ? ",\"" : "\"").append(name) += "\":";
+        append_json_text(out, value);
+    };
+    if (clock) text(kClockName, *clock);
+    text("id", id);
+    text("reply_to", reply_to);
+    const auto members = members_of(payload, clock.has_value());
+    if (deadline && !(members && members->has_deadline)) {
+        const auto ms = std::clamp(*deadline, kMinDeadline, kMaxDeadline).count();
+        out.append(",\"deadline_ms\":").append(std::to_string(ms));
     }
-    object["reply_to"] = reply_to;
-    object["id"] = id;
-    if (clock) object[std::string(kClockName)] = *clock;
-    if (deadline && !object.contains("deadline_ms"))
-        object["deadline_ms"] = std::clamp(*deadline, kMinDeadline, kMaxDeadline).count();
-    return model::dump_json(object);
+    if (members)
+        out += members->text;
+    else
+        text("raw", payload);
+    return out += '}';
 }
 
 bool is_command_topic(std::string_view topic) {

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include <optional>
 #include <vector>
 
@@ -35,9 +37,25 @@ class RequesterTest : public testing::Test {
     std::vector<std::string> heard;
 };
 
+TEST_F(RequesterTest, MembersOfTheAsker_AreThoseOfTheRequest) {
+    const auto a = ask(R"( {"id":7,"wri\u0074e":[0, 90],"reply_to":"x","clock":"y"} )", true, "a");
+    EXPECT_EQ(sent.payload,
+              R"({"clock":"","id":"me-1","reply_to":"asip/reply/ann/uno1/me","wri\u0074e":[0, 90]})");
+    const auto b = ask("{}", true, "b");
+    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-2","reply_to":"asip/reply/ann/uno1/me"})");
+}
+
+TEST_F(RequesterTest, WhatIsNoJsonObject_IsALine) {
+    for (const std::string payload :
+         {"{", "[1]", "{\"a\":1}x", "{\"a\":1e999}", "{\"id\":7", "W,\"0\"", ""}) {
+        const auto a = ask(payload, true, "a");
+        EXPECT_EQ(nlohmann::json::parse(sent.payload).at("raw"), payload);
+    }
+}
+
 TEST_F(RequesterTest, OnVersion5_AnswersAreFoundByCorrelation) {
     const auto a = ask("W,0,90", true, "a");
-    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-1","raw":"W,0,90","reply_to":"asip/reply/ann/uno1/me"})")
+    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-1","reply_to":"asip/reply/ann/uno1/me","raw":"W,0,90"})")
         << "a bridge may drop the properties";
     EXPECT_EQ(sent.response_topic, kReply);
     EXPECT_EQ(requester.replies().filter(), "asip/reply/ann/+/me");
@@ -59,7 +77,7 @@ TEST_F(RequesterTest, BridgeDropsTheProperties_AnswerIsFoundByItsIdAndTellsTheCl
                       [this](auto& reply) { heard.push_back(reply.payload); }, began, {.deadline = 300ms});
     EXPECT_EQ(
         sent.payload,
-        R"({"clock":"","deadline_ms":300,"id":"me-1","raw":"#,?","reply_to":"asip/reply/ann/uno1/me"})");
+        R"({"clock":"","id":"me-1","reply_to":"asip/reply/ann/uno1/me","deadline_ms":300,"raw":"#,?"})");
     EXPECT_TRUE(
         requester.take(message(kReply, R"({"clock":"1f3c09aa-700000","id":"me-1","status":"ok"})"), began));
     EXPECT_EQ(heard.size(), 1u);
@@ -84,7 +102,7 @@ TEST_F(RequesterTest, OnVersion311_RequestAndAnswerCarryTheIdInTheirText) {
     EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-1","reply_to":"asip/reply/ann/uno1/me","write":[0,90]})");
     EXPECT_TRUE(sent.response_topic.empty());
     const auto b = ask("W,0,90", false, "b");
-    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-2","raw":"W,0,90","reply_to":"asip/reply/ann/uno1/me"})");
+    EXPECT_EQ(sent.payload, R"({"clock":"","id":"me-2","reply_to":"asip/reply/ann/uno1/me","raw":"W,0,90"})");
     requester.take(message(kReply, R"({"status":"ok","id":"me-2"})"));
     requester.take(message(kReply, R"({"id":7})"));
     requester.take(message(kReply, "nonsense"));
@@ -128,7 +146,7 @@ TEST_F(RequesterTest, OnVersion311_ClockTravelsInTheText) {
                    began);
     const auto second = requester.ask(sent = message("asip/uno1/in", "#,?"), false, [](auto&) {}, began);
     EXPECT_EQ(sent.payload,
-              R"({"clock":"1f3c09aa-700001","id":"me-2","raw":"#,?","reply_to":"asip/reply/ann/uno1/me"})");
+              R"({"clock":"1f3c09aa-700001","id":"me-2","reply_to":"asip/reply/ann/uno1/me","raw":"#,?"})");
 }
 
 TEST_F(RequesterTest, WhatIsNoCommand_AsksForNoClock) {

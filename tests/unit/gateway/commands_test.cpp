@@ -36,7 +36,7 @@ TEST_F(CommandsTest, Sent_CarriesDeadlineReplyTopicOfTheSessionAndWhoSentIt) {
     EXPECT_EQ(message_.topic, "asip/uno1/servo/in");
     EXPECT_EQ(
         message_.payload,
-        R"({"by":"anna","clock":"","deadline_ms":1000,"id":"s1.7","reply_to":"asip/reply/gate/uno1/gw/s1","write":[0,90]})")
+        R"({"clock":"","id":"s1.7","reply_to":"asip/reply/gate/uno1/gw/s1","write":[0,90],"deadline_ms":1000,"by":"anna"})")
         << "a bridge may drop the properties";
     EXPECT_EQ(message_.expiry_seconds, 1u);
     EXPECT_EQ(message_.response_topic, "asip/reply/gate/uno1/gw/s1");
