@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(layers text protocol model session mqtt bus catalogue link client)
+set(layers text protocol model session mqtt bus catalogue caller link client)
 foreach(layer ${layers} options asio)
   set_target_properties(asip_${layer} PROPERTIES EXPORT_NAME ${layer})
 endforeach()

@@ -37,20 +37,22 @@ void Caller::watch_all() {
 }
 
 void Caller::look_at(const mqtt::Message& message, Time now) {
+    demander_.take(message, now);
+    publish_demands(now);
+    if (listened_.empty()) return;
     const auto board = view_.apply(message, now);
+    lease_over_ = view_.next_expiry();
     if (board.empty()) return;
     const bool state = message.topic == topics().state(board);
-    if (!state) {
-        demander_.take(message, now);
-        publish_demands(now);
-    }
     if (state || !message.retain) told_.insert(board);
     if (port_.changed) port_.changed(board, &message);
 }
 
 void Caller::look_at_leases(Time now) {
+    if (!lease_over_ || *lease_over_ > now) return;
     for (const auto& board : view_.expired(now))
         if (port_.changed) port_.changed(board, nullptr);
+    lease_over_ = view_.next_expiry();
 }
 
 Caller::Mark Caller::mark_retained() {

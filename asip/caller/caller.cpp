@@ -25,6 +25,7 @@ Caller::Caller(Options options, const Random& random, Port port)
 void Caller::connected(Time now) {
     access_.connected();
     view_.connected(now);
+    lease_over_ = view_.next_expiry();
     demander_.connected(now);
     publish_demands(now);
 }
@@ -32,6 +33,7 @@ void Caller::connected(Time now) {
 void Caller::disconnected(const mqtt::ConnectionFailure& why, Time now) {
     access_.disconnected(why);
     view_.disconnected();
+    lease_over_.reset();
     told_.clear();
     demander_.disconnected();
     publish_demands(now);
@@ -64,7 +66,7 @@ std::optional<Time> Caller::next_deadline() const {
     if (!due_.empty()) also(due_.begin()->first);
     for (const auto& each : holds_)
         if (const auto hold = each.lock()) also(hold->next);
-    also(view_.next_expiry());
+    also(lease_over_);
     return next;
 }
 

@@ -208,6 +208,7 @@ class Caller {
     std::list<std::weak_ptr<Hold::Entry>> holds_;
     std::set<std::string> listened_, told_;  // filters; boards
     std::string watched_;                    // the prefix of what is said of boards
+    std::optional<Time> lease_over_;         // the first of them
     std::size_t marks_ = 0;
     Time now_{};
     Time retained_at_{};

@@ -19,8 +19,8 @@ using Json = nlohmann::json;
 constexpr PendingCalls::Id kOpening = 0;
 // What is set in more of them is not kept.
 constexpr std::size_t kMaxServices = 256;
-// Beyond a command's deadline, for the way of its answer.
-constexpr auto kAnswerTime = std::chrono::milliseconds(500);
+// Whoever waits for a call is told by the caller, in time.
+constexpr auto kForever = std::chrono::hours(24);
 // Closing tells boards that nothing is wanted of them any more.
 constexpr auto kLeaveTime = std::chrono::milliseconds(500);
 
@@ -53,16 +53,15 @@ Error error_of(const bus::Reply& reply) {
             }
             return {Error::Kind::kRefused, 0, bus::why_of(reply)};
         default:
-            return {Error::Kind::kTimeout, 0, bus::why_of(reply)};
+            return {
+                reply.reason == bus::kTimeoutConnection ? Error::Kind::kUnreachable : Error::Kind::kTimeout,
+                0, bus::why_of(reply)};
     }
 }
 
-/// Publishes `messages`, lets the client disconnect, and ends it, whatever becomes of the broker. It lives in
+/// Lets the client say what it has to say, disconnect, and end, whatever becomes of the broker. It lives in
 /// the loop alone: with a loop that ends before, it ends.
-void leave(boost::asio::io_context& io, std::shared_ptr<mqtt::Client> client,
-           std::vector<mqtt::Message> messages) {
-    for (auto& message : messages)
-        client->publish(std::move(message), mqtt::Priority::kReply);
+void leave(boost::asio::io_context& io, std::shared_ptr<mqtt::Client> client) {
     const auto limit = std::make_shared<boost::asio::steady_timer>(io, 2 * kLeaveTime);
     client->stop(kLeaveTime, [weak = std::weak_ptr(limit)] {
         if (const auto timer = weak.lock()) timer->cancel();
@@ -77,10 +76,8 @@ BusTransport::BusTransport(boost::asio::io_context& io, Address address, Options
       address_(std::move(address)),
       options_(std::move(options)),
       topics_(options_.topic_root),
-      demand_timer_(io),
-      calls_(io.get_executor()),
-      view_(topics_),
-      lease_timer_(io) {}
+      timer_(io),
+      calls_(io.get_executor()) {}
 
 BusTransport::~BusTransport() {
     close();
@@ -107,8 +104,6 @@ Expected<void> BusTransport::make_client() {
     auto mqtt = mqtt_options(address_, options_, client_id);
     if (!mqtt) return fail(mqtt.error());
     user_ = mqtt->user;
-    requester_.emplace(client_id, bus::ReplyTopics(topics_, mqtt->user, client_id));
-    demander_.emplace(topics_, mqtt->user, client_id, system_random());
     mqtt::Client::Handlers handlers;
     // A callback may drop the last Board, and this with it, while the client has more to deliver.
     handlers.on_message = while_alive([this](const mqtt::Message& message) { take(message); });
@@ -117,24 +112,36 @@ Expected<void> BusTransport::make_client() {
     handlers.on_disconnected = while_alive([this](const mqtt::ConnectionFailure& why) { failed(why); });
     handlers.on_publish_denied = [alive = std::weak_ptr<bool>(alive_), this](const std::string& topic,
                                                                              const std::string& reason) {
-        if (alive.lock()) denied(topic, reason);
+        if (alive.lock()) caller_->denied(topic, reason);
     };
     client_ = std::make_unique<mqtt::Client>(io_, std::move(*mqtt), std::move(handlers));
-    client_->subscribe(requester_->replies().filter(), {.qos = 1});
-    client_->subscribe(topics_.state(address_.board), {.qos = 1});
-    client_->subscribe(topics_.description(address_.board), {.qos = 1});
+    caller::Caller::Port port;
+    port.publish = [this](mqtt::Message message) {
+        return client_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
+    };
+    port.subscribe = [this](const std::string& filter, mqtt::SubscribeOptions options) {
+        client_->subscribe(filter, options);
+    };
+    port.unsubscribe = [this](const std::string& filter) { client_->unsubscribe(filter); };
+    port.v5 = [this] { return client_->v5(); };
+    port.unacknowledged = [this] { return client_->counters().unacknowledged; };
+    port.changed = [this](const std::string& board, const mqtt::Message*) {
+        changed_ = changed_ || board == address_.board;
+    };
+    caller_.emplace(caller::Caller::Options{topics_, user_, client_id}, system_random(), std::move(port));
+    caller_->watch(address_.board);
     client_->subscribe(topics_.service_out(address_.board, "+"),
                        {.qos = 0, .no_local = false, .retained = false});
     client_->subscribe(topics_.service_set(address_.board, "+"), {.qos = 1});
     return {};
 }
 
-std::string BusTransport::why_not_there() const {
+std::string BusTransport::why_not_there() {
     if (!failure_.empty()) {
         return failure_;
     }
     const std::string where = address_.host + ":" + std::to_string(address_.port);
-    const auto known = view_.board(address_.board, catalogue::instant_now());
+    const auto known = caller_->boards().board(address_.board, catalogue::instant_now());
     if (!known) {
         return "no board " + address_.board + " on the broker " + where +
                "; does its agent run? `asipctl list` shows the boards there are";
@@ -168,28 +175,21 @@ Awaitable<void> BusTransport::raw(std::string line) {
 /// no longer wanted. Its answer shows that it arrived.
 Awaitable<Json> BusTransport::request(std::string topic, Json payload) {
     const PendingCalls::Id id = next_id_++;
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    const auto deadline = std::clamp(options_.command_timeout, bus::kMinDeadline, bus::kMaxDeadline);
-    payload["deadline_ms"] = deadline.count();
-    message.payload = model::dump_json(payload);
-    // What reaches the broker while the agent is away is not delivered when it is no longer wanted.
-    message.expire_after(deadline);
-    const auto asked = requester_->ask(message, client_->v5(),
-                                       [this, id](const mqtt::Message& answer) { take_reply(id, answer); });
     calls_.begin(id);
-    const auto unanswered = "neither the board nor its agent answered; the agent may be gone" +
-                            mqtt::unanswered_text(user_, message.topic) +
-                            std::string(bus::kMayHaveBeenExecuted);
-    const auto asked_topics = asked_;
-    asked_topics->emplace(id, message.topic);
-    if (client_->publish(std::move(message), mqtt::Priority::kReply) == mqtt::PublishResult::kRefused) {
-        calls_.finish(
-            id, failure(Error::Kind::kRefused, "too many commands wait for the broker: it is slow, or away"));
-    }
-    auto outcome = co_await calls_.wait(id, deadline + kAnswerTime, unanswered);
-    asked_topics->erase(id);  // this may be gone
-    co_return outcome;
+    const auto call = caller_->command(
+        {.topic = std::move(topic),
+         .payload = model::dump_json(payload),
+         .deadline = std::clamp(options_.command_timeout, bus::kMinDeadline, bus::kMaxDeadline),
+         .qos = 0,
+         .silence = "neither the board nor its agent answered; the agent may be gone"},
+        [this, id](const bus::Reply& reply) {
+            if (!reply.succeeded()) return calls_.finish(id, Unexpected<Error>(error_of(reply)));
+            auto answer = reply.answer.empty() ? Expected<Json>(Json()) : model::parse_json(reply.answer);
+            calls_.finish(id, answer ? std::move(*answer) : Json());
+        },
+        Clock::now());
+    wake_in_time();
+    co_return co_await calls_.wait(id, kForever, {});
 }
 
 std::vector<ServiceInfo> BusTransport::services() const {
@@ -210,31 +210,34 @@ std::map<std::string, std::string> BusTransport::labels() const {
 
 std::shared_ptr<void> BusTransport::demand(const std::string& service, double hz) {
     static_assert(kUsualHz == bus::kUsualHz);
-    if (closed_ || !demander_) {
+    if (closed_ || !caller_) {
         return nullptr;
     }
-    auto want = demander_->want(address_.board, service, hz);
-    publish_demands();
+    auto want = caller_->want(address_.board, service, hz);
+    wake_in_time();
     const auto end = [this, want, alive = std::weak_ptr<bool>(alive_)](void*) mutable {
         want.reset();
-        if (alive.lock()) publish_demands();
+        if (alive.lock()) wake_in_time();
     };
     return {nullptr, end};
 }
 
-/// Those that are due, now and later.
-void BusTransport::publish_demands() {
-    for (auto& message : demander_->due(Clock::now())) {
-        client_->publish(std::move(message));
-    }
-    const auto next = demander_->next_deadline();
-    if (!next) {
-        demand_timer_.cancel();
-        return;
-    }
-    demand_timer_.expires_at(*next);
-    demand_timer_.async_wait([this, alive = std::weak_ptr<bool>(alive_)](boost::system::error_code error) {
-        if (!error && alive.lock()) publish_demands();
+/// What is due now, and later.
+void BusTransport::wake() {
+    caller_->tick(Clock::now());
+    wake_in_time();
+    look_if_changed();
+}
+
+void BusTransport::wake_in_time() {
+    const auto next = caller_->next_deadline();
+    if (!next || (wakes_at_ && *wakes_at_ <= *next)) return;  // a timer that is early costs less than another
+    wakes_at_ = next;
+    timer_.expires_at(*next);
+    timer_.async_wait([this, alive = std::weak_ptr<bool>(alive_)](boost::system::error_code error) {
+        if (error || !alive.lock()) return;
+        wakes_at_.reset();
+        wake();
     });
 }
 
@@ -243,16 +246,16 @@ void BusTransport::close() {
         return;
     }
     closed_ = true;
-    demand_timer_.cancel();
-    lease_timer_.cancel();
+    timer_.cancel();
     alive_.reset();
     calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
     if (!client_) {
         return;
     }
+    const bool says_more = caller_->leave();
     std::shared_ptr<mqtt::Client> client = std::move(client_);
-    if (auto nothing_wanted = demander_->leave(); !nothing_wanted.empty()) {
-        leave(io_, std::move(client), std::move(nothing_wanted));
+    if (says_more) {
+        leave(io_, std::move(client));
     } else {
         // This may be called from one of the client's handlers, which must not destroy it.
         boost::asio::post(io_, [client = std::move(client)] {});
@@ -260,41 +263,19 @@ void BusTransport::close() {
 }
 
 void BusTransport::take(const mqtt::Message& message) {
-    if (requester_->take(message)) {
-        return;
-    }
+    caller_->message(message, Clock::now());
+    wake_in_time();
     const auto topic = topics_.parse(message.topic);
     if (!topic || topic->board != address_.board) {
         return;
     }
-    if (topic->kind == bus::TopicKind::kState) {
-        told_ = true;
-        view_.apply(message, Clock::now());
-        look_again();
-    } else if (topic->kind == bus::TopicKind::kDescription) {
-        told_ = told_ || !message.retain;
-        view_.apply(message, Clock::now());
-        demander_->take(message, Clock::now());
-        publish_demands();
-        look_again();
+    if (changed_) {
+        look_if_changed();
     } else if (topic->kind == bus::TopicKind::kServiceSet) {
         take_set(topic->service, message);
     } else if (topic->kind == bus::TopicKind::kServiceOut && !message.retain) {
         take_event(topic->service, message);
     }
-}
-
-void BusTransport::take_reply(PendingCalls::Id id, const mqtt::Message& message) {
-    const auto reply = bus::parse_reply(message.payload);
-    if (!reply) {
-        return;
-    }
-    if (!reply->succeeded()) {
-        calls_.finish(id, Unexpected<Error>(error_of(*reply)));
-        return;
-    }
-    auto answer = reply->answer.empty() ? Expected<Json>(Json()) : model::parse_json(reply->answer);
-    calls_.finish(id, answer ? std::move(*answer) : Json());
 }
 
 nlohmann::json BusTransport::was_set(const std::string& service) const {
@@ -319,25 +300,25 @@ void BusTransport::take_event(std::string_view service, const mqtt::Message& mes
     }
 }
 
-/// Whether the board is there now, and what follows if that changed.
+void BusTransport::look_if_changed() {
+    if (std::exchange(changed_, false)) look_again();
+}
+
+/// Whether the board is there now, and what follows if that changed. The listener may close this, and end it.
 void BusTransport::look_again() {
-    const auto known = view_.board(address_.board, catalogue::instant_now());
-    const bool there = client_->connected() && known && known->state == "online" && told_ &&
-                       !known->reported.empty() && description() != nullptr;
+    const auto known = caller_->boards().board(address_.board, catalogue::instant_now());
+    const bool there = client_->connected() && known && known->state == "online" &&
+                       caller_->heard_of(address_.board) && !known->reported.empty() &&
+                       description() != nullptr;
     if (there) {
         calls_.finish(kOpening, Json());
-    }
-    if (const auto next = view_.next_expiry()) {
-        lease_timer_.expires_at(*next);
-        lease_timer_.async_wait([this, alive = std::weak_ptr<bool>(alive_)](boost::system::error_code error) {
-            if (!error && alive.lock()) look_again();
-        });
     }
     if (there != there_) {
         there_ = there;
         if (!there) {
-            calls_.finish_all(
-                {Error::Kind::kUnreachable, 0, why_not_there() + std::string(bus::kMayHaveBeenExecuted)});
+            auto lost = bus::Reply::timeout(bus::kTimeoutConnection);
+            lost.error = why_not_there();
+            caller_->end_all(lost);
         }
         listener_->on_presence(there);
     }
@@ -345,34 +326,23 @@ void BusTransport::look_again() {
 
 void BusTransport::connected() {
     failure_.clear();
-    view_.connected(Clock::now());
     mqtt::Message probe;  // an agent whose retained description the broker lost announces again
     probe.topic = topics_.probe();
     probe.payload = address_.board;
     client_->publish(std::move(probe));
-    demander_->connected(Clock::now());
-    publish_demands();
-}
-
-void BusTransport::denied(const std::string& topic, const std::string& reason) {
-    const auto asked = *asked_;
-    for (const auto& [id, where] : asked) {
-        if (where == topic)
-            calls_.finish(id, failure(Error::Kind::kRefused, mqtt::denied_text(user_, topic, reason)));
-    }
+    caller_->connected(Clock::now());
+    wake_in_time();
 }
 
 void BusTransport::failed(const mqtt::ConnectionFailure& why) {
-    demander_->disconnected();
-    publish_demands();
-    const bool cut_off = why.after_sending != 0 && !asked_->empty();
-    failure_ = cut_off ? mqtt::cut_off_text(user_, asked_->rbegin()->second) : why.text;
+    const auto waiting = caller_->waiting_topic();
+    const bool cut_off = why.after_sending != 0 && !waiting.empty();
+    caller_->disconnected(why, Clock::now());
+    failure_ = cut_off ? mqtt::cut_off_text(user_, waiting) : why.text;
     if (why.hopeless) {
         calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
     }
-    view_.disconnected();
     set_.clear();  // it comes again with the next connection, where it still holds
-    told_ = false;
     if (there_) {
         look_again();
     }

@@ -9,10 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "asip/bus/request/demander.hpp"
-#include "asip/bus/request/requester.hpp"
 #include "asip/bus/topics.hpp"
-#include "asip/catalogue/bus_view.hpp"
+#include "asip/caller/caller.hpp"
 #include "asip/client/address.hpp"
 #include "asip/client/options.hpp"
 #include "asip/client/pending_calls.hpp"
@@ -53,38 +51,35 @@ class BusTransport final : public Transport {
         };
     }
     void connected();
-    void publish_demands();
+    void wake();
+    void wake_in_time();
     void take(const mqtt::Message& message);
-    void take_reply(PendingCalls::Id id, const mqtt::Message& message);
     void take_set(std::string_view service, const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);
-    const model::Description* description() const { return view_.description(address_.board); }
+    const model::Description* description() const {
+        return caller_ ? caller_->boards().description(address_.board) : nullptr;
+    }
     void look_again();
+    void look_if_changed();
     void failed(const mqtt::ConnectionFailure& failure);
-    void denied(const std::string& topic, const std::string& reason);
-    std::string why_not_there() const;
+    std::string why_not_there();
 
     boost::asio::io_context& io_;
     Address address_;
     Options options_;
     bus::Topics topics_;
-    std::optional<bus::Requester> requester_;
-    std::optional<bus::Demander> demander_;
-    boost::asio::steady_timer demand_timer_;
+    boost::asio::steady_timer timer_;  // of caller_
+    std::optional<Time> wakes_at_;
     Listener* listener_ = nullptr;
     std::unique_ptr<mqtt::Client> client_;
+    std::optional<caller::Caller> caller_;
+    std::string user_;
+    bool changed_ = false;  // something else is known of the board
     PendingCalls calls_;
     PendingCalls::Id next_id_ = 1;
-    /// Topics of what is not yet answered; outlives this with the last call.
-    std::shared_ptr<std::map<PendingCalls::Id, std::string>> asked_ =
-        std::make_shared<std::map<PendingCalls::Id, std::string>>();
-    std::string user_;
-    mutable catalogue::BusView view_;  // of this board alone; leases are judged by looking
-    boost::asio::steady_timer lease_timer_;
     std::map<std::string, nlohmann::json, std::less<>> set_;      // by service
     std::string failure_;                                         // of the last attempt to connect
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // until close()
-    bool told_ = false;  // over this connection: of what is stored the state may come behind the description
     bool there_ = false;
     bool closed_ = false;
 };
