@@ -44,6 +44,10 @@ std::string all_commands(const model::ServiceModel& model) {
     return names.empty() ? " It takes none" : " There are " + listed(names);
 }
 
+std::string hint_for(const bus::Reply& reply) {
+    return reply.reason == bus::kTimeoutNoAnswer ? ". Is the board's agent running? Try: asipctl doctor" : "";
+}
+
 }  // namespace
 
 Outcome<BoardCommand> make_command(const Environment& environment, const KnownBoard& board,
@@ -81,24 +85,17 @@ Outcome<BoardCommand> make_raw_command(const Environment& environment, const std
     return BoardCommand{environment.topics.board_in(board), line, line, board, {}};
 }
 
-Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& session,
-                              const BoardCommand& command) {
-    std::optional<Expected<bus::Reply>> reply;
-    const auto request = session.command(
-        command.topic, command.payload,
-        [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); }, command.plain);
-    session.run_until([&] { return reply || session.denied(command.topic); },
-                      Clock::now() + environment.timeout + kAnswerTime);
-    if (session.stopped()) return interrupted();
-    if (!reply && session.denied(command.topic)) return refused_by_broker(command.topic);
-    if (!reply) {
-        return tl::unexpected(unproven(session,
-                                       "no answer to " + command.line + " on " + command.topic + " within " +
-                                           std::to_string(environment.timeout.count()) + " ms",
-                                       kIsAgentThere));
-    }
-    if (!*reply) return tl::unexpected(unreadable());
-    return std::move(**reply);
+caller::Command BoardCommand::to_send() const {
+    return {.topic = topic, .payload = payload, .plain = plain};
+}
+
+Outcome<bus::Reply> ask_board(BusSession& session, caller::Command command) {
+    std::optional<bus::Reply> reply;
+    const auto call =
+        session.command(std::move(command), [&reply](const bus::Reply& answer) { reply = answer; });
+    session.run_until([&] { return reply.has_value(); }, Time::max());
+    if (!reply) return interrupted();
+    return std::move(*reply);
 }
 
 std::string who_asks(const Environment& environment) {
@@ -112,7 +109,7 @@ int exit_status(const bus::Reply& reply) {
         case bus::Reply::Status::kOk:
             return program::kExitOk;
         case bus::Reply::Status::kTimeout:
-            return program::kExitNoAnswer;
+            return reply.reason == bus::kTimeoutConnection ? program::kExitBroker : program::kExitNoAnswer;
         default:
             return program::kExitFailure;
     }
@@ -128,25 +125,18 @@ std::string why_not(const bus::Reply& reply) {
     return reply.status == bus::Reply::Status::kError ? bus::sentence_of(reply) : bus::why_of(reply);
 }
 
+std::string note_of(const std::string& board, const bus::Reply& reply) {
+    return board + ": " + why_not(reply) + hint_for(reply);
+}
+
 Failure failure_of(const bus::Reply& reply, const std::string& where) {
-    return {exit_status(reply), where + bus::sentence_of(reply), reply.reason, reply.code};
+    return {exit_status(reply), where + bus::sentence_of(reply) + hint_for(reply), reply.reason, reply.code};
 }
 
-Failure unproven(const BusSession& session, const std::string& text, std::string_view hint) {
-    auto failed = session.unanswered(text);
-    failed.text.append(bus::kMayHaveBeenExecuted);
-    if (failed.status == program::kExitNoAnswer) failed.text.append(hint);
-    failed.reason = bus::kTimeoutNoAnswer;
-    return failed;
-}
-
-Failure unreadable() {
-    return {program::kExitNoAnswer, std::string(bus::kUnreadableAnswer)};
-}
-
-bus::Reply refused_by_broker(const std::string& topic) {
-    return bus::Reply::refused(std::string(bus::kRefusedDenied),
-                               "the broker's access rules deny writing to " + topic);
+bus::Reply not_waited_for() {
+    auto reply = bus::Reply::timeout(bus::kTimeoutNoAnswer);
+    reply.error = "interrupted before it was answered";
+    return reply;
 }
 
 bus::Reply refused_as_lost(const bus::BoardItem& board, const std::string& so) {

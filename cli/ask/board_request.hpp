@@ -20,6 +20,9 @@ struct BoardCommand {
     std::string target;  ///< BOARD or BOARD/SERVICE
     std::string safe{};  ///< the request that undoes it; empty: none is known
     bool plain = false;  ///< for a board that takes part by names only: it reads request lines, and no JSON
+
+    /// To be given to a session.
+    caller::Command to_send() const;
 };
 
 /// `words` as typed (a name and its arguments, or one JSON object) against the service's model. A service
@@ -31,12 +34,8 @@ Outcome<BoardCommand> make_command(const Environment& environment, const KnownBo
 Outcome<BoardCommand> make_raw_command(const Environment& environment, const std::string& board,
                                        const std::string& line);
 
-/// An agent answers within `--timeout`; its answer has this time to arrive.
-inline constexpr std::chrono::milliseconds kAnswerTime{500};
-
-/// Sends and waits for the one final answer. Fails with kExitNoAnswer when none comes in time.
-Outcome<bus::Reply> ask_board(const Environment& environment, BusSession& session,
-                              const BoardCommand& command);
+/// Sends and waits for the one final answer, which may say that none came. Fails where the user asks to end.
+Outcome<bus::Reply> ask_board(BusSession& session, caller::Command command);
 
 /// The user of asipctl, for requests that name their sender: the user of the broker, else the login name.
 std::string who_asks(const Environment& environment);
@@ -49,18 +48,13 @@ std::string answer_text(const bus::Reply& reply);
 /// Why it failed, in a table that has the status beside it; and as a failure of the command; `where` stands
 /// before it: `desk: `.
 std::string why_not(const bus::Reply& reply);
+/// The same as a line of its own, with what to try.
+std::string note_of(const std::string& board, const bus::Reply& reply);
 Failure failure_of(const bus::Reply& reply, const std::string& where);
 
-/// No answer came to a command that was sent: the session's words for that, that it may have been executed,
-/// and then `hint`.
-Failure unproven(const BusSession& session, const std::string& text, std::string_view hint = {});
-/// The same where an answer came that is none.
-Failure unreadable();
-inline constexpr std::string_view kIsAgentThere = ". Is the board's agent running? Try: asipctl doctor";
-
-/// Answers for a board that was not asked: the broker denies writing to its topic; it is lost, and `so` (for
-/// a person: `nothing was sent`).
-bus::Reply refused_by_broker(const std::string& topic);
+/// The answer to a command that the user did not wait for.
+bus::Reply not_waited_for();
+/// That for a board that was not asked: it is lost, and `so` (for a person: `nothing was sent`).
 bus::Reply refused_as_lost(const bus::BoardItem& board, const std::string& so);
 
 /// Finds a board that is there to be commanded: known, and neither "offline" nor "lost".

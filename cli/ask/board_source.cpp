@@ -47,17 +47,13 @@ std::string KnownBoard::why_no_description() const {
 }
 
 BoardSource::BoardSource(const Environment& environment, BusSession& session)
-    : environment_(environment),
-      session_(session),
-      view_(environment.topics, [this](std::string_view reference) {
-          return model::units_of(environment_.models(), reference);
-      }) {
+    : environment_(environment), session_(session) {
     if (environment.from_bus) return;
-    subscriptions_.push_back(
+    registries_ =
         session_.subscribe(environment.topics.registry_state("+"), [this](const mqtt::Message& message) {
             const auto ref = environment_.topics.parse(message.topic);
             if (ref && message.payload == "online") online_registries_.emplace_back(ref->board);
-        }));
+        });
 }
 
 Outcome<bus::Answer> BoardSource::ask(const bus::Query& query) {
@@ -158,7 +154,7 @@ Outcome<std::vector<bus::BoardItem>> BoardSource::boards(bus::Query query) {
     }
     read_bus(true);
     if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
-    return view_.boards(std::move(query), catalogue::instant_now());
+    return bus().boards(std::move(query), catalogue::instant_now());
 }
 
 Outcome<std::vector<KnownBoard>> BoardSource::known_boards(bus::Query query) {
@@ -205,7 +201,7 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     }
     read_bus(true);
     if (const auto heard = session_.heard_all(); !heard) return tl::unexpected(heard.error());
-    return view_.services(std::move(query), catalogue::instant_now());
+    return bus().services(std::move(query), catalogue::instant_now());
 }
 
 Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,
@@ -233,27 +229,20 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
     return all;
 }
 
-void BoardSource::take(const mqtt::Message& message) {
-    const auto board = view_.apply(message, Clock::now());
-    if (message.topic == environment_.topics.state(board)) told_.insert(board);
-    if (!announced_ || message.retain || message.topic != environment_.topics.description(board)) return;
+void BoardSource::on_announcement(
+    std::function<void(const std::string& board, const std::string& session)> handler) {
     // Of two agents with one name the view shows one.
-    if (const auto description = model::parse_description(message.payload); description)
-        announced_(board, description->session);
-}
-
-void BoardSource::listen(const std::string& filter) {
-    if (!listened_.insert(filter).second) return;
-    subscriptions_.push_back(
-        session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
+    session_.on_board(
+        [this, handler = std::move(handler)](const std::string& board, const mqtt::Message& message) {
+            if (message.retain || message.topic != environment_.topics.description(board)) return;
+            if (const auto description = model::parse_description(message.payload))
+                handler(board, description->session);
+        });
 }
 
 void BoardSource::read_bus(bool probe) {
-    if (!bus_subscribed_) {
-        bus_subscribed_ = true;
-        listen(environment_.topics.board_names());
-        listen(environment_.topics.board_names() + "/+/+");
-        listen(environment_.topics.service_names("+"));
+    if (!std::exchange(bus_read_, true)) {
+        session_.caller().watch_all();
         session_.wait_retained();
     }
     if (!probe || session_.stopped()) return;
@@ -262,24 +251,23 @@ void BoardSource::read_bus(bool probe) {
 }
 
 std::optional<KnownBoard> BoardSource::retained_board(const std::string& name) {
-    listen(environment_.topics.description(name));
-    listen(environment_.topics.state(name));
+    session_.caller().watch(name);
     const auto here = [&] {
-        const auto known = view_.board(name, catalogue::instant_now());
-        return known && !known->description.empty() && told_.contains(name);
+        const auto known = bus().board(name, catalogue::instant_now());
+        return known && !known->description.empty() && session_.caller().heard_of(name);
     };
     session_.wait_retained(here);
-    if (view_.description(name) == nullptr) return std::nullopt;
-    return known(*view_.board(name, catalogue::instant_now()));
+    if (bus().description(name) == nullptr) return std::nullopt;
+    return known(*bus().board(name, catalogue::instant_now()));
 }
 
 Outcome<KnownBoard> BoardSource::board(const std::string& name) {
     if (auto retained = retained_board(name)) return std::move(*retained);
     if (asks_registry() && !online_registries_.empty()) return board_in_full(name);
-    listen(environment_.topics.service_names(name));
+    session_.caller().watch_names(name);
     session_.publish(environment_.topics.probe(), name);
-    session_.run_until([&] { return view_.description(name) != nullptr; }, Clock::now() + kProbeWindow);
-    if (auto item = view_.board(name, catalogue::instant_now())) return known(std::move(*item));
+    session_.run_until([&] { return bus().description(name) != nullptr; }, Clock::now() + kProbeWindow);
+    if (auto item = bus().board(name, catalogue::instant_now())) return known(std::move(*item));
     return unknown(name);
 }
 
@@ -298,10 +286,10 @@ Outcome<KnownBoard> BoardSource::board_in_full(const std::string& name) {
     return known(std::move(answer->boards.front()));
 }
 
-KnownBoard BoardSource::known(bus::BoardItem item) const {
+KnownBoard BoardSource::known(bus::BoardItem item) {
     KnownBoard result{std::move(item), std::nullopt};
     if (result.item.description.empty()) {
-        const auto& refused = view_.refused();
+        const auto& refused = bus().refused();
         const auto fault = refused.find(environment_.topics.description(result.item.board));
         if (fault != refused.end()) result.description_fault = fault->second;
         return result;
@@ -326,7 +314,7 @@ std::vector<std::string> BoardSource::names() {
         no_registry_ = true;
     }
     read_bus(false);
-    return view_.names();
+    return bus().names();
 }
 
 Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {

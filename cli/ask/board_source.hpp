@@ -2,7 +2,6 @@
 #pragma once
 #include <functional>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +39,9 @@ class BoardSource {
   public:
     /// Make it before session.connect(): then finding a registry costs no round trip of its own.
     BoardSource(const Environment& environment, BusSession& session);
+    ~BoardSource() { session_.on_board({}); }
+    BoardSource(const BoardSource&) = delete;
+    BoardSource& operator=(const BoardSource&) = delete;
 
     /// All that `query` asks for, every page, in the order of their names.
     Outcome<std::vector<bus::BoardItem>> boards(bus::Query query);
@@ -72,12 +74,10 @@ class BoardSource {
     const std::string& registry() const { return registry_; }
     /// What was read from the bus itself; `read_bus` reads it, with a window for answers to a probe or
     /// without.
-    catalogue::BusView& bus() { return view_; }
+    catalogue::BusView& bus() { return session_.caller().boards(); }
     void read_bus(bool probe);
     /// Called for each description that is published while we look (not for those retained).
-    void on_announcement(std::function<void(const std::string& board, const std::string& session)> handler) {
-        announced_ = std::move(handler);
-    }
+    void on_announcement(std::function<void(const std::string& board, const std::string& session)> handler);
 
   private:
     Outcome<bus::Answer> ask(const bus::Query& query);
@@ -87,24 +87,17 @@ class BoardSource {
     tl::unexpected<Failure> without_end() const;
     bool asks_registry() const { return !environment_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
-    void take(const mqtt::Message& message);
-    void listen(const std::string& filter);
     Outcome<KnownBoard> unknown(const std::string& name);
-    KnownBoard known(bus::BoardItem item) const;
+    KnownBoard known(bus::BoardItem item);
 
     const Environment& environment_;
     BusSession& session_;
-    catalogue::BusView view_;
     std::vector<std::string> online_registries_;  // by their retained state
     std::string registry_;
-    std::function<void(const std::string&, const std::string&)> announced_;
     std::size_t answered_bytes_ = 0;  // of the pages of one answer
     bool no_registry_ = false;
-    bool bus_subscribed_ = false;
-    std::set<std::string> listened_;  // filters
-    std::set<std::string> told_;  // boards whose `$state` has come: behind the description, where both are
-                                  // stored
-    std::vector<BusSession::Subscription> subscriptions_;
+    bool bus_read_ = false;
+    BusSession::Subscription registries_;
 };
 
 }  // namespace asip::cli

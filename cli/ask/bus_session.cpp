@@ -7,8 +7,11 @@
 #include <boost/asio/io_context.hpp>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
+#include "asip/model/model_set.hpp"
+#include "asip/mqtt/client.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
@@ -21,9 +24,6 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Every broker that lives has done it by then.
-constexpr auto kTimeToAcknowledge = 1s;
-
 /// Some brokers meet MQTT 5 with silence. One call tries 3.1.1, too, within the time that it has.
 mqtt::Options with_time_for_both_versions(mqtt::Options options) {
     if (options.version == mqtt::Version::kBest) options.connect_timeout /= 2;
@@ -35,19 +35,39 @@ mqtt::Options with_time_for_both_versions(mqtt::Options options) {
 struct BusSession::State {
     explicit State(const Environment& its_environment)
         : environment(its_environment),
-          name(random_hex(system_random(), 12)),
-          requester(name, bus::ReplyTopics(environment.topics, environment.mqtt.user, name)),
-          demander(environment.topics, environment.mqtt.user, name, system_random()),
           signal(io,
                  [this](int) {
                      stopped = true;
                      not_stuck();
                  }),
           client(io, with_time_for_both_versions(environment.mqtt), handlers()),
-          router([this](const std::string& filter) { client.unsubscribe(filter); }) {
+          caller({environment.topics, environment.mqtt.user, random_hex(system_random(), 12),
+                  [this](std::string_view reference) {
+                      return model::units_of(environment.models(), reference);
+                  },
+                  0},
+                 system_random(), port()) {
         end_when_stuck();
         for (const auto& broker : environment.mqtt.brokers)
             brokers.insert(broker.describe());
+    }
+
+    caller::Caller::Port port() {
+        caller::Caller::Port result;
+        result.publish = [this](mqtt::Message message) {
+            return client.publish(std::move(message), mqtt::Priority::kReply) !=
+                   mqtt::PublishResult::kRefused;
+        };
+        result.subscribe = [this](const std::string& filter, mqtt::SubscribeOptions options) {
+            client.subscribe(filter, options);
+        };
+        result.unsubscribe = [this](const std::string& filter) { client.unsubscribe(filter); };
+        result.v5 = [this] { return client.v5(); };
+        result.changed = [this](const std::string& board, const mqtt::Message* said) {
+            if (said != nullptr && board_said) board_said(board, *said);
+        };
+        result.unacknowledged = [this] { return client.counters().unacknowledged; };
+        return result;
     }
 
     mqtt::Client::Handlers handlers() {
@@ -57,23 +77,21 @@ struct BusSession::State {
             connected_again();
         };
         result.on_disconnected = [this](const mqtt::ConnectionFailure& why) {
-            demander.disconnected();
-            why_lost = why.text;
-            // Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11
-            // closes the connection. One end may be that of the broker itself.
-            const bool denying = why.after_sending > 1 && !last_topic.empty();
-            if (why.after_sending > 0 && !last_topic.empty()) cut_off_by = last_topic;
+            caller.disconnected(why, Clock::now());
             if (!connection_changed) return;
-            connection_changed(false,
-                               denying ? mqtt::cut_off_text(environment.mqtt.user, last_topic) : why.text);
+            const auto& access = caller.access();
+            connection_changed(false, access.denies()
+                                          ? mqtt::cut_off_text(environment.mqtt.user, access.last_topic())
+                                          : why.text);
         };
         result.on_connect_failed = [this](const mqtt::ConnectionFailure& why) {
             failed[why.broker.describe()] = why;
         };
-        result.on_message = [this](const mqtt::Message& message) { dispatch(message); };
+        result.on_message = [this](const mqtt::Message& message) { caller.message(message, Clock::now()); };
         result.on_published = [this](const std::string&) { ++acknowledged; };
         result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
-            if (!denied.insert(topic).second) return;
+            const bool is_told = caller.denied(topic, reason);
+            if (!denied.insert(topic).second || is_told) return;
             environment.note(mqtt::denied_text(environment.mqtt.user, topic, reason));
         };
         result.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
@@ -86,8 +104,7 @@ struct BusSession::State {
     }
 
     void connected_again() {
-        demander.connected(Clock::now());
-        why_lost.reset();
+        caller.connected(Clock::now());
         const bool first = !std::exchange(was_connected, true);
         if (!first && connection_changed) connection_changed(true, {});
     }
@@ -108,30 +125,15 @@ struct BusSession::State {
         return text;
     }
 
-    void dispatch(const mqtt::Message& message) {
-        if (requester.take(message)) return;
-        demander.take(message, Clock::now());
-        router.dispatch(message);
-        if (message.retain) retained_at = Clock::now();
-    }
-
-    Request ask(mqtt::Message message, OnMessage on_reply, const bus::Requester::More& more) {
-        auto request = requester.ask(message, client.v5(), std::move(on_reply), Clock::now(), more);
-        last_topic = message.topic;
-        refused_in_silence = client.v5() && message.qos > 0 ? std::nullopt : std::optional(last_topic);
-        client.publish(std::move(message), mqtt::Priority::kReply);
-        return request;
-    }
-
-    void publish_demands(std::vector<mqtt::Message> demands) {
-        for (auto& demand : demands)
-            client.publish(std::move(demand), mqtt::Priority::kReply);
+    /// What the user of asipctl leaves to it.
+    void complete(caller::Command& command) const {
+        if (!command.lasts) command.deadline = environment.timeout;
+        if (command.by.empty()) command.by = who_asks(environment);
+        if (command.silence.empty())
+            command.silence = "no answer within " + std::to_string(command.deadline.count()) + " ms";
     }
 
     const Environment& environment;
-    std::string name;
-    bus::Requester requester;
-    bus::Demander demander;
     boost::asio::io_context io{1};
     bool stopped = false;
     std::size_t max_packet_bytes = 0;
@@ -143,28 +145,19 @@ struct BusSession::State {
     std::map<std::string, mqtt::ConnectionFailure> failed;  // the last failure of each broker
     bool tells_refusals = false;
     std::set<std::string> denied;
-    std::string last_topic;  // that was published on
-    // The last request, where a broker that denies it says nothing: MQTT 3.1.1, or QoS 0.
-    std::optional<std::string> refused_in_silence;
-    std::optional<std::string> cut_off_by;  // right behind a message on this topic the connection was closed
-    std::optional<std::string> why_lost;    // while there is no connection, and was one
     std::function<void(bool, const std::string&)> connection_changed = [this](bool connected,
                                                                               const std::string& why) {
         environment.note(connected ? "connected again" : why);
     };
-    std::size_t marks = 0;
-    Time retained_at{};  // when something retained last came
+    std::function<void(const std::string&, const mqtt::Message&)> board_said;
     bool started = false;
     program::StopSignal signal;
     std::optional<QuitKey> quit_key;
     mqtt::Client client;
-    mqtt::Router router;  // ends before the client that it unsubscribes from
+    caller::Caller caller;  // ends before the client that it acts through
 };
 
-BusSession::BusSession(const Environment& environment) : state_(std::make_unique<State>(environment)) {
-    state_->client.subscribe(state_->requester.replies().filter(),
-                             {.qos = 0, .no_local = false, .retained = false});
-}
+BusSession::BusSession(const Environment& environment) : state_(std::make_unique<State>(environment)) {}
 
 BusSession::~BusSession() {
     if (state_->leaving) return;
@@ -175,7 +168,7 @@ BusSession::~BusSession() {
 
 void BusSession::leave() {
     if (!state_->was_connected || std::exchange(state_->leaving, true)) return;
-    state_->publish_demands(state_->demander.leave());
+    state_->caller.leave();
     state_->client.stop(300ms, [state = state_.get()] { state->left = true; });
     state_->io.poll();
 }
@@ -186,9 +179,7 @@ void BusSession::end_at_q() {
 
 BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMessage on_message,
                                                mqtt::SubscribeOptions options) {
-    auto subscription = state_->router.add(filter, std::move(on_message));
-    state_->client.subscribe(filter, options);
-    return subscription;
+    return state_->caller.subscribe(filter, std::move(on_message), options);
 }
 
 Outcome<void> BusSession::connect() {
@@ -216,8 +207,7 @@ void BusSession::publish(const std::string& topic, const std::string& payload, i
     message.payload = payload;
     message.qos = qos;
     message.retain = retain;
-    state_->last_topic = topic;
-    state_->client.publish(std::move(message), mqtt::Priority::kReply);
+    state_->caller.publish(std::move(message));
 }
 
 BusSession::Request BusSession::ask(const std::string& topic, const std::string& payload, OnMessage on_reply,
@@ -226,25 +216,30 @@ BusSession::Request BusSession::ask(const std::string& topic, const std::string&
     message.topic = topic;
     message.payload = payload;
     message.qos = qos;
-    return state_->ask(std::move(message), std::move(on_reply), {.plain = plain});
+    return state_->caller.ask(std::move(message), std::move(on_reply), Clock::now(), plain);
 }
 
-BusSession::Request BusSession::command(const std::string& topic, const std::string& payload,
-                                        OnMessage on_reply, bool plain) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.qos = 1;
-    message.expire_after(state_->environment.timeout);
-    // For histories. What names its sender itself stays as it is.
-    if (v5() && !plain && payload.find("\"by\":") == std::string::npos)
-        message.user_properties = {{"by", who_asks(state_->environment)}};
-    return state_->ask(std::move(message), std::move(on_reply),
-                       {.plain = plain, .deadline = state_->environment.timeout});
+BusSession::Call BusSession::command(caller::Command command, OnAnswer on_answer) {
+    state_->complete(command);
+    return state_->caller.command(std::move(command), std::move(on_answer), Clock::now());
+}
+
+BusSession::Hold BusSession::hold(caller::Command command, std::chrono::milliseconds hold, OnAnswer begun,
+                                  OnAnswer ended) {
+    state_->complete(command);
+    return state_->caller.hold(std::move(command), hold, std::move(begun), std::move(ended), Clock::now());
+}
+
+void BusSession::on_board(std::function<void(const std::string&, const mqtt::Message&)> handler) {
+    state_->board_said = std::move(handler);
+}
+
+caller::Caller& BusSession::caller() {
+    return state_->caller;
 }
 
 bus::Demander::Want BusSession::want(const std::string& board, const std::string& service, double hz) {
-    return state_->demander.want(board, service.empty() ? "*" : service, hz);
+    return state_->caller.want(board, service.empty() ? "*" : service, hz);
 }
 
 BusSession::Demand BusSession::demand(const std::string& board, const std::string& service, double hz) {
@@ -255,21 +250,14 @@ BusSession::Demand BusSession::demand(const std::string& board, const std::strin
 }
 
 BusSession::Mark BusSession::mark_retained() {
-    const auto topic = state_->requester.replies().below("mark" + std::to_string(++state_->marks)).own();
-    Mark mark;
-    mark.at_ = std::make_shared<std::optional<Time>>();
-    mark.subscription_ = subscribe(topic, [at = mark.at_](const mqtt::Message&) {
-        if (!*at) *at = Clock::now();
-    });
-    publish(topic, "mark");
-    return mark;
+    return state_->caller.mark_retained();
 }
 
 void BusSession::wait_retained(const std::function<bool()>& enough, Duration patience) {
     const auto began = Clock::now();
     const auto mark = mark_retained();
     const auto over = [&] {
-        const auto last = std::max(state_->retained_at, mark.passed_at().value_or(began));
+        const auto last = std::max(state_->caller.retained_at(), mark.passed_at().value_or(began));
         return Clock::now() - last >= (mark.passed() ? Duration(kRetainedPatience) : patience);
     };
     run_until([&] { return enough() || over(); }, Time::max());
@@ -281,7 +269,7 @@ bool BusSession::run_until(const std::function<bool()>& done, Time deadline) {
         if (state_->stopped) return false;
         const auto left = deadline - Clock::now();
         if (left <= Duration::zero()) return false;
-        state_->publish_demands(state_->demander.due(Clock::now()));
+        state_->caller.tick(Clock::now());
         // `done` may wait for time to pass, too.
         state_->io.run_one_for(std::min<Duration>(left, 20ms));
     }
@@ -293,6 +281,7 @@ bool BusSession::run_to_end(const std::function<bool()>& done, Duration patience
     while (!done()) {
         const auto left = deadline - Clock::now();
         if (left <= Duration::zero()) return false;
+        state_->caller.tick(Clock::now());
         state_->io.run_one_for(std::min<Duration>(left, 20ms));
     }
     return true;
@@ -311,7 +300,7 @@ void BusSession::on_connection_change(std::function<void(bool, const std::string
 }
 
 bool BusSession::lost() const {
-    return state_->why_lost.has_value();
+    return state_->caller.access().why_lost().has_value();
 }
 
 Outcome<void> BusSession::heard_all() const {
@@ -321,17 +310,10 @@ Outcome<void> BusSession::heard_all() const {
 }
 
 Failure BusSession::unanswered(std::string text) const {
-    if (lost()) return {program::kExitBroker, *state_->why_lost + ", and was not back in time"};
-    if (state_->environment.timeout >= kTimeToAcknowledge && state_->client.counters().unacknowledged != 0)
-        return {program::kExitBroker,
-                "the broker does not acknowledge what it is sent; does it stand still?"};
-    // It came back without an answer: a broker that only restarted is the rarer reason.
-    if (state_->cut_off_by)
-        text += "; " + mqtt::cut_off_text(state_->environment.mqtt.user, *state_->cut_off_by);
-    else if (const auto& topic = state_->refused_in_silence; topic && !text.empty())
-        text += mqtt::unanswered_text(state_->environment.mqtt.user, *topic,
-                                      topic->ends_with("/query") ? "viewer NAME" : "operator NAME");
-    return {program::kExitNoAnswer, std::move(text)};
+    const bool wants_text = !text.empty();
+    const auto reply = state_->caller.silence(std::move(text), state_->environment.timeout);
+    if (reply.reason == bus::kTimeoutConnection) return {program::kExitBroker, reply.error};
+    return {program::kExitNoAnswer, wants_text ? reply.error : std::string()};
 }
 
 bool BusSession::denied(const std::string& topic) const {

@@ -7,11 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "asip/bus/request/demander.hpp"
-#include "asip/bus/request/requester.hpp"
-#include "asip/mqtt/client.hpp"
+#include "asip/caller/caller.hpp"
 #include "asip/mqtt/message.hpp"
-#include "asip/mqtt/router.hpp"
 #include "asip/time.hpp"
 #include "cli/environment.hpp"
 
@@ -29,8 +26,12 @@ inline constexpr std::chrono::milliseconds kRetainedPatience{150};
 class BusSession {
   public:
     using OnMessage = std::function<void(const mqtt::Message&)>;
-    using Subscription = mqtt::Router::Subscription;
-    using Request = bus::Requester::Request;
+    using Subscription = caller::Caller::Subscription;
+    using Request = caller::Caller::Question;
+    using Call = caller::Caller::Call;
+    using Hold = caller::Caller::Hold;
+    using Mark = caller::Caller::Mark;
+    using OnAnswer = caller::Caller::Done;
 
     /// `environment` must outlive it.
     explicit BusSession(const Environment& environment);
@@ -58,10 +59,15 @@ class BusSession {
     /// lives.
     Request ask(const std::string& topic, const std::string& payload, OnMessage on_reply, int qos = 0,
                 bool plain = false);
-    /// The same for a command: no broker delivers it any more when `--timeout` is over, and the agent takes
-    /// that for its deadline (MQTT 5; in whole seconds).
-    Request command(const std::string& topic, const std::string& payload, OnMessage on_reply,
-                    bool plain = false);
+    /// A command: `on_answer` is called once, with the agent's answer, or with one that says why there is
+    /// none. Unless it lasts, `--timeout` is its deadline; the user is its sender.
+    Call command(caller::Command command, OnAnswer on_answer);
+    /// A command that is renewed until the handle ends: caller::Caller::hold().
+    Hold hold(caller::Command command, std::chrono::milliseconds hold, OnAnswer begun, OnAnswer ended);
+    /// Called with all that watched boards say.
+    void on_board(std::function<void(const std::string& board, const mqtt::Message& said)> handler);
+    /// The boards that are watched, and all else that a caller of the bus knows.
+    caller::Caller& caller();
 
     /// Of boards that report on demand: `hz` values a second are enough, as long as the handle lives, which
     /// may end after the session. `board` and `service` may be patterns; an empty service is all of them.
@@ -75,18 +81,6 @@ class BusSession {
     };
     Demand demand(const std::string& board, const std::string& service, double hz = bus::kUsualHz);
 
-    /// Passed once what the broker had retained for the subscriptions made before it has arrived (on brokers
-    /// that answer in order; others need some patience after it).
-    class Mark {
-      public:
-        bool passed() const { return passed_at().has_value(); }
-        std::optional<Time> passed_at() const { return at_ ? *at_ : std::nullopt; }
-
-      private:
-        friend class BusSession;
-        std::shared_ptr<std::optional<Time>> at_;
-        Subscription subscription_;
-    };
     Mark mark_retained();
 
     /// Handles events until what the broker had retained for the subscriptions made until now has come, or
@@ -123,7 +117,8 @@ class BusSession {
     /// What to say of a wait that was in vain: kExitNoAnswer and `text`; while the connection is lost, or the
     /// broker stands still, kExitBroker and why.
     Failure unanswered(std::string text) const;
-    /// Whether the broker's access rules denied a QoS 1 message of ours on `topic`. The user has been told.
+    /// Whether the broker's access rules denied a QoS 1 message of ours on `topic`. The user has been told,
+    /// or gets it as the answer to a command.
     bool denied(const std::string& topic) const;
 
   private:

@@ -35,7 +35,7 @@ class GroupSender {
         std::string board;
         BoardCommand command;
         std::optional<bus::Reply> reply{};
-        BusSession::Request request{};
+        BusSession::Call call{};
     };
 
     Outcome<BoardCommand> command_for(const KnownBoard& board) const {
@@ -69,37 +69,18 @@ class GroupSender {
         return {};
     }
 
-    Time send(Member& member) {
-        member.request = session_.command(
-            member.command.topic, member.command.payload,
-            [&member](const mqtt::Message& message) {
-                auto reply = bus::parse_reply(message.payload);
-                if (!member.reply && reply) member.reply = std::move(*reply);
-            },
-            member.command.plain);
-        return Clock::now() + environment_.timeout + kAnswerTime;
-    }
-
     void send_all() {
         std::list<Member*> there;
         for (auto& member : members_)
             if (!member.reply) there.push_back(&member);
         ask_side_by_side(
-            session_, std::move(there), group_.in_flight, [this](Member& member) { return send(member); },
-            [this](const Member& member) { return member.reply || session_.denied(member.command.topic); });
-    }
-
-    Failure unanswered() const {
-        return session_.unanswered("no answer within " + std::to_string(environment_.timeout.count()) +
-                                   " ms");
-    }
-
-    bus::Reply reply_of(const Member& member) const {
-        if (member.reply) return *member.reply;
-        if (session_.denied(member.command.topic)) return refused_by_broker(member.command.topic);
-        auto reply = bus::Reply::timeout(bus::kTimeoutNoAnswer);
-        reply.error = session_.stopped() ? "interrupted" : unanswered().text;
-        return reply;
+            session_, std::move(there), group_.in_flight,
+            [this](Member& member) {
+                member.call = session_.command(member.command.to_send(),
+                                               [&member](const bus::Reply& reply) { member.reply = reply; });
+                return Time::max();
+            },
+            [](const Member& member) { return member.reply.has_value(); });
     }
 
     int report_unsent() const {
@@ -118,11 +99,10 @@ class GroupSender {
         RecordPrinter records(group_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"BOARD"}, {"RESULT"}, {"ANSWER", false, 10}});
         for (const auto& member : members_) {
-            const auto reply = reply_of(member);
+            const auto reply = member.reply.value_or(not_waited_for());
             const bool ok = reply.succeeded();
             if (ok) ++executed;
-            if (!ok && status == program::kExitOk)
-                status = reply.reason == bus::kTimeoutNoAnswer ? unanswered().status : exit_status(reply);
+            if (!ok && status == program::kExitOk) status = exit_status(reply);
             if (!group_.output.for_people()) {
                 auto record = *model::parse_json(bus::to_json_text(reply));
                 record["board"] = member.board;

@@ -26,55 +26,37 @@ class Hold {
           records_(output, RecordPrinter::Count::kStream, environment.out) {}
 
     int run(std::optional<std::chrono::milliseconds> during) {
-        BoardCommand begin = command_;
-        begin.payload = model::dump_json({{"raw", command_.payload}, {"hold_ms", hold_.count()}});
-        const auto reply = ask_board(environment_, session_, begin);
-        if (!reply && session_.stopped()) return undo();  // it may be executed all the same
-        if (!reply) return environment_.fail_with(reply.error());
-        print(command_.line, *reply);
-        if (!reply->succeeded())
-            return environment_.fail_with(
-                {exit_status(*reply), command_.line + ": " + bus::sentence_of(*reply)});
-        const Time end = during ? Clock::now() + *during : Time::max();
-        // Two of three may get lost.
-        const auto between = std::max<Duration>(hold_ / 3, std::chrono::milliseconds(10));
-        while (!session_.stopped() && !refused_ && Clock::now() < end) {
-            session_.run_until([this] { return refused_.has_value(); },
-                               std::min(end, Clock::now() + between));
-            if (!session_.stopped() && !refused_) renew();
-        }
-        if (refused_)
-            return environment_.fail_with(
-                {program::kExitFailure, command_.line + ": " + bus::sentence_of(*refused_)});
+        std::optional<bus::Reply> begun, ended;
+        auto hold = session_.hold(
+            command_.to_send(), hold_, [&begun](const bus::Reply& reply) { begun = reply; },
+            [&ended](const bus::Reply& reply) { ended = reply; });
+        session_.run_until([&] { return begun.has_value(); }, Time::max());
+        if (!begun) return undo();  // it may be executed all the same
+        print(command_.line, *begun);
+        if (!begun->succeeded()) return environment_.fail_with(failure_of(*begun, command_.line + ": "));
+        session_.run_until([&] { return ended.has_value(); }, during ? Clock::now() + *during : Time::max());
+        if (ended) return environment_.fail_with(failure_of(*ended, command_.line + ": "));
+        hold.reset();
         return undo();
     }
 
   private:
-    void renew() {
-        renewal_ = session_.ask(command_.topic, R"({"renew":true})", [this](const mqtt::Message& message) {
-            const auto reply = bus::parse_reply(message.payload);
-            if (reply && !reply->succeeded()) refused_ = *reply;
-        });
-    }
-
     int undo() {
         BoardCommand undoing = command_;
         undoing.payload = command_.safe.substr(std::min<std::size_t>(2, command_.safe.size()));
         undoing.line = command_.safe;
         const auto reply =
-            session_.stopped() ? ask_at_the_end(undoing) : ask_board(environment_, session_, undoing);
+            session_.stopped() ? ask_at_the_end(undoing) : ask_board(session_, undoing.to_send());
         if (!reply) return environment_.fail_with(reply.error());
         print(undoing.line, *reply);
         if (reply->succeeded()) return program::kExitOk;
-        return environment_.fail_with({exit_status(*reply), undoing.line + ": " + bus::sentence_of(*reply)});
+        return environment_.fail_with(failure_of(*reply, undoing.line + ": "));
     }
 
     Outcome<bus::Reply> ask_at_the_end(const BoardCommand& undoing) {
         std::optional<bus::Reply> reply;
-        const auto request =
-            session_.command(undoing.topic, undoing.payload, [&reply](const mqtt::Message& message) {
-                if (const auto parsed = bus::parse_reply(message.payload)) reply = *parsed;
-            });
+        const auto call =
+            session_.command(undoing.to_send(), [&reply](const bus::Reply& answer) { reply = answer; });
         if (session_.run_to_end([&reply] { return reply.has_value(); }, kLastPatience)) return *reply;
         auto failed = session_.unanswered("no answer");
         failed.text = undoing.line + " is not confirmed (" + failed.text +
@@ -100,8 +82,6 @@ class Hold {
     std::chrono::milliseconds hold_;
     const OutputOptions& output_;
     RecordPrinter records_;
-    BusSession::Request renewal_;
-    std::optional<bus::Reply> refused_;
 };
 
 }  // namespace

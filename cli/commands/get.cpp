@@ -166,7 +166,7 @@ class Getter {
         const std::vector<std::string> words{command->name};
         const auto request = make_command(environment_, board_, service_, words);
         if (!request) return tl::unexpected(request.error());
-        const auto reply = ask_board(environment_, session_, *request);
+        const auto reply = ask_board(session_, request->to_send());
         if (!reply) return tl::unexpected(reply.error());
         // A recorded board cannot be asked, but it reports.
         if (reply->reason == kRefusedRecorded) return {};

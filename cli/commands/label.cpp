@@ -99,7 +99,7 @@ class Labeller {
         model::Labels now{};
         std::optional<model::Labels> announced{};
         BusSession::Subscription descriptions{};
-        BusSession::Request request{};
+        BusSession::Call call{};
     };
 
     bool one_board() const { return !target_.is_pattern() && !options_.selector; }
@@ -198,9 +198,7 @@ class Labeller {
             if (!asked.reply) there.push_back(&asked);
         ask_side_by_side(
             session_, std::move(there), kAskedAtOnce, [this](Asked& one) { return ask(one); },
-            [this](const Asked& one) {
-                return one.reply || session_.denied(environment_.topics.board_in(one.board));
-            });
+            [](const Asked& one) { return one.reply.has_value(); });
         // The next program that asks for boards finds them by their new labels.
         session_.run_until(
             [this] {
@@ -220,23 +218,21 @@ class Labeller {
                 if (auto description = model::parse_description(message.payload))
                     asked.announced = std::move(description->labels);
             });
-        asked.request = session_.command(
-            environment_.topics.board_in(asked.board), bus::encode(change_, who_asks(environment_)),
-            [&asked](const mqtt::Message& message) {
-                auto reply = bus::parse_reply(message.payload);
-                if (asked.reply || !reply) return;
-                if (reply->succeeded() && reply->proof != bus::kProofKept)
-                    reply = bus::Reply::refused(
-                        std::string(bus::kRefusedNotKept),
-                        "the program that answers for this board keeps no labels: it is no asip-agent");
-                asked.reply = std::move(*reply);
-                const auto answer = model::parse_json(asked.reply->answer).value_or(nlohmann::json::object());
+        asked.call = session_.command(
+            {.topic = environment_.topics.board_in(asked.board),
+             .payload = bus::encode(change_, who_asks(environment_))},
+            [&asked](const bus::Reply& reply) {
+                const bool is_kept = !reply.succeeded() || reply.proof == bus::kProofKept;
+                asked.reply = is_kept ? reply
+                                      : bus::Reply::refused(std::string(bus::kRefusedNotKept),
+                                                            "the program that answers for this board keeps "
+                                                            "no labels: it is no asip-agent");
+                const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
                 asked.now = labels_of(answer);
                 asked.set_aside = value_at(answer, "set_aside");
                 asked.fault = value_at(answer, "labels_fault");
             });
-        return Clock::now() +
-               (asked.lost ? std::min(environment_.timeout, kProbeWindow) : environment_.timeout);
+        return asked.lost ? Clock::now() + std::min(environment_.timeout, kProbeWindow) : Time::max();
     }
 
     int report() {
@@ -247,10 +243,8 @@ class Labeller {
             const auto reply = reply_of(asked);
             const auto labels = shown(asked.now);
             if (!reply.succeeded()) {
-                environment_.note(asked.board + ": " + why_not(asked, reply));
-                if (status == program::kExitOk)
-                    status = reply.reason == bus::kTimeoutNoAnswer ? session_.unanswered({}).status
-                                                                   : exit_status(reply);
+                environment_.note(note_of(asked.board, reply));
+                if (status == program::kExitOk) status = exit_status(reply);
             }
             if (!asked.set_aside.empty())
                 environment_.note(asked.board +
@@ -273,22 +267,9 @@ class Labeller {
         return status;
     }
 
-    bus::Reply reply_of(const Asked& asked) const {
+    static bus::Reply reply_of(const Asked& asked) {
         if (asked.reply) return *asked.reply;
-        if (const auto topic = environment_.topics.board_in(asked.board); session_.denied(topic))
-            return refused_by_broker(topic);
-        if (asked.lost) return refused_as_lost(*asked.lost, "nothing was kept");
-        return bus::Reply::timeout(bus::kTimeoutNoAnswer);
-    }
-
-    std::string why_not(const Asked& asked, const bus::Reply& reply) const {
-        if (!asked.reply && reply.status == bus::Reply::Status::kTimeout)
-            return unproven(
-                       session_,
-                       "no agent answered within " + std::to_string(environment_.timeout.count()) + " ms",
-                       kIsAgentThere)
-                .text;
-        return cli::why_not(reply);
+        return asked.lost ? refused_as_lost(*asked.lost, "nothing was kept") : not_waited_for();
     }
 
     const LabelOptions& options_;

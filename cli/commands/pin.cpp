@@ -34,9 +34,8 @@ class PinAccess {
 
     Outcome<bus::Reply> request(const std::string& text) {
         const auto& name = board_.item.board;
-        auto reply = ask_board(
-            environment_, session_,
-            {environment_.topics.service_in(name, service_), text, "I," + text, name + "/" + service_});
+        auto reply =
+            ask_board(session_, {.topic = environment_.topics.service_in(name, service_), .payload = text});
         if (!reply) return reply;
         if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, "I," + text + ": "));
         return reply;

@@ -31,7 +31,7 @@ struct Member {
     std::optional<bus::Reply> failed{};  ///< the first that was no success
     bool done = false;
     std::string analog_channel{};
-    std::list<BusSession::Request> requests{};
+    std::list<BusSession::Call> calls{};
     BusSession::Subscription reports{};
     std::optional<BusSession::Demand> demand{};
     std::unique_ptr<BoardValues> values{};
@@ -51,9 +51,7 @@ class PinGroup {
             if (!member.failed) there.push_back(&member);
         ask_side_by_side(
             session_, std::move(there), kAskedAtOnce, [this](Member& member) { return begin(member); },
-            [this](const Member& member) {
-                return member.done || knows_level(member) || session_.denied(topic_of(member));
-            });
+            [](const Member& member) { return member.done || knows_level(member); });
         for (auto& member : members_)
             if (knows_level(member)) take_level(member);
         return report();
@@ -89,23 +87,21 @@ class PinGroup {
                 environment_.topics.service_out(member.name(), kIo),
                 [this, &member](const mqtt::Message& message) { take_report(member, message); });
         send(member, "p", [this, &member](const bus::Reply& reply) { take_modes(member, reply); });
-        return Clock::now() + 2 * environment_.timeout + kAnswerTime;
+        return Clock::now() + 2 * (environment_.timeout + caller::Caller::kAnswerTime);
     }
 
     template <class Next>
     void send(Member& member, const std::string& text, Next next) {
         ++member.unanswered;
-        // A request outlives its answer: it may be in the middle of handing it over.
-        member.requests.push_back(
-            session_.command(topic_of(member), text,
-                             [this, &member, next, heard = false](const mqtt::Message& message) mutable {
-                                 const auto reply = bus::parse_reply(message.payload);
-                                 if (!reply || std::exchange(heard, true) || member.done) return;
-                                 --member.unanswered;
-                                 if (reply->succeeded()) return next(*reply);
-                                 if (!member.failed) member.failed = *reply;
-                                 finish_if_answered(member);
-                             }));
+        // A call outlives its answer: it may be in the middle of handing it over.
+        member.calls.push_back(session_.command({.topic = topic_of(member), .payload = text},
+                                                [this, &member, next](const bus::Reply& reply) {
+                                                    if (member.done) return;
+                                                    --member.unanswered;
+                                                    if (reply.succeeded()) return next(reply);
+                                                    if (!member.failed) member.failed = reply;
+                                                    finish_if_answered(member);
+                                                }));
     }
 
     void finish_if_answered(Member& member) {
@@ -175,16 +171,9 @@ class PinGroup {
     bus::Reply reply_of(const Member& member) const {
         if (member.failed) return *member.failed;
         if (member.done) return bus::Reply{};
-        if (session_.denied(topic_of(member))) return refused_by_broker(topic_of(member));
-        const bool silent_pin = member.wants_value && member.unanswered == 0 && !session_.stopped();
-        auto reply = bus::Reply::timeout(silent_pin ? bus::kTimeoutNoValue : bus::kTimeoutNoAnswer);
-        reply.error =
-            session_.stopped() ? "interrupted"
-            : silent_pin
-                ? "the board reports no value of pin " + std::to_string(member.pin) + " now"
-                : session_
-                      .unanswered("no answer within " + std::to_string(environment_.timeout.count()) + " ms")
-                      .text;
+        if (session_.stopped()) return not_waited_for();
+        auto reply = bus::Reply::timeout(bus::kTimeoutNoValue);
+        reply.error = "the board reports no value of pin " + std::to_string(member.pin) + " now";
         return reply;
     }
 
@@ -197,9 +186,7 @@ class PinGroup {
             const bool ok = member.done && !member.failed;
             const auto reply = reply_of(member);
             done += ok ? 1 : 0;
-            if (!ok && status == program::kExitOk)
-                status = reply.reason == bus::kTimeoutNoAnswer ? session_.unanswered({}).status
-                                                               : exit_status(reply);
+            if (!ok && status == program::kExitOk) status = exit_status(reply);
             auto why = ok ? std::string() : why_not(reply);
             if (reply.code != 0) why += why_taken(member.description, member.pin);
             const auto label = member.description.labels.pin(member.pin);

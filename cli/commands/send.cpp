@@ -51,9 +51,8 @@ class Sender {
     struct Waiting {
         std::string where;  // "line 3: ", or nothing
         BoardCommand command;
-        Time sent;
-        std::optional<mqtt::Message> answer;
-        BusSession::Request request;
+        std::optional<bus::Reply> reply;
+        BusSession::Call call;
     };
 
     int run_input() {
@@ -120,58 +119,35 @@ class Sender {
             session_.publish(command.topic, command.payload, 1);
             return;
         }
-        auto& waiting = waiting_.emplace_back(Waiting{where, command, Clock::now(), std::nullopt, {}});
-        waiting.request = session_.command(
-            command.topic, command.payload,
-            [&waiting](const mqtt::Message& message) { waiting.answer = message; }, command.plain);
+        auto& waiting = waiting_.emplace_back(Waiting{where, command, std::nullopt, {}});
+        auto sent = command.to_send();
+        sent.silence = "no answer on " + command.topic + " within " +
+                       std::to_string(environment_.timeout.count()) + " ms";
+        waiting.call =
+            session_.command(std::move(sent), [&waiting](const bus::Reply& reply) { waiting.reply = reply; });
     }
 
     /// Waits until at most `maximum` commands are unanswered.
     void drain(std::size_t maximum) {
         while (waiting_.size() > maximum) {
-            auto& oldest = waiting_.front();
-            session_.run_until(
-                [&] { return oldest.answer.has_value() || session_.denied(oldest.command.topic); },
-                oldest.sent + environment_.timeout + kAnswerTime);
-            report(oldest);
+            const auto& oldest = waiting_.front();
+            session_.run_until([&] { return oldest.reply.has_value(); }, Time::max());
+            report(oldest, oldest.reply.value_or(not_waited_for()));
             waiting_.pop_front();
         }
     }
 
-    void report(const Waiting& done) {
-        if (!done.answer && session_.denied(done.command.topic)) {
-            print(done, *model::parse_json(bus::to_json_text(refused_by_broker(done.command.topic))));
-            status_ = program::kExitFailure;
-            return;
-        }
-        if (!done.answer) {
-            auto failed =
-                unproven(session_, "no answer to " + done.command.line + " on " + done.command.topic +
-                                       " within " + std::to_string(environment_.timeout.count()) + " ms");
-            if (session_.stopped())
-                failed = {program::kExitNoAnswer, "interrupted before " + done.command.line +
-                                                      " was answered" +
-                                                      std::string(bus::kMayHaveBeenExecuted)};
-            print(done, {{"status", "timeout"}, {"reason", bus::kTimeoutNoAnswer}, {"error", failed.text}});
-            report_failure(done.where, failed);
-            return;
-        }
-        const auto reply = bus::parse_reply(done.answer->payload);
-        if (!reply) {
-            return report_failure(done.where, unreadable());
-        }
-        if (options_.output.for_people()) {
-            if (reply->succeeded()) environment_.say(answer_text(*reply));
-        } else {
-            print(done, *model::parse_json(bus::to_json_text(*reply)));
-        }
-        if (!reply->succeeded()) report_failure(done.where, failure_of(*reply, done.command.line + ": "));
+    void report(const Waiting& done, const bus::Reply& reply) {
+        if (!options_.output.for_people())
+            print(done.command, *model::parse_json(bus::to_json_text(reply)));
+        else if (reply.succeeded())
+            environment_.say(answer_text(reply));
+        if (!reply.succeeded()) report_failure(done.where, failure_of(reply, done.command.line + ": "));
     }
 
-    void print(const Waiting& done, nlohmann::json record) {
-        if (options_.output.for_people()) return;
-        record["target"] = done.command.target;
-        record["line"] = done.command.line;
+    void print(const BoardCommand& command, nlohmann::json record) {
+        record["target"] = command.target;
+        record["line"] = command.line;
         records_.print(record);
     }
 

@@ -48,9 +48,8 @@ class Stopper {
             environment_.note(options_.resume ? "there is no board to resume" : "there is no board to stop");
             return program::kExitOk;
         }
-        const auto settled = [this](const Asked& asked) { return asked.reply || denied(asked); };
-        session_.run_until([&] { return std::all_of(asked_.begin(), asked_.end(), settled); },
-                           Clock::now() + environment_.timeout);
+        const auto settled = [](const Asked& asked) { return asked.reply.has_value(); };
+        session_.run_until([&] { return std::all_of(asked_.begin(), asked_.end(), settled); }, Time::max());
         return show();
     }
 
@@ -58,7 +57,7 @@ class Stopper {
     struct Asked {
         std::string board;
         std::optional<bus::Reply> reply;
-        BusSession::Request request;
+        BusSession::Call call;
     };
 
     /// The agent's answer that the board did not confirm is to come before the end of our patience.
@@ -78,14 +77,10 @@ class Stopper {
         const auto same = [&board](const Asked& one) { return one.board == board; };
         if (std::any_of(asked_.begin(), asked_.end(), same)) return;
         auto& asked = asked_.emplace_back(Asked{board, std::nullopt, {}});
-        asked.request = session_.ask(
-            topic(board), payload(),
-            [&asked](const mqtt::Message& message) {
-                if (asked.reply) return;
-                const auto reply = bus::parse_reply(message.payload);
-                if (reply) asked.reply = *reply;
-            },
-            1);
+        // A stop is never too late.
+        asked.call = session_.command(
+            {.topic = topic(board), .payload = payload(), .deadline = environment_.timeout, .lasts = true},
+            [&asked](const bus::Reply& reply) { asked.reply = reply; });
     }
 
     std::string topic(const std::string& board) const {
@@ -115,12 +110,10 @@ class Stopper {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"BOARD"}, {"RESULT"}, {"EXECUTED", false, 10}, {"REFUSED", true}});
         for (const auto& asked : asked_) {
-            const auto reply = reply_of(asked);
+            const auto reply = asked.reply.value_or(not_waited_for());
             if (!reply.succeeded()) {
-                environment_.note(asked.board + ": " + why_not(reply));
-                if (status == program::kExitOk)
-                    status = reply.reason == bus::kTimeoutNoAnswer ? session_.unanswered({}).status
-                                                                   : exit_status(reply);
+                environment_.note(note_of(asked.board, reply));
+                if (status == program::kExitOk) status = exit_status(reply);
             }
             const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
             if (!options_.output.for_people()) {
@@ -151,24 +144,6 @@ class Stopper {
     std::string done_text(const nlohmann::json& answer) const {
         if (options_.resume) return "resumed";
         return answer.value("latched", false) ? "stopped until resumed" : "stopped once";
-    }
-
-    bool denied(const Asked& asked) const { return session_.denied(topic(asked.board)); }
-
-    bus::Reply reply_of(const Asked& asked) const {
-        if (asked.reply) return *asked.reply;
-        return denied(asked) ? refused_by_broker(topic(asked.board))
-                             : bus::Reply::timeout(bus::kTimeoutNoAnswer);
-    }
-
-    std::string why_not(const bus::Reply& reply) const {
-        if (reply.reason == bus::kTimeoutNoAnswer)
-            return unproven(
-                       session_,
-                       "no agent answered within " + std::to_string(environment_.timeout.count()) + " ms",
-                       kIsAgentThere)
-                .text;
-        return cli::why_not(reply);
     }
 
     const StopOptions& options_;

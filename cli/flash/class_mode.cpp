@@ -69,7 +69,7 @@ class ClassRoom {
         Step step = Step::kWaiting;
         Time began{}, until{};
         std::unique_ptr<Load> load;
-        BusSession::Request naming;
+        BusSession::Call naming;
         std::optional<bus::Reply> named;
     };
 
@@ -177,11 +177,9 @@ class ClassRoom {
         if (!stored.empty() || !options_.names) return wait_for(seat);
         seat.step = Step::kNaming;
         seat.until = Clock::now() + kNameTime;
-        seat.naming = session_.command(environment_.topics.board_in(port), "#,I," + seat.name,
-                                       [&seat](const mqtt::Message& message) {
-                                           auto got = bus::parse_reply(message.payload);
-                                           seat.named = got ? *got : bus::Reply::timeout();
-                                       });
+        seat.naming =
+            session_.command({.topic = environment_.topics.board_in(port), .payload = "#,I," + seat.name},
+                             [&seat](const bus::Reply& said) { seat.named = said; });
     }
 
     // Its agent asks a board for its name when it opens the port.

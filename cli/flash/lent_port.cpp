@@ -38,20 +38,13 @@ LentPort::LentPort(const Environment& environment, BusSession& session, std::str
       by_((who_asks(environment) + " by " + environment.mqtt.client_id).substr(0, 64)) {}
 
 Outcome<std::string> LentPort::ask(const bus::PortRequest& request, std::chrono::milliseconds patience) {
-    std::optional<Expected<bus::Reply>> reply;
-    const auto topic = environment_.topics.board_in(board_);
-    const auto text = bus::encode(request, by_);
-    const auto take = [&reply](const mqtt::Message& message) { reply = bus::parse_reply(message.payload); };
     // A port is not released when no command waits for it any more; it is taken back however late that comes.
-    const auto asked = request.what == bus::PortRequest::What::kRelease ? session_.command(topic, text, take)
-                                                                        : session_.ask(topic, text, take, 1);
-    session_.run_until([&] { return reply || session_.denied(topic); }, Clock::now() + patience);
-    if (session_.stopped()) return interrupted();
-    if (!reply && session_.denied(topic)) return tl::unexpected(failure_of(refused_by_broker(topic), {}));
-    if (!reply || !*reply)
-        return tl::unexpected(session_.unanswered("the agent of " + board_ +
-                                                  " does not answer; is it running? Try: asipctl doctor"));
-    const auto& answer = **reply;
+    const auto reply = ask_board(session_, {.topic = environment_.topics.board_in(board_),
+                                            .payload = bus::encode(request, by_),
+                                            .deadline = patience,
+                                            .lasts = request.what != bus::PortRequest::What::kRelease});
+    if (!reply) return tl::unexpected(reply.error());
+    const auto& answer = *reply;
     if (answer.succeeded()) return answer.answer;
     if (answer.reason == bus::kRefusedInvalid)
         return failure(program::kExitFailure, "the agent of " + board_ +

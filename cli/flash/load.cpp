@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Longer than an agent tries each boot loader and waits for the board.
-constexpr Duration kLoadPatience = 6min;
+constexpr std::chrono::milliseconds kLoadPatience = 6min;
 
 std::string by_of(const Environment& environment) {
     return (who_asks(environment) + " by " + environment.mqtt.client_id).substr(0, 64);
@@ -25,18 +25,15 @@ std::string by_of(const Environment& environment) {
 
 Load::Load(const Environment& environment, BusSession& session, const std::string& board,
            const LoadOptions& options)
-    : request_(session.ask(
-          environment.topics.board_in(board),
-          bus::encode({.what = bus::PortRequest::What::kLoad,
-                       .firmware = options.firmware,
-                       .board = options.board,
-                       .force = options.force},
-                      by_of(environment)),
-          [this](const mqtt::Message& message) {
-              auto reply = bus::parse_reply(message.payload);
-              reply_ = reply ? std::move(*reply) : bus::Reply::refused("unreadable", reply.error());
-          },
-          1)) {}
+    : call_(session.command({.topic = environment.topics.board_in(board),
+                             .payload = bus::encode({.what = bus::PortRequest::What::kLoad,
+                                                     .firmware = options.firmware,
+                                                     .board = options.board,
+                                                     .force = options.force},
+                                                    by_of(environment)),
+                             .deadline = kLoadPatience,
+                             .lasts = true},
+                            [this](const bus::Reply& reply) { reply_ = reply; })) {}
 
 std::string Load::progress(std::string_view description) {
     const auto document = model::parse_json(description);
@@ -65,14 +62,9 @@ int run_load(const LoadOptions& options, const std::string& board, const OutputO
     };
     if (const auto known = source.board(board); !known) return fail(known.error());
     const Load load(environment, session, board, options);
-    const auto topic = environment.topics.board_in(board);
-    session.run_until([&] { return load.reply() || session.denied(topic); }, Clock::now() + kLoadPatience);
-    if (session.stopped())
-        return fail({program::kExitFailure, "interrupted; the agent goes on, and takes the port back"});
-    if (!load.reply() && session.denied(topic)) return fail(failure_of(refused_by_broker(topic), {}));
+    session.run_until([&] { return load.reply().has_value(); }, Time::max());
     if (!load.reply())
-        return fail(session.unanswered("the agent of " + board +
-                                       " does not answer; is it running? Try: asipctl doctor"));
+        return fail({program::kExitFailure, "interrupted; the agent goes on, and takes the port back"});
     const auto& reply = *load.reply();
     if (!reply.succeeded()) return fail(failure_of(reply, board + ": "));
     const auto document = model::parse_json(reply.answer).value_or(nlohmann::json::object());

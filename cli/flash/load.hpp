@@ -25,14 +25,14 @@ class Load {
     Load(const Load&) = delete;
     Load& operator=(const Load&) = delete;
 
-    /// The answer, once it is there; one that cannot be read is a refusal.
+    /// The answer, once it is there, or says that none came.
     const std::optional<bus::Reply>& reply() const { return reply_; }
     /// What the description of the board says of it meanwhile: "writing 40 %". Empty: nothing.
     static std::string progress(std::string_view description);
 
   private:
     std::optional<bus::Reply> reply_;
-    BusSession::Request request_;
+    BusSession::Call call_;
 };
 
 /// `asipctl flash BOARD`: prints progress and result.

@@ -95,7 +95,7 @@ TEST(GeneratedOnTheBus, Fan_IsListedReadAndCommanded) {
     EXPECT_THAT(board.asipctl({"send", "uno1/fan", "power", "1", "101"}).errors,
                 HasSubstr("power: 101 is above 100"));
     EXPECT_THAT(board.asipctl({"send", "uno1/fan", "power", "5", "50"}).errors,
-                HasSubstr("7, INVALID_DEVICE_NUMBER"));
+                HasSubstr("INVALID_DEVICE_NUMBER (error 7)"));
     const auto measured = board.probe.request("asip/uno1/fan/in", R"({"measure":null})");
     ASSERT_TRUE(measured);
     EXPECT_EQ(json::parse(*measured)["answer"], json::parse(R"({"speed":[1500,0]})"));

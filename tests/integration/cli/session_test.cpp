@@ -74,7 +74,8 @@ TEST_F(SessionTest, Answers_ComeBelowTheUsersOwnTopic) {
 TEST_F(SessionTest, BrokerThatStandsStill_IsBlamedAndNobodyElse) {
     ASSERT_TRUE(session_->connect());
     broker_.freeze();
-    const auto asked = session_->command("somebody/in", "question", [](const mqtt::Message&) {});
+    const auto asked =
+        session_->command({.topic = "somebody/in", .payload = "question"}, [](const bus::Reply&) {});
     session_->run_for(100ms);
     EXPECT_EQ(session_->unanswered("nobody there").status, program::kExitBroker);
     EXPECT_EQ(session_->unanswered("nobody there").text,

@@ -122,7 +122,7 @@ TEST_P(ShellTest, CommandsAreCompletedSentAndKept) {
     shell->type("pin 13 high\n");
     EXPECT_TRUE(shell->shows("^13 output high$")) << shell->screen().text();
     shell->type("servo write 9 9\n");
-    EXPECT_TRUE(shell->shows("INVALID_DEVICE_NUMBER (error 7)")) << shell->screen().text();
+    EXPECT_TRUE(shell->shows("INVALID_DEVICE_NUMBER")) << shell->screen().text();
     shell->type("nosuch x\n");
     EXPECT_TRUE(shell->shows("no service 'nosuch'"));
     shell->type("help\n");
