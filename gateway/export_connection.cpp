@@ -86,6 +86,9 @@ exports::Export::Port ExportConnection::port(std::function<exports::Export&()> o
         options.qos = 1;
         if (client_) client_->subscribe(filter, options);
     };
+    port.watch = [this](const std::string& filter) {
+        if (client_) client_->subscribe(filter, {.qos = 1, .no_local = true, .retained = false});
+    };
     port.unsubscribe = [this](const std::string& filter) {
         if (client_) client_->unsubscribe(filter);
     };

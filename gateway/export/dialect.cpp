@@ -3,6 +3,13 @@
 
 namespace asip::gateway::exports {
 
+std::vector<std::string> Dialect::watched() const {
+    auto result = retained(place());
+    result.push_back(base() + "/+");
+    result.push_back(base() + "/+/+");
+    return result;
+}
+
 std::vector<std::string> Dialect::below(const std::string& begin, const Retained& found) {
     std::vector<std::string> result;
     for (auto each = found.lower_bound(begin); each != found.end() && each->first.starts_with(begin); ++each)

@@ -43,6 +43,8 @@ class Dialect {
     /// Filters for all that it may have retained while its documents were at `place`, but for what is below
     /// base().
     virtual std::vector<std::string> retained(const std::string& place) const = 0;
+    /// Filters for what it retains, which a command never matches.
+    virtual std::vector<std::string> watched() const;
     /// Of all that is retained the topics that are this export's own.
     virtual std::vector<std::string> ours(const Retained& found, const std::string& place) const = 0;
 

@@ -36,6 +36,8 @@ class Export {
         std::function<bool()> has_room;  ///< more may be published now
         std::function<void()> discard;   ///< what waits to be published is forgotten
         std::function<void(const std::string& filter)> subscribe;
+        /// To what others publish from now on. It stays when the connection comes anew.
+        std::function<void(const std::string& filter)> watch;
         std::function<void(const std::string& filter)> unsubscribe;
         // Of the gateway:
         std::function<bool()> ready;  ///< the catalogue holds all that is on the bus

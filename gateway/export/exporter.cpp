@@ -17,12 +17,16 @@ constexpr int kMarkDigits = 16;
 constexpr Duration kAfterBirth = std::chrono::seconds(1);  // until the other system has subscribed
 
 /// Where documents are, and where they were.
+std::set<std::string> places(const Dialect& dialect, const std::optional<Turn::Holder>& holder) {
+    auto result = holder ? holder->places : std::set<std::string>();
+    result.insert(dialect.place());
+    return result;
+}
+
 std::set<std::string> filters(const Dialect& dialect, const std::optional<Turn::Holder>& holder) {
     std::set<std::string> result;
-    for (auto& filter : dialect.retained(dialect.place()))
-        result.insert(std::move(filter));
-    if (holder)
-        for (auto& filter : dialect.retained(holder->prefix))
+    for (const auto& place : places(dialect, holder))
+        for (auto& filter : dialect.retained(place))
             result.insert(std::move(filter));
     return result;
 }
@@ -40,7 +44,7 @@ std::map<std::string, std::string> sessions_in(const Dialect::Retained& found, c
 }
 
 Turn::Holder self_of(const Exporter::Options& options) {
-    return {options.gateway, 0, options.host, options.dialect->place()};
+    return {options.gateway, 0, options.host, {options.dialect->place()}};
 }
 
 }  // namespace
@@ -146,7 +150,15 @@ void Exporter::own_message(const mqtt::Message& message, Time now) {
         return;
     }
     if (message.retain || phase_ != Phase::kActive) return;
-    if (const auto which = dialect().command_of(message.topic)) command(*which, message.payload);
+    // In the order of the broker: what a gateway empties that took over is no longer ours.
+    if (message.topic == dialect().lease()) return this->message(message, now);
+    if (const auto which = dialect().command_of(message.topic)) return command(*which, message.payload);
+    if (!message.payload.empty() || !options_.enabled) return;
+    if (emptied_.size() < kMaxEmptied)
+        emptied_.insert(message.topic);
+    else
+        scan_at_ = now + kPutBack;
+    if (!put_back_at_) put_back_at_ = now + kPutBack;
 }
 
 void Exporter::sent(Time now) {
@@ -229,7 +241,7 @@ void Exporter::finish_scan(Time now) {
         wanted.insert({dialect().lease(), dialect().sessions(), dialect().gateway_state(),
                        dialect().gateway_document_topic()});
     std::set<std::string> ours;
-    for (const auto& place : {dialect().place(), holder ? holder->prefix : dialect().place()})
+    for (const auto& place : places(dialect(), holder))
         for (auto& topic : dialect().ours(found, place))
             ours.insert(std::move(topic));
     for (const auto& topic : ours)
@@ -242,6 +254,8 @@ void Exporter::finish_scan(Time now) {
     if (options_.enabled) {
         if (!dialect().status().empty()) port_.subscribe(dialect().status());
         if (!dialect().read_only()) port_.subscribe(dialect().commands());
+        for (const auto& filter : dialect().watched())
+            port_.watch(filter);
         const auto document = found.find(dialect().gateway_document_topic());
         gateway_document_ = document == found.end() ? std::string() : document->second;
         if (dialect().changing().empty())
@@ -272,25 +286,6 @@ void Exporter::show_gateway() {
     retain(dialect().gateway_state(), dialect().online());
 }
 
-bool Exporter::states_are_of_their_sessions() const {
-    return std::none_of(pending_.begin(), pending_.end(), [this](const auto& each) {
-        const auto found = records_.find(each.first);
-        return found != records_.end() && each.second < found->second.states.size() &&
-               found->second.states[each.second].is_outdated();
-    });
-}
-
-/// Seldom: a gateway that starts meanwhile says of a board's older states that they are not known. Never
-/// ahead of the states of these sessions: the next gateway would take older ones for theirs.
-void Exporter::show_sessions(Time now) {
-    sessions_due_ = false;
-    sessions_at_ = now;
-    auto sessions = json::object();
-    for (const auto& [name, record] : records_)
-        if (!record.session.empty()) sessions[name] = record.session;
-    retain(dialect().sessions(), model::dump_json(sessions));
-}
-
 void Exporter::become_idle(const std::string& why) {
     phase_ = Phase::kIdle;
     turn_.release();
@@ -298,6 +293,8 @@ void Exporter::become_idle(const std::string& why) {
     dirty_.clear();
     later_.clear();
     clear_.clear();
+    emptied_.clear();
+    put_back_at_.reset();
     pending_.clear();
     scan_.take_all();
     scan_until_.reset();
@@ -321,6 +318,7 @@ void Exporter::tick(Time now) {
         if (auto lease = turn_.renewal(now)) retain(dialect().lease(), std::move(*lease), 0);
     if (phase_ != Phase::kActive) return;
     if (scan_at_ && now >= *scan_at_) return begin_scan(now);
+    if (put_back_at_ && now >= *put_back_at_) put_back(now);
     for (auto each = pending_.begin(); each != pending_.end();) {
         const auto found = records_.find(each->first);
         const bool there = found != records_.end() && each->second < found->second.states.size();

@@ -20,14 +20,17 @@ namespace asip::gateway::exports {
 
 /// An export that retains what it shows: says when what its dialect decides is published. At each connection,
 /// and when the other system starts, it reads back what the broker retains and puts right what differs:
-/// nothing is left behind by a crash, a rename or an option that was taken away. States of an earlier session
-/// of a board, which may have been forgotten since, are not known any more.
+/// nothing is left behind by a crash, a rename or an option that was taken away. What others empty meanwhile
+/// is retained again. States of an earlier session of a board, which may have been forgotten since, are not
+/// known any more.
 class Exporter final : public Export {
   public:
     static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
     static constexpr std::size_t kSlice = 20;  ///< messages that are acknowledged
     static constexpr Duration kBetweenSessions = std::chrono::seconds(20);  ///< their messages
     static constexpr Duration kScanLimit = std::chrono::seconds(10);
+    static constexpr Duration kPutBack = std::chrono::milliseconds(500);  ///< behind what others empty
+    static constexpr std::size_t kMaxEmptied = 50'000;                    ///< topics; more is read back
 
     struct Options {
         std::shared_ptr<const Dialect> dialect;
@@ -101,6 +104,7 @@ class Exporter final : public Export {
     bool states_are_of_their_sessions() const;
     void become_idle(const std::string& why);
     void clear_some();
+    void put_back(Time now);
     void pump(Time now);
     void update(const std::string& name, Time now);
     void take(Record& record, std::shared_ptr<const ExportedBoard> board);
@@ -127,9 +131,11 @@ class Exporter final : public Export {
     Phase phase_ = Phase::kIdle;
     Random random_;
     Records records_;
-    std::set<std::string> dirty_;                            // boards to look at
-    std::set<std::string> later_;                            // likewise, at the next tick
-    std::deque<std::string> clear_;                          // topics
+    std::set<std::string> dirty_;    // boards to look at
+    std::set<std::string> later_;    // likewise, at the next tick
+    std::deque<std::string> clear_;  // topics
+    std::set<std::string> emptied_;  // topics, by others
+    std::optional<Time> put_back_at_;
     std::set<std::pair<std::string, std::size_t>> pending_;  // states that wait for their turn
     RetainedScan scan_;
     std::string gateway_document_;    // as it was published

@@ -21,6 +21,33 @@ void Exporter::clear_some() {
     }
 }
 
+/// What was said last on topics that others emptied.
+void Exporter::put_back(Time now) {
+    std::set<std::string> waiting;
+    const auto again = [&](const std::string& topic, const std::string& text, int qos = 1) {
+        if (text.empty() || emptied_.erase(topic) == 0) return;
+        if (port_.has_room())
+            retain(topic, text, qos);
+        else
+            waiting.insert(topic);
+    };
+    again(dialect().gateway_document_topic(), gateway_document_);
+    if (emptied_.erase(dialect().sessions()) > 0) sessions_due_ = true, sessions_at_ = {};
+    for (const auto& [name, record] : records_) {
+        if (emptied_.empty()) break;
+        if (!record.board) continue;
+        again(dialect().document_topic(name), record.document);
+        for (const auto& [topic, payload] : record.targets)
+            again(topic, payload, dialect().state_qos());
+        for (std::size_t i = 0; i < record.states.size(); ++i)
+            again(state_topic(record, i), record.states[i].sent(), dialect().state_qos());
+        again(dialect().board_state(name), record.state);
+    }
+    emptied_ = std::move(waiting);
+    put_back_at_.reset();
+    if (!emptied_.empty()) put_back_at_ = now + kPutBack;
+}
+
 void Exporter::pump(Time now) {
     clear_some();
     if (!clear_.empty()) return;
@@ -29,7 +56,9 @@ void Exporter::pump(Time now) {
         turn_.release();
         return port_.disconnect();
     }
-    turn_.set_prefix(dialect().place());
+    turn_.set_place(dialect().place());
+    // Ahead of all that is there.
+    if (auto lease = turn_.renewal(now)) retain(dialect().lease(), std::move(*lease), 0);
     const auto end = acknowledged_ + kSlice;
     while (!dirty_.empty() && acknowledged_ < end && port_.has_room()) {
         const auto name = *dirty_.begin();
@@ -152,6 +181,25 @@ void Exporter::remove(const std::string& name) {
     sessions_due_ = true;
     gateway_due_ = gateway_due_ || !dialect().gateway_document_topic().empty();
     clear_some();
+}
+
+bool Exporter::states_are_of_their_sessions() const {
+    return std::none_of(pending_.begin(), pending_.end(), [this](const auto& each) {
+        const auto found = records_.find(each.first);
+        return found != records_.end() && each.second < found->second.states.size() &&
+               found->second.states[each.second].is_outdated();
+    });
+}
+
+/// Seldom: a gateway that starts meanwhile says of a board's older states that they are not known. Never
+/// ahead of the states of these sessions: the next gateway would take older ones for theirs.
+void Exporter::show_sessions(Time now) {
+    sessions_due_ = false;
+    sessions_at_ = now;
+    auto sessions = json::object();
+    for (const auto& [name, record] : records_)
+        if (!record.session.empty()) sessions[name] = record.session;
+    retain(dialect().sessions(), model::dump_json(sessions));
 }
 
 // --- values

@@ -36,6 +36,10 @@ class Homie final : public Dialect {
     std::string base() const override { return options_.root + "/export/homie"; }
     std::string place() const override { return options_.domain; }
     std::vector<std::string> retained(const std::string& place) const override { return {place + "/5/#"}; }
+    std::vector<std::string> watched() const override {
+        const auto begin = options_.domain + "/5/+/+";
+        return {base() + "/+", begin, begin + "/+", begin + "/+/$target"};
+    }
     /// The devices below the same root device.
     std::vector<std::string> ours(const Retained& found, const std::string& place) const override;
     std::string gateway_state() const override { return topic(gateway_id(), "$state"); }

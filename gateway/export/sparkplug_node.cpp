@@ -14,7 +14,7 @@ constexpr std::string_view kOffline = "offline";
 constexpr std::size_t kShownTopic = 120;
 
 Turn::Holder holder_of_node(const SparkplugNode::Options& options) {
-    return {options.gateway, 0, options.host, options.dialect.group + "/" + options.dialect.edge};
+    return {options.gateway, 0, options.host, {options.dialect.group + "/" + options.dialect.edge}};
 }
 
 }  // namespace
@@ -96,6 +96,9 @@ void SparkplugNode::message(const mqtt::Message& message, Time now) {
             become_idle("another gateway exports to Sparkplug; this one waits");
     } else if (message.topic == dialect_.state()) {
         turn_.state(message.payload == kOnline ? kOnline : kOffline, now);
+        // Emptied, or said of an earlier holder.
+        if (phase_ == Phase::kActive && message.payload != kOnline)
+            retain(dialect_.state(), std::string(kOnline));
     } else if (message.topic == dialect_.topic("NDEATH") && !message.retain) {
         const auto payload = sparkplug::read(message.payload);
         if (!payload || payload->metrics.empty()) return;

@@ -20,7 +20,11 @@ std::string text_of(const json& object, const char* name) {
 std::optional<Turn::Holder> read(std::string_view payload) {
     const auto object = model::parse_json(payload, {.max_bytes = Turn::kMaxBytes, .max_depth = 2});
     if (!object || !object->is_object()) return std::nullopt;
-    Turn::Holder holder{text_of(*object, "gateway"), 0, text_of(*object, "host"), text_of(*object, "prefix")};
+    Turn::Holder holder{text_of(*object, "gateway"), 0, text_of(*object, "host"), {}};
+    if (const auto places = object->find("places"); places != object->end() && places->is_array())
+        for (const auto& place : *places)
+            if (place.is_string() && holder.places.size() < Turn::kMaxPlaces)
+                holder.places.insert(place.get<std::string>());
     const auto term = object->find("term");
     if (holder.gateway.empty() || term == object->end() || !term->is_number_unsigned()) return std::nullopt;
     holder.term = term->get<std::uint64_t>();
@@ -35,7 +39,7 @@ bool before(const Turn::Holder& a, const Turn::Holder& b) {
 
 std::string Turn::text() const {
     return model::dump_json(
-        {{"gateway", self_.gateway}, {"term", self_.term}, {"host", self_.host}, {"prefix", self_.prefix}});
+        {{"gateway", self_.gateway}, {"term", self_.term}, {"host", self_.host}, {"places", self_.places}});
 }
 
 void Turn::subscribed(Time now) {
@@ -47,7 +51,13 @@ void Turn::subscribed(Time now) {
 bool Turn::said(std::string_view payload, bool retained, Time now) {
     const auto holder = read(payload);
     if (!holder) {
-        if (payload.empty() && !active_) holder_.reset();
+        if (active_) {
+            renew_at_ = now;
+        } else if (payload.empty()) {  // by its holder at the end, or by anybody: then it says so again
+            holder_gone_ = true;
+            not_before_ =
+                std::max(not_before_, now + kSettle + std::chrono::milliseconds(random_() % kJitterMs));
+        }
         return false;
     }
     if (holder->gateway == self_.gateway) return false;
@@ -87,7 +97,7 @@ bool Turn::may_claim(Time now) const {
 std::string Turn::claim(Time now) {
     self_.term = next_term();
     // Until what is elsewhere is cleared: a gateway that starts after a crash must find it.
-    if (holder_ && !holder_->prefix.empty()) self_.prefix = holder_->prefix;
+    if (holder_) self_.places.insert(holder_->places.begin(), holder_->places.end());
     holder_ = self_;
     holder_gone_ = false;
     active_ = true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -20,13 +21,14 @@ class Turn {
     static constexpr Duration kStale = std::chrono::seconds(8);
     static constexpr Duration kSettle = std::chrono::seconds(1);  ///< until what is retained has come
     static constexpr std::size_t kMaxBytes = 1024;
+    static constexpr std::size_t kMaxPlaces = 4;
 
     /// What the topic says of the gateway that exports, or did.
     struct Holder {
         std::string gateway;  ///< unique for each process
         std::uint64_t term = 0;
-        std::string host;    ///< its machine
-        std::string prefix;  ///< where its documents are
+        std::string host;              ///< its machine
+        std::set<std::string> places;  ///< where its documents are, or were
         friend bool operator==(const Holder&, const Holder&) = default;
     };
 
@@ -61,9 +63,10 @@ class Turn {
     /// It is no longer ours: the connection that carries it goes.
     void release() { active_ = false; }
     /// The documents are there from now on, and nowhere else. Said with the next renewal.
-    void set_prefix(const std::string& prefix) {
-        if (self_.prefix != prefix) renew_at_ = {};
-        self_.prefix = prefix;
+    void set_place(const std::string& place) {
+        const std::set<std::string> places{place};
+        if (self_.places != places) renew_at_ = {};
+        self_.places = places;
     }
 
   private:

@@ -310,6 +310,8 @@ class ExportWorld {
             gateway->own_granted = false;
             replay(filter, gateway->own_inbox);
         };
+        // As on MQTT 3.1.1, which also brings what the gateway itself publishes.
+        port.watch = [gateway](const std::string& filter) { gateway->own_filters.insert(filter); };
         port.unsubscribe = [gateway](const std::string& filter) { gateway->own_filters.erase(filter); };
         port.ready = [] { return true; };
         port.boards = [this] {

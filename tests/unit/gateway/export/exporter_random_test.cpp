@@ -67,9 +67,19 @@ class RandomHistory {
         options.dialect = make_(pick(6) == 0, read_only);
         world_.start(options);
     }
+    /// Where nobody exports, nobody knows afterwards whose the rest is.
+    void empty_some() {
+        if (std::none_of(world_.gateways.begin(), world_.gateways.end(),
+                         [](const auto& each) { return each->alive && each->exporter->active(); }))
+            return;
+        for (const auto& [topic, payload] : std::map(world_.retained))
+            if (pick(3) == 0) world_.publish(topic, "", true);
+        world_.room = 1000;
+        world_.pass(1s);
+    }
     void act() {
         const auto board = name();
-        switch (pick(10)) {
+        switch (pick(11)) {
             case 0:
             case 1:
                 return start();
@@ -90,6 +100,8 @@ class RandomHistory {
             case 6:
                 return world_.restart_home_assistant();
             case 7:
+                return empty_some();
+            case 8:
                 if (world_.boards.contains(board))
                     world_.value(board, "distance", "{\"distance\":[" + std::to_string(pick(9)) + ",1,2]}");
                 return;

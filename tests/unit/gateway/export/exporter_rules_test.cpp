@@ -198,6 +198,74 @@ TEST_P(ExporterRules, SessionThatChangesAmongFastValues_IsWrittenDown) {
     EXPECT_NE(world.retained[dialect().sessions()].find("another"), std::string::npos);
 }
 
+TEST_P(ExporterRules, TopicThatSomebodyEmpties_IsThereAgainAtOnce) {
+    show_one_board();
+    world.put("uno2", exported(1));
+    world.value("uno2", "distance", R"({"distance":[7]})");
+    world.start();
+    world.pass(5s);
+    world.publish(servo() + "/set", "91");  // a target, where there are some
+    world.step();
+    const auto shown = world.retained;
+    ASSERT_GE(shown.size(), 7u);
+    for (const auto& [topic, payload] : shown) {
+        world.publish(topic, "", true);
+        world.pass(1s);
+        EXPECT_EQ(world.retained[topic], payload) << topic;
+    }
+    for (const auto& [topic, payload] : shown)
+        world.publish(topic, "", true);
+    world.pass(1s);
+    EXPECT_EQ(world.retained, shown) << "everything at once";
+    world.publish(servo() + "/set", "92");
+    world.step();
+    EXPECT_EQ(world.gateways[0]->commands.size(), 2u) << "each command once";
+}
+
+TEST_P(ExporterRules, EmptiedAgainAndAgain_IsPutBackTwiceASecond_AndWhatIsNotOursNever) {
+    show_one_board();
+    world.start();
+    world.pass(5s);
+    const auto before = world.times_sent(distance());
+    constexpr int kTimes = 1000;  // in ten seconds
+    for (int i = 0; i < kTimes; ++i) {
+        world.publish(distance(), "", true);
+        world.publish(distance() + "9", "", true);
+        if (i % 10 == 0) world.step();
+    }
+    world.pass(1s);
+    EXPECT_EQ(world.retained[distance()], "42");
+    EXPECT_LE(world.times_sent(distance()) - before, kTimes + 22u);
+    EXPECT_FALSE(world.retained.contains(distance() + "9"));
+}
+
+TEST_P(ExporterRules, ManyTopicsEmptied_WaitForRoom) {
+    for (int i = 0; i < 50; ++i) {
+        const auto name = "uno" + std::to_string(i);
+        world.put(name, exported(4));
+        world.value(name, "distance", R"({"distance":[1,2,3,4]})");
+    }
+    world.start();
+    world.pass(30s);
+    const auto shown = world.retained;
+    world.room = 20;
+    for (const auto& [topic, payload] : shown)
+        world.publish(topic, "", true);
+    world.pass(20s);
+    EXPECT_EQ(world.retained, shown);
+}
+
+TEST_P(ExporterRules, BoardThatIsForgotten_IsNotPutBack) {
+    show_one_board();
+    world.start();
+    world.pass(5s);
+    const auto topic = distance();
+    world.publish(topic, "", true);
+    world.forget("uno1");
+    world.pass(5s);
+    EXPECT_FALSE(world.retained.contains(topic));
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, ExporterRules, testing::ValuesIn(kDialects),
                          [](const auto& row) { return std::string(row.param.name); });
 

@@ -113,6 +113,16 @@ TEST_F(SparkplugNodeTest, GatewayAndBoardsAreBorn_WithNamesUnitsAndWhatIsKnown) 
     EXPECT_EQ(host.metric("uno1", "pixels/light/color")->type, DataType::kString);
 }
 
+TEST_F(SparkplugNodeTest, TopicThatSomebodyEmpties_IsThereAgainAtOnce) {
+    active();
+    const auto shown = world.retained;
+    ASSERT_EQ(shown.size(), 2u);
+    for (const auto& [topic, payload] : shown)
+        world.publish(topic, "", true);
+    world.pass(1s);
+    EXPECT_EQ(world.retained, shown);
+}
+
 TEST(Sparkplug, PropertiesSayUnitRangeAndWhatIsReadOnly) {
     const auto board = exported(1);
     auto distance = board.properties[0];

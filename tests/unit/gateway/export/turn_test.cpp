@@ -9,7 +9,7 @@ namespace {
 using namespace std::chrono_literals;
 
 Turn lease(const std::string& name) {
-    return Turn({name, 0, "host", "homeassistant"}, [] { return std::uint64_t{0}; });
+    return Turn({name, 0, "host", {"homeassistant"}}, [] { return std::uint64_t{0}; });
 }
 
 constexpr Time kStart = Time{} + 1h;
@@ -80,12 +80,33 @@ TEST(Turn, AnyText_ChangesNothing) {
     EXPECT_TRUE(a.active());
 }
 
+TEST(Turn, EmptiedLease_IsSaidAgainAtOnce) {
+    auto a = lease("a");
+    a.claim(kStart);
+    EXPECT_FALSE(a.renewal(kStart + 1s));
+    a.said("", false, kStart + 1s);
+    EXPECT_TRUE(a.renewal(kStart + 1s));
+    EXPECT_FALSE(a.renewal(kStart + 2s));
+
+    auto b = lease("b");
+    b.subscribed(kStart);
+    const auto claim = a.claim(kStart + 2s);
+    b.said(claim, false, kStart + 2s);
+    b.said("", false, kStart + 3s);
+    EXPECT_FALSE(b.may_claim(kStart + 3s)) << "its holder may live";
+    EXPECT_TRUE(b.may_claim(kStart + 4s));
+    EXPECT_NE(b.claim(kStart + 4s).find("homeassistant"), std::string::npos) << "what is there is cleared";
+    b.release();
+    b.said(claim, false, kStart + 5s);
+    EXPECT_FALSE(b.may_claim(kStart + 5s)) << "it lives";
+}
+
 TEST(Turn, PlaceOfDocuments_IsThatOfTheOneBeforeUntilItIsCleared) {
     auto a = lease("a");
-    Turn old({"old", 0, "host", "elsewhere"}, [] { return std::uint64_t{0}; });
+    Turn old({"old", 0, "host", {"elsewhere"}}, [] { return std::uint64_t{0}; });
     a.said(old.claim(kStart), true, kStart);
     EXPECT_NE(a.claim(kStart + 9s).find("elsewhere"), std::string::npos);
-    a.set_prefix("homeassistant");
+    a.set_place("homeassistant");
     EXPECT_NE(a.renewal(kStart + 9s)->find("homeassistant"), std::string::npos);
 }
 
