@@ -82,8 +82,7 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     board_.session.link_down(now, actions);
     perform(actions, now, out);
     // It may have lost its power, or another one comes back.
-    values_.away(now);
-    publish_values(now, out);
+    values_.away();
 }
 
 void Bridge::not_watched(Time since, Time now) {
@@ -149,9 +148,11 @@ void Bridge::on_action(const session::BoardLine& line, Time now, Effects& out) {
     client_requests_.on_line(line, session().identity(), out);
     if (line.line.is_error()) statistics_.board_error(line.line.error().code);
     if (!found_) return;
-    if (describer_.note_line(line.line)) describe_again(now);
     const auto decoded = context_.decode(line.line);
-    if (decoded && decoded->value) values_.reported(decoded->service, *decoded->value, now);
+    if (decoded && decoded->value) {
+        if (describer_.note_event(decoded->service, *decoded->value)) describe_again(now);
+        values_.reported(decoded->service, *decoded->value, now);
+    }
     if (!announcer_->may_publish()) return offline_values_.keep(line.line, statistics_);
     const bool warned = !context_.warning().empty();
     context_.publish(line.line, decoded, out, line.owner ? control_.sender_of(*line.owner) : std::string());
@@ -361,8 +362,6 @@ void Bridge::goodbye(Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
-    // From now on the agent does not hear what the board does.
-    values_.away(now);
     values_.hurry(now);
     publish_values(now, out);
     if (!announcer_) return;

@@ -163,8 +163,9 @@ class Bridge {
     std::vector<member::Announcer::Subscription> subscriptions() const;
     /// To be added once the name is claimed: until then another agent may be meant.
     std::vector<std::string> control_subscriptions() const;
-    /// As control_subscriptions(), but the agent does without it where the broker refuses it.
-    std::string set_subscription() const { return board_.topics.service_set(name(), "+"); }
+    /// As control_subscriptions(), but the agent does without it where the broker refuses it: what agents of
+    /// before left there is cleared.
+    std::string old_subscription() const { return board_.topics.service_set(name(), "+"); }
     const session::BoardSession& session() const { return board_.session; }
 
   private:
@@ -175,7 +176,7 @@ class Bridge {
     void on_message(const PortRequest& request, Time now, Effects& out);
     void on_message(const LabelRequest& request, Time now, Effects& out);
     void on_message(const DemandMessage& demand, Time now, Effects& out);
-    void on_message(const StoredSet& stored, Time now, Effects& out);
+    void on_message(const OldSet& old, Time now, Effects& out);
     void on_message(const Announcement& announcement, Time now, Effects& out);
     void name_board(Effects& out);
     void announce_unreached(model::StateReason reason, Time now, Effects& out);

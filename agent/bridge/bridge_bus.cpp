@@ -150,9 +150,8 @@ void Bridge::on_message(const DemandMessage& demand, Time now, Effects& out) {
     send_periods(now, out);
 }
 
-void Bridge::on_message(const StoredSet& stored, Time now, Effects& out) {
-    values_.set().stored(stored.service, stored.payload, now);
-    publish_values(now, out);
+void Bridge::on_message(const OldSet& old, Time, Effects& out) {
+    out.publish.push_back({member::retained(old.topic), mqtt::Priority::kAnnouncement});
 }
 
 void Bridge::on_message(const Announcement& announcement, Time now, Effects& out) {
@@ -228,8 +227,7 @@ void Bridge::let_go_of_port(Time now, Effects& out) {
     session::Actions actions;
     board_.session.link_down(now, actions);
     perform(actions, now, out);
-    values_.away(now);
-    publish_values(now, out);
+    values_.away();
     port_.let_go(now, out);
     announcer_->set_updating(port_.updating());
 }

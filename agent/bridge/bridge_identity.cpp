@@ -45,7 +45,6 @@ void Bridge::leave_for_another(Time now, Effects& out) {
     out.log(Level::kWarning, "the board at this port has another name; beginning anew with that",
             {{"board", name()}, {"its name", stored.empty() ? "none" : stored}});
     port_.identified(traits(), out);
-    values_.away(now);
     values_.hurry(now);
     publish_values(now, out);
     leaving_ = true;
@@ -116,13 +115,8 @@ void Bridge::name_unanswered(Time now, Effects& out) {
 // A port's name that no board has any more: catalogues forget it.
 void Bridge::withdraw(Effects& out) const {
     for (const auto& topic : {board_.topics.description(name()), board_.topics.state(name()),
-                              board_.topics.properties(name()), board_.topics.values(name())}) {
-        mqtt::Message nothing;
-        nothing.topic = topic;
-        nothing.qos = 1;
-        nothing.retain = true;
-        out.publish.push_back({std::move(nothing), mqtt::Priority::kAnnouncement});
-    }
+                              board_.topics.properties(name()), board_.topics.values(name())})
+        out.publish.push_back({member::retained(topic), mqtt::Priority::kAnnouncement});
 }
 
 void Bridge::show_warnings(Time now) {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/command/command_note.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include "asip/bus/registry/items.hpp"
-#include "asip/model/json.hpp"
 
 namespace asip::agent {
 
@@ -25,7 +22,7 @@ void note_command(const Board& board, const CommandNote& note, Effects& out) {
     item.reason = why.substr(0, kMaxNoteText);
     mqtt::Message message;
     message.topic = board.topics.commands(board.name);
-    message.payload = model::dump_json(bus::to_json(item));
+    bus::append_json(message.payload, item);
     out.notes.push_back(std::move(message));
 }
 

@@ -56,19 +56,14 @@ bool Describer::note_stop(const std::optional<model::StopInfo>& stopped) {
     return true;
 }
 
-bool Describer::note_line(const protocol::ParsedLine& line) {
-    if (!line.is_event()) return false;
-    const auto event = line.event();
-    if (event.service == 'I' || event.service == '#') return false;
-    const auto* service = board_.services.find(event.service);
-    if (!service || !service->model) return false;
-    const auto* event_model = service->model->event(event.tag);
-    if (!event_model || event_model->shape != model::EventShape::kPerElement) return false;
-    const auto body = protocol::parse_body(event.body);
-    if (!body) return false;
-    const int count = static_cast<int>(body->items.size());
-    if (lookup(counts_, event.service) == count) return false;
-    counts_[event.service] = count;
+bool Describer::note_event(const std::string& name, const nlohmann::json& event) {
+    const auto* service = board_.services.find(std::string_view(name));
+    if (service == nullptr || !service->model || event.size() != 1 || service->letter == 'I') return false;
+    const auto* model = service->model->event_named(event.begin().key());
+    if (model == nullptr || model->shape != model::EventShape::kPerElement) return false;
+    const int count = static_cast<int>(event.front().size());
+    if (lookup(counts_, service->letter) == count) return false;
+    counts_[service->letter] = count;
     return true;
 }
 

@@ -31,8 +31,8 @@ class Describer {
     bool note_labels(const LabelBook& labels);
     bool note_warnings(std::vector<std::string> warnings);
     bool note_stop(const std::optional<model::StopInfo>& stopped);
-    /// A line of the board shows how many elements a service has.
-    bool note_line(const protocol::ParsedLine& line);
+    /// An event of a service, decoded, shows how many elements that has.
+    bool note_event(const std::string& name, const nlohmann::json& event);
     /// A request ended, which may have changed pin modes and periods.
     bool note_settings(const ReportPeriods& periods);
 

@@ -117,8 +117,8 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
         case TopicKind::kDemand:
             return DemandMessage{std::string(topic->demander), message.payload, message.retain};
         case TopicKind::kServiceSet:
-            if (!message.retain) return std::nullopt;
-            return StoredSet{std::string(topic->service), message.payload};
+            if (!message.retain || message.payload.empty()) return std::nullopt;
+            return OldSet{message.topic};
         case TopicKind::kStop:
             return read_stop(read_request(message, {}, age, now));
         case TopicKind::kServiceIn:

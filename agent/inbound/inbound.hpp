@@ -64,18 +64,17 @@ struct DemandMessage {
     std::string payload;
     bool retained = false;
 };
-/// What the broker keeps of what was set on this board.
-struct StoredSet {
-    std::string service;
-    std::string payload;
+/// The broker keeps what an agent of before said of what was set on this board: nobody reads it any more.
+struct OldSet {
+    std::string topic;
 };
 /// A message for the announcer: a probe, or another announcement of this board. Not parsed yet.
 struct Announcement {
     mqtt::Message message;
 };
 
-using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage,
-                             StoredSet, Announcement>;
+using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage, OldSet,
+                             Announcement>;
 
 /// The board and its agent, as far as they decide what a message is.
 struct Addressee {

@@ -49,7 +49,7 @@ void BoardAgent::connect_bus() {
 void BoardAgent::subscribe_to_commands() {
     for (const auto& filter : bridge_.control_subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
-    bus_->subscribe(bridge_.set_subscription(), {.qos = 1, .no_local = true});
+    bus_->subscribe(bridge_.old_subscription(), {.qos = 1, .no_local = true});
     if (stops_) return;
     stops_ = stop_line_->listen(topics_.stop(bridge_.name()),
                                 {[this](const mqtt::Message& message) { message_received(message); },

@@ -25,8 +25,10 @@ constexpr const char* kDigital = "digital";
 constexpr std::size_t kMaxQuotas = 1024;
 
 /// The mode that a request sets, and of which pin.
-std::optional<std::pair<int, int>> mode_of(const model::RequestValues& request) {
-    if (request.command->name != kMode || request.values.size() != 2) return std::nullopt;
+std::optional<std::pair<int, int>> mode_of(const model::ServiceModel& model,
+                                           const model::RequestValues& request) {
+    if (model.name != kIo || request.command->name != kMode || request.values.size() != 2)
+        return std::nullopt;
     return std::pair(request.values[0].get<int>(), request.values[1].get<int>());
 }
 
@@ -35,48 +37,40 @@ bool is_input(int mode) {
     return known && protocol::is_digital_input(*known);
 }
 
-/// Whether a report holds what people wait for, and is no number that flows.
-bool is_of_levels(const json& published) {
-    return published.is_object() && published.contains(kDigital);
-}
-
 }  // namespace
 
-void BoardValues::queued(session::RequestId id, std::string_view line) {
-    set_.queued(id, line);
+std::optional<BoardValues::Request> BoardValues::read(std::string_view line) const {
     const auto* service = line.size() < 3 ? nullptr : board_.services.find(line[0]);
-    if (service == nullptr || !service->model) return;
-    requests_.emplace(id, line);
-    if (service->model->name != kIo) return;
-    const auto request = model::request_values(*service->model, line.substr(2));
-    const auto mode = request ? mode_of(*request) : std::nullopt;
-    if (mode && is_input(mode->second)) known_.input_begins(service->name, mode->first);
+    if (service == nullptr || !service->model) return std::nullopt;
+    auto values = model::request_values(*service->model, line.substr(2));
+    if (!values) return std::nullopt;
+    return Request{service->model, service->name, std::move(*values)};
+}
+
+void BoardValues::queued(session::RequestId id, std::string_view line) {
+    auto request = read(line);
+    if (!request) return;
+    if (const auto mode = mode_of(*request->model, request->values); mode && is_input(mode->second))
+        known_.input_begins(request->service, mode->first);
+    requests_.emplace(id, std::move(*request));
 }
 
 void BoardValues::on_finished(const session::Finished& end, Time now) {
     using session::Ending;
-    set_.on_finished(end, now);
     const auto request = requests_.find(end.id);
     if (request == requests_.end()) return;
-    const std::string line = std::move(request->second);
-    requests_.erase(request);
+    const auto ended = requests_.extract(request);
     if (end.ending == Ending::kNotSent || end.ending == Ending::kBoardError) return;
-    apply(line, end.ending == Ending::kTimeout || end.ending == Ending::kDoubt, now);
+    apply(ended.mapped(), end.ending == Ending::kTimeout || end.ending == Ending::kDoubt, now);
 }
 
 void BoardValues::executed(std::string_view line, Time now) {
-    set_.executed(line, now);
-    apply(line, false, now);
+    if (const auto request = read(line)) apply(*request, false, now);
 }
 
-void BoardValues::apply(std::string_view line, bool perhaps, Time now) {
-    const auto* service = line.size() < 3 ? nullptr : board_.services.find(line[0]);
-    if (service == nullptr || !service->model) return;
-    const auto request = model::request_values(*service->model, line.substr(2));
-    if (!request) return;
-    note(known_.executed(service->name, *request, perhaps, now), kBetween, now);
-    if (!perhaps && service->model->name == kIo)
-        if (const auto mode = mode_of(*request)) modes_.push_back(*mode);
+void BoardValues::apply(const Request& request, bool perhaps, Time now) {
+    note(known_.executed(request.service, request.values, perhaps, now), kBetween, now);
+    if (const auto mode = mode_of(*request.model, request.values); mode && !perhaps) modes_.push_back(*mode);
 }
 
 void BoardValues::modes_told(const std::vector<std::pair<int, int>>& modes, Time now) {
@@ -85,21 +79,18 @@ void BoardValues::modes_told(const std::vector<std::pair<int, int>>& modes, Time
 }
 
 void BoardValues::reported(const std::string& service, const json& published, Time now) {
+    const bool pins = service == kIo && published.is_object();
     // The answer to I,L: the same levels as those of the events.
-    if (const auto levels = published.find(kLevels); service == kIo && levels != published.end())
+    if (const auto levels = pins ? published.find(kLevels) : published.end();
+        pins && levels != published.end())
         return note(known_.reported(service, {{kDigital, *levels}}, How::kAnswered, now), kBetween, now);
+    // Levels are what people wait for; numbers flow.
     note(known_.reported(service, published, How::kReported, now),
-         is_of_levels(published) ? kBetween : kBetweenNumbers, now);
+         pins && published.contains(kDigital) ? kBetween : kBetweenNumbers, now);
 }
 
 void BoardValues::restarted(Time now) {
-    set_.forget(now);
     note(known_.forget(now), kBetween, now);
-}
-
-void BoardValues::away(Time now) {
-    set_.forget(now);
-    away_ = true;
 }
 
 void BoardValues::identified(Time now) {
@@ -143,45 +134,28 @@ void BoardValues::note(bool changed, Duration between, Time now) {
 }
 
 void BoardValues::connected(Time now) {
-    set_.connected(now);
     list_changed_ = values_changed_ = true;
     due_ = now;
 }
 
 void BoardValues::hurry(Time now) {
-    set_.hurry(now);
     due_ = now;
 }
 
-std::optional<Time> BoardValues::next_deadline() const {
-    const auto set = set_.next_deadline();
-    if (!set || !due_) return set ? set : due_;
-    return std::min(*set, *due_);
-}
-
-mqtt::Message BoardValues::retained(std::string topic, std::string payload) const {
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.payload = std::move(payload);
-    message.qos = 1;
-    message.retain = true;
-    return message;
-}
-
 void BoardValues::publish(const std::string& session, Time now, Effects& out) {
-    set_.publish(now, out);
     if (!due_ || now < *due_) return;
     due_.reset();
     if (std::exchange(list_changed_, false)) {
         const property::PropertyList list{{board_.name, session, ++seq_}, known_.properties()};
-        out.publish.push_back({retained(board_.topics.properties(board_.name), property::to_text(list)),
-                               mqtt::Priority::kAnnouncement});
+        out.publish.push_back(
+            {member::retained(board_.topics.properties(board_.name), property::to_text(list)),
+             mqtt::Priority::kAnnouncement});
     }
     if (!std::exchange(values_changed_, false)) return;
     auto document = property::values_of(known_, now);
     document.head = {board_.name, session, ++seq_};
     document.clock = age_.clock(now);
-    out.publish.push_back({retained(board_.topics.values(board_.name), property::to_text(document)),
+    out.publish.push_back({member::retained(board_.topics.values(board_.name), property::to_text(document)),
                            mqtt::Priority::kAnnouncement});
     published_at_ = now;
 }

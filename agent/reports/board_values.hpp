@@ -12,8 +12,8 @@
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
 #include "agent/inbound/command_age.hpp"
-#include "agent/reports/set_values.hpp"
 #include "asip/bus/request/demand.hpp"
+#include "asip/model/request_values.hpp"
 #include "asip/property/known_values.hpp"
 
 namespace asip::agent {
@@ -31,11 +31,7 @@ class BoardValues {
     static constexpr std::size_t kMaxAnswers = 20;
 
     /// `board` and `age` must outlive it.
-    BoardValues(const Board& board, const CommandAge& age) : board_(board), age_(age), set_(board) {}
-
-    /// What the topics `set` say.
-    SetValues& set() { return set_; }
-    const SetValues& set() const { return set_; }
+    BoardValues(const Board& board, const CommandAge& age) : board_(board), age_(age) {}
 
     // --- what the board does
     /// A request of anybody was queued.
@@ -48,7 +44,7 @@ class BoardValues {
     /// It restarted: nothing is known of it.
     void restarted(Time now);
     /// It cannot be heard: its last values stay until it is back, and then nothing is known.
-    void away(Time now);
+    void away() { away_ = true; }
     /// It is there (again), with its settings restored.
     void identified(Time now);
     /// Requests that make the board say the levels of its inputs: the mode that such a pin has is set once
@@ -69,7 +65,7 @@ class BoardValues {
     void hurry(Time now);
     /// To be called only where the bus is there, and the name ours. `session`: of the announcements.
     void publish(const std::string& session, Time now, Effects& out);
-    std::optional<Time> next_deadline() const;
+    std::optional<Time> next_deadline() const { return due_; }
     /// A demander asks for the values of the services that its demand names.
     void answer(std::string_view demander, const bus::Demand& demand, const std::string& session, Time now,
                 Effects& out);
@@ -80,17 +76,21 @@ class BoardValues {
         std::size_t answers = 0;
     };
 
-    void apply(std::string_view line, bool perhaps, Time now);
+    /// A request by the model of its service, which must stay as long.
+    struct Request {
+        model::ModelPtr model;
+        std::string service;
+        model::RequestValues values;
+    };
+    std::optional<Request> read(std::string_view line) const;
+    void apply(const Request& request, bool perhaps, Time now);
     void note(bool changed, Duration between, Time now);
-    void note_mode(std::string_view io, const model::RequestValues& request);
     bool may_answer(std::string_view demander, Time now);
-    mqtt::Message retained(std::string topic, std::string payload) const;
 
     const Board& board_;
     const CommandAge& age_;
-    SetValues set_;
     property::KnownValues known_;
-    std::unordered_map<session::RequestId, std::string> requests_;  // bounded by the session's queue
+    std::unordered_map<session::RequestId, Request> requests_;  // bounded by the session's queue
     std::vector<std::pair<int, int>> modes_;
     std::map<std::string, Quota, std::less<>> quotas_;
     std::uint64_t seq_ = 0;

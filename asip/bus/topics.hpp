@@ -26,7 +26,7 @@ enum class TopicKind {
     kServiceOut,       ///< ROOT/BOARD/SERVICE/out
     kServiceIn,        ///< ROOT/BOARD/SERVICE/in
     kServiceError,     ///< ROOT/BOARD/SERVICE/error
-    kServiceSet,       ///< ROOT/BOARD/SERVICE/set: what was set, retained
+    kServiceSet,       ///< ROOT/BOARD/SERVICE/set: left by agents of before, to be cleared
     kRegistryState,    ///< ROOT/registry/ID/$state
     kRegistryStats,    ///< ROOT/registry/ID/$stats
     kRegistryEvents,   ///< ROOT/registry/ID/events

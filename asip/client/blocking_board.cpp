@@ -175,10 +175,10 @@ Result<Json> BlockingBoard::command(const std::string& service, const std::strin
     return command(service, name, Json::array());
 }
 
-Json BlockingBoard::was_set(const std::string& service) const {
+Json BlockingBoard::values(const std::string& service) const {
     return call<Json>([service](Runner& own) -> Awaitable<Json> {
                const auto found = own.board().service(service);
-               co_return found ? found->was_set() : Json();
+               co_return found ? found->values() : Json();
            })
         .value_or(Json());
 }

@@ -49,8 +49,8 @@ class BlockingBoard {
                                    const nlohmann::json& arguments);
     Result<nlohmann::json> command(const std::string& service, const std::string& name);
 
-    /// As Service::was_set; null, too, where there is no such service.
-    nlohmann::json was_set(const std::string& service) const;
+    /// As Service::values; null, too, where there is no such service.
+    nlohmann::json values(const std::string& service) const;
 
     /// Waits until the level of an input is another one than `digital_read` returned last, or this call; the
     /// first call waits for a change from the level that it finds. Returns the new level; kTimeout where it

@@ -164,12 +164,12 @@ Subscription Service::on_event(std::function<void(const nlohmann::json&)> happen
                  : Subscription();
 }
 
-nlohmann::json Service::was_set() const {
-    return core_ ? core_->transport().was_set(info_.name) : Json();
+nlohmann::json Service::values() const {
+    return core_ ? core_->transport().values(info_.name) : Json();
 }
 
-Subscription Service::on_set(std::function<void(const nlohmann::json&)> changed) const {
-    return core_ ? core_->set(info_.name).connect(std::move(changed)) : Subscription();
+Subscription Service::on_values(std::function<void(const nlohmann::json&)> changed) const {
+    return core_ ? core_->values(info_.name).connect(std::move(changed)) : Subscription();
 }
 
 Stream<nlohmann::json> Service::events(double wanted_hz) const {

@@ -128,11 +128,12 @@ class Service {
     /// may not be able to, and others may ask for more). Elsewhere it changes nothing.
     Subscription on_event(std::function<void(const nlohmann::json& event)> happened,
                           double wanted_hz = kUsualHz) const;
-    /// What was set in it, by command and element, of all senders: {"write":{"13":1}}. Null: nothing that is
-    /// known; so after a restart of the board, and over a serial port or TCP, where only agents tell it.
-    nlohmann::json was_set() const;
+    /// How its properties stand, by their ids, without those that are not known: {"servo/0/angle":90},
+    /// {"io/13":true}. What any program set is there, and what the board reported. Null over a serial port or
+    /// TCP: an agent tells it.
+    nlohmann::json values() const;
     /// `changed` is called with it each time it changes.
-    Subscription on_set(std::function<void(const nlohmann::json& set)> changed) const;
+    Subscription on_values(std::function<void(const nlohmann::json& values)> changed) const;
     /// The same events as on_event, to be fetched one after another, none missed in between.
     Stream<nlohmann::json> events(double wanted_hz = kUsualHz) const;
 

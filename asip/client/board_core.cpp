@@ -58,7 +58,7 @@ Board::Core::~Core() {
     close();
 }
 
-nlohmann::json Transport::was_set(const std::string&) const {
+nlohmann::json Transport::values(const std::string&) const {
     return {};
 }
 
@@ -107,13 +107,13 @@ void Board::Core::on_presence(bool there) {
     wake();
 }
 
-void Board::Core::on_set(const std::string& service) {
+void Board::Core::on_values(const std::string& service) {
     if (closed_) {
         return;
     }
     const auto self = shared_from_this();
-    if (const auto found = set_.find(service); found != set_.end()) {
-        found->second.emit(transport_->was_set(service));
+    if (const auto found = values_.find(service); found != values_.end()) {
+        found->second.emit(transport_->values(service));
     }
     wake();
 }

@@ -28,7 +28,7 @@ class Board::Core final : public Transport::Listener, public std::enable_shared_
 
     void on_event(const std::string& service, const Json& event) override;
     void on_presence(bool there) override;
-    void on_set(const std::string& service) override;
+    void on_values(const std::string& service) override;
 
     // Coroutines hold the core by a shared_ptr of their own: the last Board may go while they are suspended.
     static Awaitable<Json> command(std::shared_ptr<Core> core, std::string service, Json command);
@@ -41,7 +41,7 @@ class Board::Core final : public Transport::Listener, public std::enable_shared_
     void forget_level(int pin) { levels_.erase(pin); }
 
     Signal<const Json&>& events(const std::string& service) { return events_[service]; }
-    Signal<const Json&>& set(const std::string& service) { return set_[service]; }
+    Signal<const Json&>& values(const std::string& service) { return values_[service]; }
     Signal<bool>& digital(int pin) { return digital_[pin]; }
     Signal<int>& analog(int channel) { return analog_signals_[channel]; }
     Signal<bool>& presence() { return presence_; }
@@ -70,7 +70,7 @@ class Board::Core final : public Transport::Listener, public std::enable_shared_
     std::map<int, bool> levels_;
     std::map<int, Sample> samples_;
     std::map<std::string, Signal<const Json&>> events_;
-    std::map<std::string, Signal<const Json&>> set_;
+    std::map<std::string, Signal<const Json&>> values_;
     std::map<int, Signal<bool>> digital_;
     std::map<int, Signal<int>> analog_signals_;
     Signal<bool> presence_;

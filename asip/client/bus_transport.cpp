@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
 
 #include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/failure.hpp"
+#include "asip/property/documents.hpp"
 #include "asip/random.hpp"
 
 namespace asip::client {
@@ -17,8 +20,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr PendingCalls::Id kOpening = 0;
-// What is set in more of them is not kept.
-constexpr std::size_t kMaxServices = 256;
 // Whoever waits for a call is told by the caller, in time.
 constexpr auto kForever = std::chrono::hours(24);
 // Closing tells boards that nothing is wanted of them any more.
@@ -38,6 +39,11 @@ Expected<mqtt::Options> mqtt_options(const Address& address, const Options& opti
     mqtt.cert_file = options.certificate;
     mqtt.key_file = options.key;
     return mqtt;
+}
+
+/// "servo" of servo/0/angle.
+std::string_view service_of(std::string_view property) {
+    return property.substr(0, property.find('/'));
 }
 
 Error error_of(const bus::Reply& reply) {
@@ -132,7 +138,7 @@ Expected<void> BusTransport::make_client() {
     caller_->watch(address_.board);
     client_->subscribe(topics_.service_out(address_.board, "+"),
                        {.qos = 0, .no_local = false, .retained = false});
-    client_->subscribe(topics_.service_set(address_.board, "+"), {.qos = 1});
+    client_->subscribe(topics_.values(address_.board), {.qos = 1});
     return {};
 }
 
@@ -271,26 +277,40 @@ void BusTransport::take(const mqtt::Message& message) {
     }
     if (changed_) {
         look_if_changed();
-    } else if (topic->kind == bus::TopicKind::kServiceSet) {
-        take_set(topic->service, message);
+    } else if (topic->kind == bus::TopicKind::kValues) {
+        take_values(message);
     } else if (topic->kind == bus::TopicKind::kServiceOut && !message.retain) {
         take_event(topic->service, message);
     }
 }
 
-nlohmann::json BusTransport::was_set(const std::string& service) const {
-    const auto known = set_.find(service);
-    return known == set_.end() ? Json() : known->second;
+nlohmann::json BusTransport::values(const std::string& service) const {
+    auto result = Json::object();
+    for (const auto& [id, value] : values_)
+        if (service_of(id) == service) result[id] = value;
+    return result;
 }
 
-void BusTransport::take_set(std::string_view service, const mqtt::Message& message) {
-    auto set = message.payload.empty() ? Expected<Json>(Json()) : model::parse_json(message.payload);
-    const std::string name(service);
-    if (!set || (set_.size() >= kMaxServices && !set_.contains(name)) || was_set(name) == *set) {
-        return;
+void BusTransport::take_values(const mqtt::Message& message) {
+    decltype(values_) now;
+    if (!message.payload.empty()) {
+        auto document = property::parse_values(message.payload);
+        if (!document || document->head.board != address_.board) {
+            return;
+        }
+        for (auto& [id, shown] : document->values)
+            if (shown.how != property::How::kNone) now.emplace(id, std::move(shown.value));
     }
-    set_[name] = std::move(*set);
-    listener_->on_set(name);
+    std::set<std::string> changed;
+    for (const auto& [id, value] : now)
+        if (const auto before = values_.find(id); before == values_.end() || before->second != value)
+            changed.emplace(service_of(id));
+    for (const auto& [id, value] : values_)
+        if (!now.contains(id)) changed.emplace(service_of(id));
+    values_ = std::move(now);
+    const std::weak_ptr<bool> alive(alive_);
+    for (const auto& service : changed)
+        if (alive.lock()) listener_->on_values(service);
 }
 
 void BusTransport::take_event(std::string_view service, const mqtt::Message& message) {
@@ -342,7 +362,7 @@ void BusTransport::failed(const mqtt::ConnectionFailure& why) {
     if (why.hopeless) {
         calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
     }
-    set_.clear();  // it comes again with the next connection, where it still holds
+    values_.clear();  // it comes again with the next connection, where it still holds
     if (there_) {
         look_again();
     }

@@ -34,7 +34,7 @@ class BusTransport final : public Transport {
     std::string board_name() const override { return address_.board; }
     std::vector<ServiceInfo> services() const override;
     std::map<std::string, std::string> labels() const override;
-    nlohmann::json was_set(const std::string& service) const override;
+    nlohmann::json values(const std::string& service) const override;
     std::shared_ptr<void> demand(const std::string& service, double hz) override;
     void close() override;
 
@@ -54,7 +54,7 @@ class BusTransport final : public Transport {
     void wake();
     void wake_in_time();
     void take(const mqtt::Message& message);
-    void take_set(std::string_view service, const mqtt::Message& message);
+    void take_values(const mqtt::Message& message);
     void take_event(std::string_view service, const mqtt::Message& message);
     const model::Description* description() const {
         return caller_ ? caller_->boards().description(address_.board) : nullptr;
@@ -77,7 +77,7 @@ class BusTransport final : public Transport {
     bool changed_ = false;  // something else is known of the board
     PendingCalls calls_;
     PendingCalls::Id next_id_ = 1;
-    std::map<std::string, nlohmann::json, std::less<>> set_;      // by service
+    std::map<std::string, nlohmann::json, std::less<>> values_;   // by property: those that are known
     std::string failure_;                                         // of the last attempt to connect
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // until close()
     bool there_ = false;

@@ -41,8 +41,8 @@ class Transport {
         /// agent lost, the broker away. After `true` nothing reported before still holds: a board that came
         /// back may have been reset.
         virtual void on_presence(bool there) = 0;
-        /// Transport::was_set() of this service is another one now.
-        virtual void on_set(const std::string& service) { (void)service; }
+        /// Transport::values() of this service is another one now.
+        virtual void on_values(const std::string& service) { (void)service; }
 
       protected:
         ~Listener() = default;
@@ -75,9 +75,9 @@ class Transport {
     /// As its agent announced them last; none where there is no agent.
     virtual std::map<std::string, std::string> labels() const { return {}; }
 
-    /// What was set in a service, by command and element, of all senders: {"write":{"13":1}}; null: nothing
-    /// that is known. As its agent says; null where there is no agent.
-    virtual nlohmann::json was_set(const std::string& service) const;
+    /// How the properties of a service stand, by their ids, as its agent says; without those that are not
+    /// known. Null where there is no agent.
+    virtual nlohmann::json values(const std::string& service) const;
 
     /// As long as the handle lives, `hz` values a second of this service are wanted; asked of an agent that
     /// makes its board report on demand (asip-agent --reports). Null where nothing has to be asked.

@@ -43,6 +43,9 @@ struct Announcements {
     }
 };
 
+/// A message that the broker keeps; of an empty payload: it keeps none there any more.
+mqtt::Message retained(std::string topic, std::string payload = {});
+
 /// Takes out the answers (Priority::kReply and kUrgent) for which bus::may_answer_on() is false. Returns
 /// their topics.
 std::vector<std::string> take_stray_answers(Publications& publish, const bus::Topics& topics,

@@ -39,15 +39,6 @@ std::string session_behind(const std::string& other, std::uint64_t started_unix,
     return other.size() + 5 <= kMaxSessionBytes ? other + "-" + random_hex(random, 4) : other;
 }
 
-mqtt::Message retained(std::string topic, std::string payload) {
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.payload = std::move(payload);
-    message.qos = 1;
-    message.retain = true;
-    return message;
-}
-
 mqtt::Message plain(std::string topic, std::string payload) {
     mqtt::Message message;
     message.topic = std::move(topic);

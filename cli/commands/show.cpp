@@ -8,6 +8,8 @@
 #include "asip/bus/registry/board_match.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
+#include "asip/property/documents.hpp"
+#include "asip/property/words.hpp"
 #include "asip/protocol/pin.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
@@ -15,7 +17,6 @@
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
-#include "cli/text/set_text.hpp"
 #include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
@@ -110,33 +111,42 @@ std::string updating_text(const bus::BoardItem& item) {
     return "with " + value_at(*document, "updating.by") + " until " + value_at(*document, "updating.until");
 }
 
-nlohmann::json set_json(const WhatWasSet& set, std::string_view service) {
-    const auto known = set.find(service);
-    auto document = known == set.end() ? Expected<nlohmann::json>() : model::parse_json(known->second);
-    return document ? std::move(*document) : nlohmann::json();
-}
-
-WhatWasSet read_set(const Environment& environment, BusSession& session, const std::string& board) {
-    WhatWasSet result;
-    const auto retained = read_retained(environment, session, {environment.topics.service_set(board, "+")});
-    for (const auto& message : retained ? *retained : std::vector<Retained>())
-        if (const auto topic = environment.topics.parse(message.topic))
-            result[std::string(topic->service)] = message.payload;
+KnownProperties read_properties(const Environment& environment, BusSession& session,
+                                const std::string& board) {
+    const auto list_topic = environment.topics.properties(board);
+    const auto retained = read_retained(environment, session, {list_topic, environment.topics.values(board)});
+    if (!retained || retained->size() != 2) return {};
+    const bool list_first = retained->front().topic == list_topic;
+    auto list = property::parse_list(retained->at(list_first ? 0 : 1).payload);
+    const auto values = property::parse_values(retained->at(list_first ? 1 : 0).payload);
+    KnownProperties result;
+    if (!list || !values) return result;
+    for (auto& property : list->properties)
+        if (const auto found = values->values.find(property.id);
+            found != values->values.end() && found->second.how != property::How::kNone)
+            result.emplace_back(std::move(property), found->second.value);
     return result;
 }
 
-nlohmann::json board_json(const KnownBoard& board, const WhatWasSet& set) {
+std::string values_text(const KnownProperties& known, std::string_view service) {
+    std::string text;
+    for (const auto& [property, value] : known)
+        if (property.service == service)
+            text += (text.empty() ? "" : ", ") + property.id + " " + property::value_text(property, value);
+    return text;
+}
+
+nlohmann::json board_json(const KnownBoard& board, const KnownProperties& known) {
     auto result = bus::to_json(board.item);
     if (board.description) result["description"] = model::to_json(*board.description);
     if (!board.description_fault.empty()) result["description_fault"] = board.description_fault;
-    for (const auto& [service, text] : set)
-        if (auto document = set_json(set, service); document.is_object())
-            result["set"][service] = std::move(document);
+    for (const auto& [property, value] : known)
+        result["values"][property.id] = value;
     return result;
 }
 
 nlohmann::json service_json(const KnownBoard& board, const model::ServiceInfo& service,
-                            const model::ServiceModel* model, const WhatWasSet& set) {
+                            const model::ServiceModel* model, const KnownProperties& known) {
     auto result = nlohmann::json::object();
     for (const auto& item : board.item.services) {
         if (item.name == service.name) result = bus::to_json(item);
@@ -144,8 +154,8 @@ nlohmann::json service_json(const KnownBoard& board, const model::ServiceInfo& s
     if (model != nullptr) {
         if (auto source = model::parse_json(model->source)) result["definition"] = std::move(*source);
     }
-    if (auto document = set_json(set, service.name); document.is_object())
-        result["set"] = std::move(document);
+    for (const auto& [property, value] : known)
+        if (property.service == service.name) result["values"][property.id] = value;
     return result;
 }
 
@@ -246,7 +256,7 @@ std::string model_text(const model::ServiceModel& model, std::size_t width, bool
 
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
                          const std::string& label, const model::ServiceModel* model, std::size_t width,
-                         bool colour, const WhatWasSet& set) {
+                         bool colour, const KnownProperties& known) {
     auto text = painted(for_terminal(board + "/" + service.name), Colour::kBold, colour);
     const auto title = model != nullptr ? model->title : service.title;
     if (!title.empty()) text += "  " + for_terminal(title);
@@ -261,9 +271,7 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
     if (service.period)
         text += labelled("period", *service.period == 0 ? "off" : std::to_string(*service.period) + " ms",
                          colour);
-    if (const auto known = set.find(service.name); known != set.end())
-        if (const auto document = model::parse_json(known->second))
-            text += labelled("set", set_text(*document, model), colour);
+    text += labelled("values", values_text(known, service.name), colour);
     if (model == nullptr) {
         return text + labelled("model",
                                "none known: events come as tag and body, commands go as tag and parameters, "
@@ -275,7 +283,7 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
 }
 
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width, bool colour,
-                       const WhatWasSet& set) {
+                       const KnownProperties& known) {
     const auto& item = board.item;
     auto text = painted(for_terminal(item.board), Colour::kBold, colour) + "  " +
                 painted(for_terminal(state_text(item)), state_colour(item.state), colour) + "\n";
@@ -327,7 +335,7 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
         for (const auto& service : board.description->services) {
             const auto model = bus::model_of(service, models);
             text += "\n" + service_text(item.board, service, board.description->labels.service(service.name),
-                                        model.get(), width, colour, set);
+                                        model.get(), width, colour, known);
         }
     } else {
         for (const auto& service : item.services)
@@ -350,25 +358,25 @@ int run_show(const ShowOptions& options, Environment& environment) {
         if (auto retained = source.retained_board(target->board))
             board->item.description = std::move(retained->item.description);
     }
-    const auto set = read_set(environment, session, target->board);
+    const auto known = read_properties(environment, session, target->board);
     const bool people = options.output.for_people();
     RecordPrinter records(options.output, RecordPrinter::Count::kOne, environment.out);
     if (target->service.empty()) {
-        if (!people) records.print(board_json(*board, set));
+        if (!people) records.print(board_json(*board, known));
         if (people)
             environment.out << board_text(*board, environment.models(), environment.width, environment.colour,
-                                          set)
+                                          known)
                             << std::flush;
         return program::kExitOk;
     }
     const auto service = find_service(*board, target->service);
     if (!service) return environment.fail_with(service.error());
     const auto model = bus::model_of(*service, environment.models());
-    if (!people) records.print(service_json(*board, *service, model.get(), set));
+    if (!people) records.print(service_json(*board, *service, model.get(), known));
     const auto label = board->description ? board->description->labels.service(service->name) : std::string();
     if (people)
         environment.out << service_text(target->board, *service, label, model.get(), environment.width,
-                                        environment.colour, set)
+                                        environment.colour, known)
                         << std::flush;
     return program::kExitOk;
 }
@@ -382,7 +390,7 @@ Run declare_show(Declaration& verb) {
                 {"board",  "state", "chip",     "sketch",      "protocol",          "lease",
                  "link",   "agent", "services", "description", "description_fault", "name",
                  "kind",   "title", "count",    "period",      "definition",        "label",
-                 "labels", "names", "set"});
+                 "labels", "names", "values"});
     return [options](Environment& environment) { return run_show(*options, environment); };
 }
 

@@ -121,8 +121,8 @@ TopicRule rule_of(TopicKind kind) {
         case TopicKind::kServiceError:
             return reported("BOARD/SERVICE/error", kQueue, "each reader", "-");
         case TopicKind::kServiceSet:
-            return announced("BOARD/SERVICE/set", "broker: one message of 8 KiB, retained; gateway: the last",
-                             "each reader, at most twice a second", "-");
+            return {"BOARD/SERVICE/set", {kReadOfBoard, kWriteOfBoard}, {}, {}, kBoth,
+                    kRetained,           "agent, registry: cleared",    "-"};
         case TopicKind::kRegistryState:
             return of_registry("registry/ID/$state", kRetained, "-");
         case TopicKind::kRegistryStats:

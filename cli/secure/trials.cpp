@@ -16,8 +16,7 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
     const std::vector<std::string> requests{topics.board_in(stranger), topics.service_in(stranger, "io"),
                                             topics.stop(stranger)};
     const std::vector<std::string> values{topics.board_out(stranger), topics.service_out(stranger, "io"),
-                                          topics.service_error(stranger, "io"),
-                                          topics.service_set(stranger, "io")};
+                                          topics.service_error(stranger, "io")};
     const std::vector<std::string> announcements{topics.state(stranger), topics.description(stranger),
                                                  topics.service_names(stranger)};
     const auto answers = [&](const std::string& asked) {

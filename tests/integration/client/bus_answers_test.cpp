@@ -96,5 +96,22 @@ TEST_F(BusAnswers, NobodyAnswers_TheCallEndsSoonAfterItsDeadline) {
     EXPECT_GE(std::chrono::steady_clock::now() - began, 1500ms);
 }
 
+TEST_F(BusAnswers, Values_AreThoseOfTheService) {
+    const auto say = [&](const std::string& values) {
+        agent_.publish("asip/uno1/$values",
+                       R"({"version":1,"board":"uno1","session":"a","seq":2,"values":)" + values + "}", true);
+    };
+    say(R"({"io/13":{"value":true,"how":"set","age":0.5},"io/2":{"unknown":"never","age":1},)"
+        R"("servo/0/angle":{"value":90,"how":"set","age":1}})");
+    const json known{{"io/13", true}};
+    EXPECT_TRUE(test::wait_until([&] { return board_.values("io") == known; })) << board_.values("io");
+    agent_.publish("asip/uno1/$values", "{\"version\":1,", true);
+    say("[]");
+    agent_.publish("asip/uno1/io/set", R"({"write":{"13":0}})", true);
+    say(R"({"io/13":{"value":false,"how":"set","age":0.5}})");
+    EXPECT_TRUE(test::wait_until([&] { return board_.values("io") == json{{"io/13", false}}; }))
+        << board_.values("io");
+}
+
 }  // namespace
 }  // namespace asip::client

@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using testing::Contains;
 using testing::Each;
+using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 using testing::StartsWith;
@@ -125,6 +126,67 @@ TEST_F(ValuesOfBoard, BoardAway_LastValuesStayAndAreUnknownAfterTheReturn) {
     bench.plug();
     bench.pass(10s);
     EXPECT_EQ(values()["io/3"]["unknown"], "restart");
+}
+
+TEST_F(ValuesOfBoard, WhoeverSentIt_IsKnown) {
+    for (const auto* pin : {"2", "3"})
+        bench.hear("asip/uno1/in", std::string("I,P,") + pin + ",3");
+    bench.hear("asip/uno1/io/in", R"({"write":[3,1]})");
+    bench.hear("asip/uno1/in", "S,W,0,90");
+    bench.client_says("I,d,2,1");
+    bench.pass(1s);
+    for (const auto* id : {"io/2", "io/3"})
+        EXPECT_EQ(values()[id]["value"], true) << id;
+    EXPECT_EQ(values()["servo/0/angle"]["value"], 90);
+}
+
+TEST_F(ValuesOfBoard, RefusedByAgentOrBoard_IsUnchanged) {
+    bench.board.replies["S,W,0,91"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 91}}}, "2")["status"], "error");
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 999}}}, "3")["status"], "refused");
+    bench.pass(1s);
+    EXPECT_EQ(values()["servo/0/angle"]["value"], 90);
+}
+
+TEST_F(ValuesOfBoard, HoldNotRenewed_IsUndoneThere) {
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
+    bench.ask("asip/uno1/io/in", {{"write", {3, 1}}, {"hold_ms", 1000}}, "2");
+    bench.pass(100ms);
+    EXPECT_EQ(values()["io/3"]["value"], true);
+    bench.pass(3s);
+    EXPECT_EQ(values()["io/3"]["value"], false);
+}
+
+TEST_F(ValuesOfBoard, Stopped_IsUndoneThere) {
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
+    bench.ask("asip/uno1/io/in", {{"write", {3, 1}}}, "2");
+    bench.hear("asip/uno1/$stop", "");
+    bench.pass(1s);
+    EXPECT_EQ(values()["io/3"]["value"], false);
+}
+
+TEST_F(ValuesOfBoard, NoProof_IsNotKnownAnyMore) {
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+    bench.board.mute = true;
+    bench.hear("asip/uno1/servo/in", R"({"write":[0,10],"deadline_ms":1000,"id":"3","reply_to":"answers"})");
+    bench.pass(1200ms);
+    EXPECT_EQ(values()["servo/0/angle"]["unknown"], "doubt") << "it may be at either";
+}
+
+TEST_F(ValuesOfBoard, BrokerKeepsWhatAnOlderAgentSaid_IsClearedAndNothingElseIsSaidThere) {
+    bench.hear("asip/uno1/io/set", R"({"write":{"13":1}})", true);
+    bench.hear("asip/uno1/flashed-away/set", R"({"power":{"0":1}})", true);
+    bench.hear("asip/uno2/io/set", R"({"write":{"13":1}})", true);
+    bench.hear("asip/uno1/servo/set", R"({"write":{"0":1}})");
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}});
+    bench.pass(1s);
+    EXPECT_THAT(bench.on("asip/uno1/io/set"), ElementsAre(""));
+    EXPECT_THAT(bench.on("asip/uno1/flashed-away/set"), ElementsAre(""));
+    EXPECT_THAT(bench.on("asip/uno2/io/set"), IsEmpty());
+    EXPECT_THAT(bench.on("asip/uno1/servo/set"), IsEmpty());
+    for (const auto& publication : bench.published)
+        EXPECT_TRUE(publication.message.retain || publication.message.topic != "asip/uno1/io/set");
 }
 
 TEST_F(ValuesOfBoard, BrokerStartedAnew_IsToldBothAgain) {
