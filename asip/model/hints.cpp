@@ -19,6 +19,7 @@ FieldHints read_hints(const json& field) {
     if (const auto value = field.find("default"); value != field.end())
         hints.default_value = value->get<double>();
     if (const auto on = field.find("on"); on != field.end()) hints.on = on->get<std::int64_t>();
+    if (const auto none = field.find("none"); none != field.end()) hints.none = none->get<double>();
     hints.advanced = field.value("advanced", false);
     hints.sum = field.value("sum", false);
     return hints;

@@ -18,6 +18,7 @@ struct FieldHints {
     std::optional<double> step;           ///< the smallest difference that makes sense
     std::optional<double> default_value;  ///< of an argument
     std::optional<std::int64_t> on;       ///< of a field of two values: the one that means on
+    std::optional<double> none;           ///< of a field: the number that says that there is no value
     bool advanced = false;                ///< hidden at first
     bool sum = false;                     ///< of a field: each event adds to it
 };

@@ -197,7 +197,7 @@ class Getter {
         if (!model_) {
             print({{{}, *document, {}}}, {}, how);
         } else if (document->contains(choice_.event->name)) {
-            auto leaves = leaf_values(*choice_.event, (*document)[choice_.event->name]);
+            auto leaves = leaf_values(*model_, *choice_.event, (*document)[choice_.event->name]);
             other_fields_.clear();
             for (const auto& leaf : leaves)
                 if (other_fields_.size() < kMaxNamed) other_fields_.push_back(leaf.path);

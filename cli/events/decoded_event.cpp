@@ -42,7 +42,7 @@ std::string dotted(std::string path) {
 std::string member_text(const model::ServiceModel& model, const std::string& name, const Json& value) {
     const auto* event = model.event_named(name);
     if (event == nullptr) return name + " " + model::dump_json(value);
-    const auto leaves = leaf_values(*event, value);
+    const auto leaves = leaf_values(model, *event, value);
     return name + " " + (is_plain_list(value) ? listed_values(leaves) : leaves_text(leaves));
 }
 
@@ -74,7 +74,7 @@ std::optional<DecodedEvent> selected(const Json& document, const model::ServiceM
     const auto choice = choose_field(model, field);
     if (!choice || !document.contains(choice->event->name)) return std::nullopt;
     DecodedEvent result;
-    result.leaves = leaf_values(*choice->event, document[choice->event->name]);
+    result.leaves = leaf_values(model, *choice->event, document[choice->event->name]);
     std::erase_if(result.leaves, [&choice](const LeafValue& leaf) { return !choice->takes(leaf.path); });
     if (result.leaves.empty()) return std::nullopt;
     result.field = choice->event->name;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "asip/model/hints.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/text/words.hpp"
@@ -10,24 +11,33 @@
 namespace asip::cli {
 namespace {
 
-std::string unit_of(const model::EventModel& event, const std::string& key) {
+const model::Field* field_of(const model::EventModel& event, const std::string& key) {
     for (const auto& field : event.fields) {
-        if (field.name == key) return field.unit;
+        if (field.name == key) return &field;
     }
-    return event.fields.size() == 1 ? event.fields.front().unit : std::string();
+    return event.fields.size() == 1 ? &event.fields.front() : nullptr;
 }
 
-void collect(const model::EventModel& event, const nlohmann::json& value, const std::string& path,
-             const std::string& key, std::vector<LeafValue>& leaves) {
+LeafValue leaf_of(const model::ServiceModel& model, const model::EventModel& event,
+                  const nlohmann::json& value, const std::string& path, const std::string& key) {
+    const auto* field = field_of(event, key);
+    if (field == nullptr) return {path, value, {}};
+    const auto none = model.hints ? model.hints->field(event, field->name).none : std::nullopt;
+    if (none && value.is_number() && value.get<double>() == *none) return {path, nullptr, {}};
+    return {path, value, field->unit};
+}
+
+void collect(const model::ServiceModel& model, const model::EventModel& event, const nlohmann::json& value,
+             const std::string& path, const std::string& key, std::vector<LeafValue>& leaves) {
     const auto below = [&path](const std::string& name) { return path.empty() ? name : path + "." + name; };
     if (value.is_object()) {
         for (const auto& [name, member] : value.items())
-            collect(event, member, below(name), name, leaves);
+            collect(model, event, member, below(name), name, leaves);
     } else if (value.is_array()) {
         for (std::size_t i = 0; i < value.size(); ++i)
-            collect(event, value[i], below(std::to_string(i)), key, leaves);
+            collect(model, event, value[i], below(std::to_string(i)), key, leaves);
     } else {
-        leaves.push_back({path, value, unit_of(event, key)});
+        leaves.push_back(leaf_of(model, event, value, path, key));
     }
 }
 
@@ -59,13 +69,15 @@ std::vector<std::string> names_of(const model::ServiceModel& model) {
 }  // namespace
 
 std::string LeafValue::text() const {
+    if (value.is_null()) return "none";
     const auto shown = value.is_string() ? value.get<std::string>() : model::dump_json(value);
     return unit.empty() ? shown : shown + " " + unit;
 }
 
-std::vector<LeafValue> leaf_values(const model::EventModel& event, const nlohmann::json& value) {
+std::vector<LeafValue> leaf_values(const model::ServiceModel& model, const model::EventModel& event,
+                                   const nlohmann::json& value) {
     std::vector<LeafValue> leaves;
-    collect(event, value, {}, {}, leaves);
+    collect(model, event, value, {}, {}, leaves);
     return leaves;
 }
 

@@ -19,8 +19,10 @@ struct LeafValue {
     std::string text() const;  ///< `42 cm`
 };
 
-/// Every number or text of a decoded event, in its order. `value` is what stands below the event's name.
-std::vector<LeafValue> leaf_values(const model::EventModel& event, const nlohmann::json& value);
+/// Every number or text of a decoded event, in its order; null where the board says that it has no value.
+/// `value` is what stands below the event's name.
+std::vector<LeafValue> leaf_values(const model::ServiceModel& model, const model::EventModel& event,
+                                   const nlohmann::json& value);
 
 /// Which part of a service's events FIELD means: the name of an event, or of a field of one, and a path below
 /// it.

@@ -21,7 +21,7 @@ std::vector<std::string> shown(const char* kind, const std::string& field, const
     const auto choice = choose_field(model_named(kind), field);
     EXPECT_TRUE(choice) << choice.error();
     std::vector<std::string> result;
-    for (const auto& leaf : leaf_values(*choice->event, Json::parse(event))) {
+    for (const auto& leaf : leaf_values(model_named(kind), *choice->event, Json::parse(event))) {
         if (choice->takes(leaf.path)) result.push_back(leaf.path + "=" + leaf.text());
     }
     return result;
@@ -32,6 +32,10 @@ TEST(LeafValues, EachElement_HasTheUnitOfTheModel) {
     EXPECT_THAT(shown("distance", "distance/1", "[42,118]"), ElementsAre("1=118 cm"));
     EXPECT_THAT(shown("distance", "0", "[42,118]"), ElementsAre("0=42 cm"));
     EXPECT_THAT(shown("distance", "7", "[42,118]"), ElementsAre());
+}
+
+TEST(LeafValues, DistanceWithoutAnEcho_IsNone) {
+    EXPECT_THAT(shown("distance", "", "[0,118]"), ElementsAre("0=none", "1=118 cm"));
 }
 
 TEST(LeafValues, FieldsOfElements_AreFoundByName) {
