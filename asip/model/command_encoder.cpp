@@ -258,11 +258,37 @@ Expected<RequestValues> request_values(const ServiceModel& model, std::string_vi
     return result;
 }
 
+namespace {
+
+/// {"angle=90","servo=0"} as an object by names; nothing: some word is none of these.
+std::optional<json> named_words(const CommandModel& command, std::span<const std::string> words) {
+    if (words.empty()) return std::nullopt;
+    json object = json::object();
+    for (const auto& word : words) {
+        const auto sign = word.find('=');
+        const auto name = word.substr(0, sign);
+        const auto args = given_arguments(command);
+        const bool known =
+            sign != std::string::npos && !object.contains(name) &&
+            std::any_of(args.begin(), args.end(), [&](const auto* each) { return each->name == name; });
+        if (!known) return std::nullopt;
+        object[name] = word.substr(sign + 1);
+    }
+    return object;
+}
+
+}  // namespace
+
 Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words) {
     if (words.empty()) return fail("it has no command");
     const auto* known = model.command(words.front());
     if (known == nullptr && words.front().size() == 1) known = model.command_with_tag(words.front().front());
     if (known == nullptr) return unknown_command(model, words.front());
+    if (const auto named = named_words(*known, words.subspan(1))) {
+        const auto values = argument_values(*known, *named);
+        if (!values) return fail(values.error());
+        return finish(model, *known, *values, Strictness::kLenient);
+    }
     const auto args = given_arguments(*known);
     json values = json::array();
     for (std::size_t i = 1; i < words.size(); ++i) {

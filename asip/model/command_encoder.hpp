@@ -38,7 +38,8 @@ Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nl
 Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::string_view text);
 
 /// Words as a person typed them: {"write","0","90"}. The first is the name of a command, or its tag; an item
-/// of a list with several fields is one word: "0:255".
+/// of a list with several fields is one word: "0:255". Arguments by name, in any order: {"write","angle=90",
+/// "servo=0"}.
 Expected<EncodedCommand> encode_word_command(const ServiceModel& model, std::span<const std::string> words);
 
 /// What stands behind the name of a command in JSON, [0,90], {"servo":0,"angle":90} or 90, as an array with

@@ -160,8 +160,17 @@ Outcome<void> act(const PinOptions& options, Environment& environment, PinAccess
         print(options, environment, *pin, *reading, label);
         return {};
     }
-    const auto action = parse_pin_word(options.word);
+    auto action = parse_pin_word(options.word);
     if (!action) return tl::unexpected(action.error());
+    if (action->kind == PinAction::Kind::kToggle) {
+        const auto present =
+            mode == PinMode::kOutput ? access.read(*pin, mode) : PinReading{mode, std::nullopt};
+        if (!present) return tl::unexpected(present.error());
+        if (!present->value)
+            return failure(program::kExitNoAnswer, "it is not known whether pin " + std::to_string(*pin) +
+                                                       " is high: nothing was set on it; write high or low");
+        *action = {PinAction::Kind::kWrite, PinMode::kOutput, *present->value == 0 ? 1 : 0};
+    }
     for (const auto& request : pin_requests(*pin, *action, mode)) {
         if (auto done = access.request(request); !done) {
             if (access.board().description) done.error().text += why_taken(*access.board().description, *pin);
@@ -275,6 +284,7 @@ std::string why_taken(const model::Description& description, int pin) {
 Outcome<PinAction> parse_pin_word(std::string_view word) {
     if (word == "high" || word == "on") return PinAction{PinAction::Kind::kWrite, PinMode::kOutput, 1};
     if (word == "low" || word == "off") return PinAction{PinAction::Kind::kWrite, PinMode::kOutput, 0};
+    if (word == "toggle") return PinAction{PinAction::Kind::kToggle, PinMode::kOutput, 0};
     if (const auto number = protocol::parse_integer(word)) {
         if (*number >= 0 && *number <= 255)
             return PinAction{PinAction::Kind::kPwm, PinMode::kPwm, static_cast<int>(*number)};
@@ -282,11 +292,11 @@ Outcome<PinAction> parse_pin_word(std::string_view word) {
     }
     const auto mode = protocol::pin_mode_from_text(word);
     if (mode && protocol::is_settable(*mode)) return PinAction{PinAction::Kind::kMode, *mode, 0};
-    const std::vector<std::string> words{"high",   "low",    "on",     "off", "input",
-                                         "pullup", "output", "analog", "pwm"};
+    const std::vector<std::string> words{"high",  "low",    "on",     "off",    "toggle",
+                                         "input", "pullup", "output", "analog", "pwm"};
     return failure(program::kExitUsage,
                    "'" + std::string(word) + "'" + text::did_you_mean(word, words) +
-                       ": write high, low, input, pullup, output, analog, pwm or 0..255");
+                       ": write high, low, toggle, input, pullup, output, analog, pwm or 0..255");
 }
 
 std::vector<std::string> pin_requests(int pin, const PinAction& action, std::optional<PinMode> mode) {
@@ -323,8 +333,12 @@ int run_pin(PinOptions options, Environment& environment) {
     BusSession session(environment);
     BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
-    if (target->is_pattern() || options.selector)
-        return run_pin_group(options, *target, *labels, environment, session, source);
+    const bool several = target->is_pattern() || options.selector;
+    if (several && options.word == "toggle")
+        return environment.fail_with(
+            {program::kExitUsage,
+             "toggle takes one board: several that stand otherwise would stay so; write high or low"});
+    if (several) return run_pin_group(options, *target, *labels, environment, session, source);
     const auto done = run_on_board(options, environment, session, source);
     if (done) return program::kExitOk;
     const auto count = options.pin.empty() ? RecordPrinter::Count::kList : RecordPrinter::Count::kOne;
@@ -340,7 +354,7 @@ Run declare_pin(Declaration& verb) {
                   "Name of the board; with * and ? as in a shell, or with -l: several boards");
     verb.argument("PIN", options->pin, "13, D13, A0 or its name; without it all pins are shown",
                   Declaration::Needed::kNo);
-    verb.argument("high|low|input|pullup|output|analog|pwm|...", options->word,
+    verb.argument("high|low|toggle|input|pullup|output|analog|pwm|...", options->word,
                   "What to set, or 0..255 for PWM; without it the pin is read", Declaration::Needed::kNo);
     verb.argument("DUTY", options->duty, "Behind pwm: 0..255", Declaration::Needed::kNo);
     declare_selector(verb, options->selector);
@@ -359,6 +373,7 @@ Verb pin_verb() {
             "them.\n"
             "Examples:\n"
             "  asipctl pin uno1 13 high\n"
+            "  asipctl pin uno1 13 toggle\n"
             "  asipctl pin uno1 3 128\n"
             "  asipctl pin uno1 3 pwm 128\n"
             "  asipctl pin uno1 2 pullup\n"

@@ -48,13 +48,13 @@ std::string why_taken(const model::Description& description, int pin);
 
 /// What a word asks for.
 struct PinAction {
-    enum class Kind { kMode, kWrite, kPwm };
+    enum class Kind { kMode, kWrite, kPwm, kToggle };
     Kind kind = Kind::kMode;
     protocol::PinMode mode = protocol::PinMode::kInput;  ///< that the pin must have
     int value = 0;                                       ///< level or duty
 };
-/// A mode's name, `high`, `low`, `on`, `off`, or 0 to 255 for PWM. Fails with kExitUsage and the nearest
-/// word.
+/// A mode's name, `high`, `low`, `on`, `off`, `toggle`, or 0 to 255 for PWM. Fails with kExitUsage and the
+/// nearest word.
 Outcome<PinAction> parse_pin_word(std::string_view word);
 
 /// The requests to the io service, as its topic takes them, that bring it about for a pin that is in `mode`

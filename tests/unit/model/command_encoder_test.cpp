@@ -167,6 +167,14 @@ TEST(EncodeWords, AsTyped_IsUnderstood) {
     EXPECT_EQ(from_words("motors", {"drive", "-5", "5"}), "M,M,-5,5");
 }
 
+TEST(EncodeWords, ArgumentsByName_InAnyOrder) {
+    EXPECT_EQ(from_words("servo", {"write", "angle=90", "servo=0"}), "S,W,0,90");
+    EXPECT_EQ(from_words("io", {"mode", "mode=output", "pin=13"}), "I,P,13,3");
+    EXPECT_EQ(from_words("lcd", {"write", "0", "a=b"}), "L,W,0,a=b") << "a text, no name";
+    EXPECT_EQ(from_words("servo", {"write", "angle=90"}), "! write: argument 'servo' is missing");
+    EXPECT_EQ(from_words("servo", {"write", "angle=90", "servo=0x"}), "! servo: \"0x\" is not an integer");
+}
+
 TEST(EncodeWords, Faults_AreNamed) {
     EXPECT_EQ(from_words("servo", {}), "! it has no command");
     EXPECT_EQ(from_words("servo", {"wirte"}), "! no command 'wirte'; did you mean 'write'?");
