@@ -4,11 +4,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-<<<<<<< HEAD
-set(layers text protocol model session mqtt bus catalogue caller link client)
-=======
-set(layers text protocol model property session mqtt bus catalogue link client)
->>>>>>> 56f97db1 (agent, asip/client, cli: the topic set is gone, what was set is read from $values)
+set(layers text protocol model property session mqtt bus catalogue caller link client)
 foreach(layer ${layers} options asio)
   set_target_properties(asip_${layer} PROPERTIES EXPORT_NAME ${layer})
 endforeach()
