@@ -20,6 +20,8 @@ Exports::Exports(boost::asio::io_context& io, const exports::MakeExport& make, m
         // An empty list of ids is all of them.
         if (change.anew || !change.ids.empty())
             export_->known(board, change.anew ? std::vector<std::string>() : change.ids, gateway_.now().time);
+        for (const auto& [id, act] : change.acts)
+            export_->acted(board, id, act);
     });
 }
 

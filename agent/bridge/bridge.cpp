@@ -121,6 +121,7 @@ void Bridge::send_periods(Time now, Effects& out) {
 }
 
 void Bridge::publish_values(Time now, Effects& out) {
+    values_.tick(now);
     if (announcer_ && announcer_->may_publish() && name_claimed_ && !leaving_)
         values_.publish(announcer_->session(), now, out);
 }

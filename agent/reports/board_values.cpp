@@ -142,6 +142,11 @@ void BoardValues::hurry(Time now) {
     due_ = now;
 }
 
+std::optional<Time> BoardValues::next_deadline() const {
+    const auto contacts = known_.next_deadline();
+    return due_ && contacts ? std::min(*due_, *contacts) : due_ ? due_ : contacts;
+}
+
 void BoardValues::publish(const std::string& session, Time now, Effects& out) {
     if (!due_ || now < *due_) return;
     due_.reset();

@@ -57,6 +57,9 @@ class BoardValues {
     std::vector<std::pair<int, int>> take_modes() { return std::exchange(modes_, {}); }
     void modes_told(const std::vector<std::pair<int, int>>& modes, Time now);
 
+    /// Time has passed: contacts are quiet again, buttons are held.
+    void tick(Time now) { note(known_.tick(now), kBetween, now); }
+
     // --- what is told
     /// The description is this one now.
     void describe(const model::Description& description, Time now);
@@ -65,7 +68,7 @@ class BoardValues {
     void hurry(Time now);
     /// To be called only where the bus is there, and the name ours. `session`: of the announcements.
     void publish(const std::string& session, Time now, Effects& out);
-    std::optional<Time> next_deadline() const { return due_; }
+    std::optional<Time> next_deadline() const;
     /// A demander asks for the values of the services that its demand names.
     void answer(std::string_view demander, const bus::Demand& demand, const std::string& session, Time now,
                 Effects& out);

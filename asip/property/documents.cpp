@@ -19,7 +19,9 @@ using text::JsonReader;
 constexpr std::size_t kMaxWordBytes = 256;
 constexpr std::size_t kMaxChoices = 64;
 constexpr std::size_t kMaxArguments = 16;
+constexpr std::size_t kMaxEvents = 64;
 constexpr double kMaxAge = 1e10;
+constexpr std::size_t kAroundValues = 512;  // bytes of a document of values, beside them
 
 constexpr std::pair<Kind, const char*> kKinds[] = {{Kind::kSensor, "sensor"}, {Kind::kBinarySensor, "binary"},
                                                    {Kind::kSwitch, "switch"}, {Kind::kNumber, "number"},
@@ -78,6 +80,7 @@ json property_json(const Property& property) {
     put_number(object, "min", property.min);
     put_number(object, "max", property.max);
     put_number(object, "step", property.step);
+    put_number(object, "none", property.none);
     if (property.max_length > 0) object["max_length"] = property.max_length;
     for (const auto& [word, number] : property.choices)
         object["choices"].push_back({word, json_number(number)});
@@ -88,6 +91,7 @@ json property_json(const Property& property) {
     put_call(object, "write", property.write);
     put_call(object, "color", property.color);
     put_call(object, "before", property.before);
+    put_text(object, "refused", property.refused);
     if (property.advanced) object["advanced"] = true;
     if (property.meaning != model::Meaning()) object["meaning"] = model::to_json(property.meaning);
     return object;
@@ -165,11 +169,14 @@ Property read_property(JsonReader& reader) {
     property.name = read_word(reader, "name", true);
     property.service = read_word(reader, "service", true);
     if (!model::valid_name(property.service)) reader.fault("service", "is not a valid name");
+    if (property.id != property.service && !property.id.starts_with(property.service + "/"))
+        reader.fault("id", "is not below its service");
     property.unit = read_word(reader, "unit");
     property.quantity = read_word(reader, "quantity");
     property.min = read_number(reader, "min");
     property.max = read_number(reader, "max");
     property.step = read_number(reader, "step");
+    property.none = read_number(reader, "none");
     property.max_length = reader.integer("max_length", 0, kMaxWordBytes).value_or(0);
     property.whole = reader.text("type", {}, kMaxWordBytes) == "integer" || reader.flag("whole");
     read_choices(reader, property);
@@ -182,6 +189,7 @@ Property read_property(JsonReader& reader) {
     property.color = read_call(reader, "color", property.service);
     property.before = read_call(reader, "before", property.service);
     if (!property.read && !property.settable()) reader.fault("read", "is missing, and so is write");
+    property.refused = read_word(reader, "refused");
     property.advanced = reader.flag("advanced");
     if (auto meaning = reader.object("meaning")) property.meaning = model::read_meaning(*meaning);
     return property;
@@ -214,7 +222,23 @@ json value_json(const ShownValue& value) {
     else
         object["value"] = value.value;
     if (value.how != How::kNone) object["how"] = to_text(value.how);
+    for (const auto& [number, act] : value.events)
+        object["events"].push_back({number, to_text(act)});
     return object;
+}
+
+/// [[7,"press"],[8,"release"]]; words of later versions are passed over.
+void read_events(JsonReader& reader, std::vector<ButtonEvent>& events) {
+    const auto* list = reader.find("events");
+    if (list == nullptr) return;
+    if (!list->is_array() || list->size() > kMaxEvents) return reader.fault("events", "is not a short list");
+    for (const auto& event : *list) {
+        const bool good =
+            event.is_array() && event.size() == 2 && event[0].is_number_unsigned() && event[1].is_string();
+        if (!good) return reader.fault("events", "holds what is no [NUMBER, WORD]");
+        if (const auto act = button_act(event[1].get_ref<const std::string&>()))
+            events.push_back({event[0].get<std::uint64_t>(), *act});
+    }
 }
 
 ShownValue read_value(JsonReader& reader) {
@@ -229,6 +253,7 @@ ShownValue read_value(JsonReader& reader) {
     const auto* value = reader.find("value");
     if (shown.how != How::kNone && value == nullptr) reader.fault("value", "is missing");
     if (shown.how != How::kNone && value != nullptr) shown.value = *value;
+    read_events(reader, shown.events);
     return shown;
 }
 
@@ -254,9 +279,9 @@ Expected<PropertyList> parse_list(std::string_view text) {
     return list;
 }
 
-ShownValue shown(const Known& known, Time now) {
+ShownValue shown(const Known& known, Time now, std::vector<ButtonEvent> events) {
     const std::chrono::duration<double> age = now - known.since;
-    return {known.value, known.how, known.why, std::max(age.count(), 0.0)};
+    return {known.value, known.how, known.why, std::max(age.count(), 0.0), std::move(events)};
 }
 
 ValueDocument values_of(const KnownValues& known, Time now) {
@@ -268,21 +293,20 @@ std::string to_text(const ValueDocument& document) {
     put_head(object, document.head);
     if (!document.clock.empty()) object["clock"] = document.clock;
     auto left_out = document.left_out;
-    auto values = json::object();
-    std::size_t bytes = 512;  // what stands around them
+    std::string values;
     for (const auto& [id, value] : document.values) {
-        auto written = value_json(value);
-        bytes += id.size() + 4 + model::dump_json(written).size();
-        if (bytes > kMaxValuesBytes)
+        auto written = model::dump_json(id) + ":" + model::dump_json(value_json(value));
+        if (values.size() + written.size() > kMaxValuesBytes - kAroundValues)
             ++left_out;
         else
-            values[id] = std::move(written);
+            values += (values.empty() ? "" : ",") + written;
     }
-    object["values"] = std::move(values);
     if (!document.pins.is_null()) object["pins"] = document.pins;
     if (!document.properties.empty()) object["properties"] = properties_json(document.properties);
     if (left_out > 0) object["left_out"] = left_out;
-    return model::dump_json(object);
+    auto text = model::dump_json(object);
+    text.back() = ',';
+    return text + "\"values\":{" + values + "}}";
 }
 
 Expected<ValueDocument> parse_values(std::string_view text) {

@@ -43,7 +43,8 @@ struct ShownValue {
     nlohmann::json value{};
     How how = How::kNone;
     Unknown why = Unknown::kNever;
-    double age = 0;  ///< seconds since it was last said or set, when the document was made
+    double age = 0;                     ///< seconds since it was last said or set, when the document was made
+    std::vector<ButtonEvent> events{};  ///< of a button, within the last second
     friend bool operator==(const ShownValue&, const ShownValue&) = default;
 };
 
@@ -69,7 +70,7 @@ Expected<ValueDocument> parse_values(std::string_view text);
 
 // --- details
 
-ShownValue shown(const Known& known, Time now);
+ShownValue shown(const Known& known, Time now, std::vector<ButtonEvent> events = {});
 
 template <class Of>
 ValueDocument values_of(const KnownValues& known, Time now, const Of& of) {
@@ -77,7 +78,7 @@ ValueDocument values_of(const KnownValues& known, Time now, const Of& of) {
     const auto& properties = known.properties();
     for (std::size_t i = 0; i < properties.size(); ++i)
         if (properties[i].kind != Kind::kButton && of(properties[i].service))
-            document.values.emplace(properties[i].id, shown(known.known(i), now));
+            document.values.emplace(properties[i].id, shown(known.known(i), now, known.events(i, now)));
     return document;
 }
 

@@ -54,6 +54,7 @@ void describe_number(Property& property, const Field& field, const FieldHints& h
     property.min = field.min;
     property.max = field.max;
     property.step = hints.step;
+    property.none = hints.none;
 }
 
 void make_settable(Property& property, const Field& argument, const FieldHints& hints) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/property/known_values.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "asip/property/value.hpp"
@@ -63,6 +65,7 @@ void KnownValues::use(std::vector<Property> properties, Time now) {
         for (std::size_t old = 0; !known && old < properties_.size(); ++old) {
             known = properties_[old].id == property.id && is_read_or_set_alike(properties_[old], property);
             if (known) raw = std::move(raws_[old]);
+            if (known && properties_[old].meaning != property.meaning) raw.contact.let_go();
         }
         if (known || !property.read) continue;
         const auto heard = pins_.find(property.read->service + property.read->pointer);
@@ -93,17 +96,18 @@ bool KnownValues::take(const Property& property, Raw& raw, const json& value, Ho
 
 bool KnownValues::lose(Raw& raw, Unknown why, Time now) {
     if (raw.how == How::kNone && raw.why == why) return false;
-    raw = Raw{{}, {}, How::kNone, why, now, 0};
+    raw = Raw{{}, {}, How::kNone, why, now};
     return true;
 }
 
 bool KnownValues::reported(std::string_view service, const json& published, How how, Time now) {
     if (!published.is_object()) return false;
-    for (const auto* event : kPinEvents) {
-        const auto found = published.find(event);
-        if (found == published.end() || !found->is_object()) continue;
+    for (const auto& [event, pins] : published.items()) {
+        if (!pins.is_object() ||
+            std::find(std::begin(kPinEvents), std::end(kPinEvents), event) == std::end(kPinEvents))
+            continue;
         const auto place = std::string(service) + "/" + event + "/";
-        for (const auto& [pin, value] : found->items())
+        for (const auto& [pin, value] : pins.items())
             if (pins_.size() < kMaxHeard) pins_.insert_or_assign(place + pin, Heard{value, now});
     }
     bool changed = false;
@@ -111,9 +115,54 @@ bool KnownValues::reported(std::string_view service, const json& published, How 
         const auto& property = properties_[i];
         if (!property.read || property.read->service != service) continue;
         if (const auto* raw = raw_in(*property.read, published))
-            changed = take(property, raws_[i], *raw, how, now) || changed;
+            changed = (is_contact(property) ? take_contact(property, raws_[i], *raw, how, now)
+                                            : take(property, raws_[i], *raw, how, now)) ||
+                      changed;
     }
     return changed;
+}
+
+bool KnownValues::take_contact(const Property& property, Raw& raw, const json& level, How how, Time now) {
+    const auto number = number_of(level);
+    if (!number || !value_of(property, level)) return false;
+    const bool counts =
+        raw.contact.heard(*number, raw.how == How::kNone ? std::nullopt : number_of(raw.value), now);
+    const bool changed = counts && count(property, raw, level, how, now);
+    look_again(raw.contact);
+    return changed;
+}
+
+/// The first level that is known is no event: nobody pressed a button then.
+bool KnownValues::count(const Property& property, Raw& raw, const json& level, How how, Time now) {
+    const bool other = raw.how != How::kNone && raw.value != level;
+    const bool changed = take(property, raw, level, how, now);
+    if (other && is_button(property))
+        raw.contact.changed(value_of(property, level) == json(true), now, next_event_);
+    return changed;
+}
+
+void KnownValues::look_again(const Contact& contact) {
+    const auto next = contact.next_deadline();
+    if (next && (!due_ || *next < *due_)) due_ = next;
+}
+
+bool KnownValues::tick(Time now) {
+    if (!due_ || now < *due_) return false;
+    due_.reset();
+    bool changed = false;
+    for (std::size_t i = 0; i < properties_.size(); ++i) {
+        if (!is_contact(properties_[i])) continue;
+        auto& raw = raws_[i];
+        if (const auto level = raw.contact.settled(now))
+            changed = count(properties_[i], raw, json_number(*level), How::kReported, now) || changed;
+        changed = raw.contact.tick(now, next_event_) || changed;
+        look_again(raw.contact);
+    }
+    return changed;
+}
+
+std::vector<ButtonEvent> KnownValues::events(std::size_t index, Time now) const {
+    return is_button(properties_[index]) ? raws_[index].contact.events(now) : std::vector<ButtonEvent>();
 }
 
 bool KnownValues::set_by(const Property& property, const Setter& setter, Raw& raw, const json& values,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "asip/model/request_values.hpp"
+#include "asip/property/contact.hpp"
 #include "asip/property/property.hpp"
 #include "asip/time.hpp"
 
@@ -53,6 +54,9 @@ class KnownValues {
     bool executed(std::string_view service, const model::RequestValues& request, bool perhaps, Time now);
     /// The board restarted, or was away.
     bool forget(Time now);
+    /// To be called when next_deadline() has come: contacts are quiet again, buttons are held.
+    bool tick(Time now);
+    std::optional<Time> next_deadline() const { return due_; }
 
     /// A pin is about to become an input: a level that the board says from now on is its level there.
     void input_begins(std::string_view io, int pin);
@@ -63,6 +67,8 @@ class KnownValues {
     nlohmann::json pins(std::string_view io) const;
     /// By the number of the property.
     Known known(std::size_t property) const;
+    /// What was done with a button lately.
+    std::vector<ButtonEvent> events(std::size_t property, Time now) const;
 
   private:
     struct Raw {
@@ -71,12 +77,16 @@ class KnownValues {
         Unknown why = Unknown::kNever;
         Time since{};
         double sum = 0;
+        Contact contact{};
     };
     struct Heard {
         nlohmann::json value;
         Time when{};
     };
     static bool take(const Property& property, Raw& raw, const nlohmann::json& value, How how, Time now);
+    bool take_contact(const Property& property, Raw& raw, const nlohmann::json& level, How how, Time now);
+    bool count(const Property& property, Raw& raw, const nlohmann::json& level, How how, Time now);
+    void look_again(const Contact& contact);
     static bool lose(Raw& raw, Unknown why, Time now);
     bool set_by(const Property& property, const Setter& setter, Raw& raw, const nlohmann::json& values,
                 bool perhaps, Time now) const;
@@ -86,6 +96,8 @@ class KnownValues {
     /// Levels and analog values of all pins, also of those that are no property yet, by service and pointer:
     /// a board says the level of a new input before it confirms the mode.
     std::map<std::string, Heard, std::less<>> pins_;
+    std::uint64_t next_event_ = 1;
+    std::optional<Time> due_;
 };
 
 }  // namespace asip::property

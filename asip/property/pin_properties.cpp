@@ -56,6 +56,11 @@ class PinProperty {
         const bool has_mode = at(description_.pins.modes, pin_, '-') - '0' == static_cast<int>(*use);
         if (property_.write && !has_mode)
             property_.before = Call{io_.name, "mode", {number(), static_cast<double>(*use)}};
+        if (property_.write && commanded && *commanded != *use)
+            property_.refused = "a command made pin " + std::to_string(pin_) + " " +
+                                std::string(protocol::to_text(*commanded)) + ", and " + klass +
+                                " needs an output: asipctl pin " + description_.board + " " +
+                                std::to_string(pin_) + " output";
         property_.name = labels.pin(static_cast<int>(pin_));
         property_.advanced = property_.name.empty() && klass.empty();
         if (property_.name.empty()) property_.name = usual_name();

@@ -67,6 +67,7 @@ struct Property {
     std::string quantity;  ///< what the number measures, as in a service model
     bool whole = false;    ///< a number without a fraction
     std::optional<double> min, max, step;
+    std::optional<double> none;  ///< the raw number by which the board says that it has no value
     std::size_t max_length = 0;  ///< of a text; 0: no text
     /// Of a select: its words and their numbers. Of a switch and a binary sensor: {"off", N} and {"on", M}.
     std::vector<std::pair<std::string, double>> choices;
@@ -75,6 +76,7 @@ struct Property {
     std::optional<Call> color;   ///< of a light
     std::optional<Call> before;  ///< sent ahead of `write`: what makes a pin an output
     std::vector<Setter> setters;
+    std::string refused;  ///< why it cannot be set now, in a sentence; empty: it can, if settable()
     model::Meaning meaning;
     bool advanced = false;  ///< hidden at first: it moves something, or few people need it
 

@@ -2,6 +2,7 @@
 #include "asip/property/value.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "asip/model/json.hpp"
@@ -112,7 +113,9 @@ std::optional<json> value_of(const Property& property, const json& raw) {
                    ? std::optional(raw)
                    : std::nullopt;
     if (!raw.is_number()) return std::nullopt;
-    return value_of_number(property, raw.get<double>());
+    const auto number = raw.get<double>();
+    if (property.none == number) return json();
+    return value_of_number(property, number);
 }
 
 const json* raw_in(const Place& place, const json& published) {
@@ -129,7 +132,8 @@ const json* raw_in(const Place& place, const json& published) {
             at = &*found;
         } else if (at->is_array() && key.size() < 6 && !key.empty() &&
                    key.find_first_not_of("0123456789") == std::string_view::npos) {
-            const auto index = static_cast<std::size_t>(std::stoul(std::string(key)));
+            std::size_t index = 0;
+            std::from_chars(key.data(), key.data() + key.size(), index);
             if (index >= at->size()) return nullptr;
             at = &(*at)[index];
         } else {

@@ -8,6 +8,7 @@
 #include "asip/bus/request/reply.hpp"
 #include "asip/bus/request/reply_topics.hpp"
 #include "asip/model/json.hpp"
+#include "asip/property/contact.hpp"
 #include "asip/property/list.hpp"
 #include "asip/property/value.hpp"
 
@@ -76,7 +77,7 @@ void BoardValues::report(const mqtt::Message& message) {
     if (!topic || message.retain || !published || !published->is_object()) return;
     for (std::size_t i = 0; i < properties_.size(); ++i) {
         const auto& property = properties_[i];
-        if (!property.read || property.read->sum || property.read->service != topic->service) continue;
+        if (!property::is_reported(property) || property.read->service != topic->service) continue;
         if (auto value = property::value_in(property, *published))
             known_[i] = {{std::move(*value), property::How::kReported}, Clock::now()};
     }

@@ -223,6 +223,7 @@ struct Setting : std::enable_shared_from_this<Setting> {
 
 void set_property(Call& call, const Things::Found& thing, const Property& property, const json& value) {
     if (!bus_is_there(call)) return;
+    if (!property.refused.empty()) return send_problem(call, 409, property.refused);
     auto requests = requests_for(property, value);
     if (requests.empty())
         return send_problem(call, 400,

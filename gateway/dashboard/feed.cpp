@@ -98,7 +98,7 @@ void DashboardFeed::show_properties(const Source& source, const Instant& now) {
 void DashboardFeed::add_past(const Widget& widget, const property::Property& property) {
     const auto* service =
         property.read ? mirror_.values().find(widget.board, property.read->service) : nullptr;
-    if (service == nullptr || property.read->sum) return;
+    if (service == nullptr || !is_reported(property)) return;
     json points = json::array();
     for (auto i = service->points.size(); i > 0 && points.size() < kMaxPast; --i) {
         const auto& point = service->points[i - 1];

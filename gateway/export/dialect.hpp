@@ -90,6 +90,14 @@ class Dialect {
     /// Null: the value is not known. Empty: the topic is cleared.
     virtual std::string state_text(const Property& property, const nlohmann::json& value) const = 0;
     virtual int state_qos() const { return 0; }
+    /// What is done with a button: not retained. Nothing: the other system has no words for that.
+    struct Act {
+        std::string topic, text;
+    };
+    virtual std::optional<Act> act(std::string_view /*board*/, const Property& /*property*/,
+                                   property::ButtonAct /*act*/) const {
+        return std::nullopt;
+    }
     /// Where it stands what the value is to become; empty: nowhere.
     virtual std::string target(std::string_view /*board*/, const Property& /*property*/) const { return {}; }
     /// Where the last command that failed is said, in words.

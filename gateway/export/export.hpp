@@ -81,6 +81,10 @@ class Export {
     /// The board's agent said how these properties stand, by id; none: all of them.
     virtual void known(const std::string& board, const std::vector<std::string>& ids, Time now) = 0;
 
+    /// Something was done with a button.
+    virtual void acted(const std::string& /*board*/, const std::string& /*id*/, property::ButtonAct /*act*/) {
+    }
+
     // Over the export's own:
     /// It is there, with the will that will() said before; will() says the one of the next connection now.
     virtual void own_connected() {}

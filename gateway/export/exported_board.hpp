@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "asip/bus/registry/items.hpp"
+#include "asip/property/contact.hpp"
 #include "asip/property/list.hpp"
 #include "asip/property/value.hpp"
 
 namespace asip::gateway::exports {
 
+using property::is_reported;
 using property::json_number;
 using property::kFullBrightness;
 using property::Kind;
@@ -54,11 +56,6 @@ struct Shown {
 /// there. `refused` counts values that they cannot have.
 std::vector<Shown> reported_values(const ExportedBoard& board, const std::vector<std::size_t>& properties,
                                    std::string_view text, std::uint64_t& refused);
-/// Whether a report of a service is all that it takes: what is counted together, or set, is known by the
-/// board's agent alone.
-inline bool is_reported(const Property& property) {
-    return property.read && !property.read->sum;
-}
 /// No ids are all of them.
 inline bool is_one_of(const Property& property, const std::vector<std::string>& ids) {
     return ids.empty() || std::find(ids.begin(), ids.end(), property.id) != ids.end();

@@ -58,6 +58,7 @@ class Exporter final : public Export {
     void changed(const std::string& board, Time now) override;
     void value(std::string_view board, std::string_view service, std::string_view json, Time now) override;
     void known(const std::string& board, const std::vector<std::string>& ids, Time now) override;
+    void acted(const std::string& board, const std::string& id, property::ButtonAct act) override;
 
     // Over the export's own:
     void sent(Time now) override;

@@ -254,6 +254,22 @@ void Exporter::known(const std::string& board, const std::vector<std::string>& i
             show(found->second, i, port_.value(board, properties[i]), now);
 }
 
+void Exporter::acted(const std::string& board, const std::string& id, property::ButtonAct act) {
+    const auto found = records_.find(board);
+    if (phase_ != Phase::kActive || found == records_.end()) return;
+    for (const auto& property : found->second.board->properties) {
+        if (property.id != id) continue;
+        auto said = dialect().act(board, property, act);
+        if (!said) continue;
+        mqtt::Message message;
+        message.topic = std::move(said->topic);
+        message.payload = std::move(said->text);
+        message.qos = 1;
+        ++acknowledged_;
+        port_.publish(std::move(message));
+    }
+}
+
 void Exporter::all_values(Record& record, Time now) {
     const auto& board = *record.board;
     for (std::size_t i = 0; i < board.properties.size(); ++i)
@@ -294,6 +310,7 @@ void Exporter::command(const Dialect::Command& which, const std::string& payload
     const auto value = dialect().value_of(*property, payload);
     if (!value) return failed(board, value.error());
     if (!record->there) return failed(board, property->name + ": the board is not there");
+    if (!property->refused.empty()) return failed(board, property->refused);
     if (property->kind != Kind::kButton) publish_target(*record, *property, payload);
     for (const auto& request : requests_for(*property, *value))
         port_.command(board, request, [this, board, name = property->name](const std::string& fault) {

@@ -80,6 +80,13 @@ Expected<json> light_value(const Property& property, std::string_view payload) {
 }
 
 /// Home Assistant puts the name of the device in front.
+constexpr const char* kEvent = "event";
+
+/// No other property has it: two hyphens stand in front of two hexadecimal digits in all other ids.
+std::string event_id(const Property& property) {
+    return property::plain_id(property.id) + "--event";
+}
+
 void add_name(ObjectText& component, const ExportedBoard& board, const Property& property) {
     const auto& device = board.name.empty() ? board.board : board.name;
     if (property.name == device)
@@ -208,6 +215,23 @@ void HomeAssistant::describe_component(ObjectText& component, const ExportedBoar
     }
 }
 
+void HomeAssistant::describe_events(ObjectText& component, const ExportedBoard& board,
+                                    const std::string& device, const Property& property) const {
+    const auto id = event_id(property);
+    component.add("p", kEvent).add("uniq_id", device + "_" + id).add("name", property.name + " events");
+    if (property.hidden()) component.add_bool("en", false);
+    component.add("dev_cla", "button")
+        .add("stat_t", state(board.board, id))
+        .add_words("evt_typ", property::button_words());
+}
+
+std::optional<Dialect::Act> HomeAssistant::act(std::string_view board, const Property& property,
+                                               property::ButtonAct act) const {
+    if (!property::is_button(property)) return std::nullopt;
+    return Act{state(board, event_id(property)),
+               R"({"event_type":")" + std::string(property::to_text(act)) + R"("})"};
+}
+
 void HomeAssistant::describe_device(ObjectText& document, const ExportedBoard& board,
                                     const std::string& id) const {
     {
@@ -238,6 +262,7 @@ HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) 
     bool settable = false;
     for (const auto& property : board.properties) {
         if (shown(property)) result[property::plain_id(property.id)] = platform(property);
+        if (property::is_button(property)) result[event_id(property)] = kEvent;
         settable = settable || property.settable();
     }
     if (settable && !options_.read_only) result[std::string(kLastError)] = "sensor";
@@ -258,6 +283,11 @@ std::string HomeAssistant::document(const ExportedBoard& board, const Components
             if (!shown(property) || removed.contains(id)) continue;
             auto component = all.object(id);
             describe_component(component, board, device, property);
+        }
+        for (const auto& property : board.properties) {
+            if (!property::is_button(property) || removed.contains(event_id(property))) continue;
+            auto component = all.object(event_id(property));
+            describe_events(component, board, device, property);
         }
         const std::string error(kLastError);
         if (settable && !options_.read_only && !removed.contains(error) && board.property(error) == nullptr)

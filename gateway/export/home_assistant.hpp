@@ -20,6 +20,7 @@ class ObjectText;
 ///     ROOT/export/ha/BOARD/$state         online: the board is there
 ///     ROOT/export/ha/BOARD/ENTITY         the value
 ///     ROOT/export/ha/BOARD/ENTITY/set     what Home Assistant wants it to be
+///     ROOT/export/ha/BOARD/ENTITY--event  of a button: {"event_type":"press"}, not retained
 ///     ROOT/export/ha/BOARD/last-error     the last command that failed, in words
 class HomeAssistant final : public Dialect {
   public:
@@ -64,6 +65,8 @@ class HomeAssistant final : public Dialect {
     std::string state(std::string_view board, std::string_view property) const {
         return base() + "/" + std::string(board) + "/" + std::string(property);
     }
+    std::optional<Act> act(std::string_view board, const Property& property,
+                           property::ButtonAct act) const override;
     std::string error(std::string_view board) const override { return state(board, kLastError); }
     std::string error_text(const std::string& sentence) const override { return cut(sentence); }
     std::string commands() const override { return base() + "/+/+/set"; }
@@ -94,6 +97,8 @@ class HomeAssistant final : public Dialect {
     void describe_device(ObjectText& document, const ExportedBoard& board, const std::string& id) const;
     void describe_component(ObjectText& component, const ExportedBoard& board, const std::string& device,
                             const Property& property) const;
+    void describe_events(ObjectText& component, const ExportedBoard& board, const std::string& device,
+                         const Property& property) const;
     std::string platform(const Property& property) const;
     bool shown(const Property& property) const;
     std::string device_id(std::string_view board) const;

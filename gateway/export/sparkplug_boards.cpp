@@ -256,6 +256,7 @@ void SparkplugNode::command(const std::string& name, std::size_t index,
     const auto value = dialect_.value_of(property, wanted, value_from(record.states[index].value.sent()));
     if (!value) return answered(name, property.id, value.error());
     if (!record.there) return answered(name, property.id, property.name + ": the board is not there");
+    if (!property.refused.empty()) return answered(name, property.id, property.refused);
     for (const auto& request : requests_for(property, *value))
         port_.command(name, request,
                       [this, name, id = property.id, title = property.name](const std::string& fault) {

@@ -130,7 +130,7 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
             return;
         case TopicKind::kProperties:
         case TopicKind::kValues:
-            return standing_message(*topic, message.payload, now);
+            return standing_message(*topic, message, now);
         case TopicKind::kServiceError:
         case TopicKind::kServiceOut: {
             announcement(message, *topic, now);
@@ -145,15 +145,16 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
 }
 
 // Of what is retained it may come ahead of its board.
-void Mirror::standing_message(const bus::TopicRef& topic, const std::string& payload, const Instant& now) {
+void Mirror::standing_message(const bus::TopicRef& topic, const mqtt::Message& message, const Instant& now) {
     const std::string board(topic.board);
     const auto item = known(board, now);
     if (!item && ((subscribed_ && mark_.empty()) || standing_.size() >= catalogue_.size() + kMaxEarly))
         return;
     const std::string_view session = item ? std::string_view(item->session) : std::string_view();
-    const auto change = topic.kind == TopicKind::kProperties
-                            ? standing_.take_list(board, payload, session)
-                            : standing_.take_values(board, payload, session, now.time);
+    const auto change =
+        topic.kind == TopicKind::kProperties
+            ? standing_.take_list(board, message.payload, session)
+            : standing_.take_values(board, message.payload, session, now.time, message.retain);
     if (change || change.anew) standing_changed(board, change, now);
 }
 
@@ -169,10 +170,9 @@ void Mirror::standing_changed(const std::string& board, const Standing::Change& 
 std::optional<property::ShownValue> Mirror::shown(const std::string& board,
                                                   const property::Property& property, const Instant& now) {
     property::ShownValue shown;
-    const auto* reported = property.read ? values_.find(board, property.read->service) : nullptr;
+    const auto* reported = is_reported(property) ? values_.find(board, property.read->service) : nullptr;
     const ChannelValue* newest = nullptr;
-    for (std::size_t i = 0; reported != nullptr && !property.read->sum && i < reported->channels.size();
-         ++i) {
+    for (std::size_t i = 0; reported != nullptr && i < reported->channels.size(); ++i) {
         const auto& channel = reported->channels[i];
         if (channel.error || channel.outdated || channel.cut > 0) continue;
         const auto is_there = [&] { return property.read->pointer.starts_with("/" + channel.event); };

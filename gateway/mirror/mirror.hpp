@@ -114,7 +114,7 @@ class Mirror {
     const bus::Topics& topics() const { return topics_; }
 
   private:
-    void standing_message(const bus::TopicRef& topic, const std::string& payload, const Instant& now);
+    void standing_message(const bus::TopicRef& topic, const mqtt::Message& message, const Instant& now);
     void standing_changed(const std::string& board, const Standing::Change& change, const Instant& now);
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now);
     void handle(const std::vector<catalogue::Event>& events, const Instant& now);

@@ -11,6 +11,21 @@ bool stands_alike(const ShownValue& a, const ShownValue& b) {
     return a.value == b.value && a.how == b.how && a.why == b.why;
 }
 
+/// In the order of their numbers, those behind `last`; which is the highest of all then.
+std::vector<std::pair<std::string, property::ButtonAct>> new_acts(
+    const decltype(property::ValueDocument::values)& values, std::uint64_t& last) {
+    std::map<std::uint64_t, std::pair<std::string, property::ButtonAct>> by_number;
+    for (const auto& [id, value] : values)
+        for (const auto& [number, act] : value.events)
+            if (number > last) by_number.emplace(number, std::pair(id, act));
+    std::vector<std::pair<std::string, property::ButtonAct>> result;
+    for (auto& [number, act] : by_number) {
+        last = number;
+        result.push_back(std::move(act));
+    }
+    return result;
+}
+
 }  // namespace
 
 /// Of two sessions that of the description counts, else the later one; of one session the later document.
@@ -57,7 +72,7 @@ Standing::Change Standing::take_list(const std::string& board, std::string_view 
 }
 
 Standing::Change Standing::take_values(const std::string& board, std::string_view text,
-                                       std::string_view session, Time now) {
+                                       std::string_view session, Time now, bool stored) {
     Change change;
     decltype(property::ValueDocument::values) values;
     auto& kept = boards_[board].values;
@@ -69,7 +84,10 @@ Standing::Change Standing::take_values(const std::string& board, std::string_vie
         }
         if (!may_replace(kept.head, parsed->head, board, session)) return change;
         values = std::move(parsed->values);
+        if (kept.head.session != parsed->head.session) kept.last_act = 0;
         kept.head = std::move(parsed->head);
+        change.acts = new_acts(values, kept.last_act);
+        if (stored) change.acts.clear();
     }
     for (const auto& [id, value] : values) {
         const auto old = kept.document.find(id);

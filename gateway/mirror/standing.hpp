@@ -29,11 +29,15 @@ class Standing {
         bool list = false;
         bool anew = false;             ///< what the board reported before does not count any more
         std::vector<std::string> ids;  ///< of properties that stand otherwise now
-        explicit operator bool() const { return list || !ids.empty(); }
+        /// What was done with buttons, by the id of their property, in order; each once.
+        std::vector<std::pair<std::string, property::ButtonAct>> acts;
+        explicit operator bool() const { return list || !ids.empty() || !acts.empty(); }
     };
     /// `session`: of the board's description; empty: it is not known. An empty text: there is none any more.
+    /// `stored`: the broker kept it; what was done with a button is of an earlier time.
     Change take_list(const std::string& board, std::string_view text, std::string_view session);
-    Change take_values(const std::string& board, std::string_view text, std::string_view session, Time now);
+    Change take_values(const std::string& board, std::string_view text, std::string_view session, Time now,
+                       bool stored = false);
     void forget(const std::string& board) { boards_.erase(board); }
 
     /// What the broker retains is read anew: what it does not have any more is gone once all was read.
@@ -60,7 +64,8 @@ class Standing {
         property::DocumentHead head;
         Document document{};
         Time at{};
-        bool seen = true;  // since the broker is read anew
+        std::uint64_t last_act = 0;  // its number
+        bool seen = true;            // since the broker is read anew
         bool there() const { return !head.session.empty(); }
     };
     struct Board {

@@ -209,5 +209,25 @@ TEST_F(ValuesOfBoard, Documents_CarrySessionAndRisingNumbers) {
     }
 }
 
+TEST_F(ValuesOfBoard, ButtonThatBounces_IsOnePressAndOneHold) {
+    bench.ask("asip/uno1/in", {{"meanings", {{"io/2", {{"class", "button"}}}}}});
+    bench.labels_kept();
+    bench.board.replies["I,P,2,2"] = "@I,d,4,4";  // boards say the level of a new input that is high
+    bench.ask("asip/uno1/io/in", {{"mode", {2, 2}}}, "2");
+    bench.pass(1s);
+    EXPECT_EQ(values()["io/2"]["value"], false);
+    bench.published.clear();
+    for (const auto* level : {"0", "4", "0", "4", "0"}) {
+        bench.say(std::string("@I,d,4,") + level + "\n");
+        bench.pass(2ms);
+    }
+    EXPECT_THAT(bench.on("asip/uno1/$values"), SizeIs(1)) << "at once";
+    EXPECT_EQ(values()["io/2"]["value"], true);
+    EXPECT_EQ(values()["io/2"]["events"], json::parse(R"([[1,"press"]])"));
+    bench.pass(1s);
+    EXPECT_THAT(bench.on("asip/uno1/$values"), SizeIs(2)) << "a bounce makes no second value";
+    EXPECT_EQ(values()["io/2"]["events"], json::parse(R"([[1,"press"],[2,"hold"]])"));
+}
+
 }  // namespace
 }  // namespace asip::agent

@@ -202,5 +202,29 @@ TEST_F(StandingTest, Stream_BeginsWithAll_AndTellsEachChange) {
     EXPECT_THAT(changed, testing::Not(HasSubstr("servo/0")));
 }
 
+std::string button(std::uint64_t seq, const std::string& events, const std::string& session = "s1") {
+    return R"({"version":1,"board":"uno1","session":")" + session + R"(","seq":)" + std::to_string(seq) +
+           R"(,"values":{"io/2":{"value":true,"how":"reported","age":0,"events":)" + events + "}}}";
+}
+
+TEST(StandingOfAButton, EachEventIsTakenOnce_AndNoneOfAnEarlierTime) {
+    using enum property::ButtonAct;
+    Standing standing;
+    const auto acts = [&](const std::string& text, bool stored = false) {
+        std::vector<property::ButtonAct> result;
+        for (const auto& [id, act] : standing.take_values("uno1", text, "", Time{1s}, stored).acts)
+            result.push_back(act);
+        return result;
+    };
+    EXPECT_THAT(acts(button(1, R"([[4,"press"]])"), true), testing::IsEmpty()) << "the broker kept it";
+    EXPECT_THAT(acts(button(2, R"([[4,"press"],[6,"double"],[5,"release"]])")),
+                testing::ElementsAre(kRelease, kDouble));
+    EXPECT_THAT(acts(button(3, R"([[5,"release"],[6,"double"]])")), testing::IsEmpty());
+    EXPECT_THAT(acts(button(3, R"([[7,"hold"]])")), testing::ElementsAre(kHold));
+    EXPECT_THAT(acts(button(2, R"([[8,"press"]])")), testing::IsEmpty()) << "an older document";
+    EXPECT_THAT(acts(button(1, R"([[1,"press"]])", "s2")), testing::ElementsAre(kPress))
+        << "numbers begin anew";
+}
+
 }  // namespace
 }  // namespace asip::gateway

@@ -41,8 +41,13 @@ TEST(PropertyList, Damaged_IsRefusedWithThePlace) {
     document["version"] = 2;
     EXPECT_THAT(fault(document), HasSubstr("version"));
     document = whole_document();
-    document["properties"][1]["id"] = document["properties"][0]["id"];
+    document["properties"][1] = document["properties"][0];
     EXPECT_THAT(fault(document), HasSubstr("twice"));
+    for (const auto* id : {"", "servo2/0/angle", "io/13", "../servo"}) {
+        document = whole_document();
+        document["properties"][0]["id"] = id;
+        EXPECT_THAT(fault(document), HasSubstr("/properties/0/id")) << "a board that lies: " << id;
+    }
     document = whole_document();
     document["properties"][0]["kind"] = "dragon";
     EXPECT_THAT(fault(document), HasSubstr("/properties/0/kind"));

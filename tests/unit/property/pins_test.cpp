@@ -77,5 +77,22 @@ TEST(PinProperty, PinOfAnotherService_IsNone) {
     EXPECT_THAT(ids(properties(board)), testing::Not(testing::Contains("io/9")));
 }
 
+TEST(PinProperty, CommandThatContradictsTheMeaning_RefusesTheWriteAndSaysWhy) {
+    auto board = board_with({"io"});
+    board.labels.meanings["io/13"] = of_class("light");
+    board.labels.meanings["io/12"] = of_class("light");
+    board.labels.meanings["io/11"] = of_class("fan");
+    board.labels.meanings["io/2"] = of_class("door");
+    board.labels.modes = {{13, 2}, {12, 3}, {11, 4}, {2, 3}, {3, 3}};
+    const auto all = properties(board);
+    EXPECT_EQ(property(all, "io/13").refused,
+              "a command made pin 13 input-pullup, and light needs an output: asipctl pin desk 13 output");
+    EXPECT_NE(property(all, "io/11").refused, "");
+    for (const auto* id : {"io/12", "io/2", "io/3"})
+        EXPECT_EQ(property(all, id).refused, "") << id;
+    board.labels.modes[13] = 3;
+    EXPECT_EQ(property(properties(board), "io/13").refused, "") << "once a command made it one";
+}
+
 }  // namespace
 }  // namespace asip::property::test

@@ -106,5 +106,16 @@ TEST(PropertyLight, IsOnWhereItsLevelIsAboveZero) {
     EXPECT_EQ(light_of(colored, std::nullopt, 0), json({{"on", false}}));
 }
 
+TEST(ValueOf, NumberThatSaysNone_IsNoValue) {
+    Property distance;
+    distance.kind = Kind::kSensor;
+    distance.min = 0;
+    distance.max = 400;
+    distance.none = 0;
+    EXPECT_EQ(value_of(distance, 0), json());
+    EXPECT_EQ(value_of(distance, 42), json(42));
+    EXPECT_EQ(value_of(distance, 401), std::nullopt);
+}
+
 }  // namespace
 }  // namespace asip::property::test

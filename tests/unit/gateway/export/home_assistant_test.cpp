@@ -343,5 +343,27 @@ TEST(HomeAssistantCommand, WhatIsNoValue_IsRefusedInWords) {
     EXPECT_THAT(refused(Kind::kSensor, "1"), HasSubstr("cannot be set"));
 }
 
+TEST(HomeAssistantTest, Button_HasAnEventEntityWithAFrozenId) {
+    auto description = description_of_all();
+    description.labels.meanings["io/3"].klass = "button";
+    description.labels.meanings["io/2"].klass = "door";
+    const auto board = board_of(description);
+    const HomeAssistant ha({});
+    const auto all = json::parse(ha.document(board))["cmps"];
+    EXPECT_EQ(all["io-3--event"],
+              json::parse(R"({"p":"event","uniq_id":"asip-uno1_io-3--event","name":"Pin 3 events",
+        "dev_cla":"button","stat_t":"asip/export/ha/uno1/io-3--event","evt_typ":["press","release","hold","double"]})"));
+    EXPECT_EQ(all["io-3"]["p"], "binary_sensor");
+    EXPECT_FALSE(all.contains("io-2--event"));
+    EXPECT_EQ(ha.components(board).at("io-3--event"), "event");
+    const auto said = ha.act("uno1", *board.property("io-3"), property::ButtonAct::kDouble);
+    ASSERT_TRUE(said);
+    EXPECT_EQ(said->topic, "asip/export/ha/uno1/io-3--event");
+    EXPECT_EQ(said->text, R"({"event_type":"double"})");
+    EXPECT_FALSE(ha.act("uno1", *board.property("io-2"), property::ButtonAct::kPress));
+    const auto removing = json::parse(ha.removing_document(board_with_all(), ha.components(board)));
+    EXPECT_EQ(removing["cmps"]["io-3--event"], json({{"p", "event"}})) << "it is no button any more";
+}
+
 }  // namespace
 }  // namespace asip::gateway::exports
