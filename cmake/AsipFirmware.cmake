@@ -23,6 +23,7 @@ endif()
 
 set(asip_library_sources
   AsipBump.cpp
+  AsipDht.cpp
   AsipDistance.cpp
   AsipEncoders.cpp
   AsipLcd.cpp
@@ -35,6 +36,7 @@ set(asip_library_sources
   AsipServos.cpp
   AsipTone.cpp
   asip/Board.cpp
+  asip/DhtPulses.cpp
   asip/EchoTimer.cpp
   asip/Error.cpp
   asip/Extensions.cpp

@@ -28,13 +28,23 @@ static void disableExternal(uint8_t) {}
 #ifdef __AVR__
 
 static PinInterrupts::Handler handlers[2];
+static PinInterrupts::Handler firstHandler;
 
-bool PinInterrupts::enable(uint8_t pin, Slot slot, Handler handler) {
-    handlers[slot] = handler;
+static bool enablePin(uint8_t pin, PinInterrupts::Handler handler) {
     if (digitalPinToPCICR(pin) == nullptr) return enableExternal(pin, handler);
     *digitalPinToPCMSK(pin) |= _BV(digitalPinToPCMSKbit(pin));
     *digitalPinToPCICR(pin) |= _BV(digitalPinToPCICRbit(pin));
     return true;
+}
+
+bool PinInterrupts::enableAlone(uint8_t pin, Handler handler) {
+    firstHandler = handler;
+    return enablePin(pin, handler);
+}
+
+bool PinInterrupts::enable(uint8_t pin, Slot slot, Handler handler) {
+    handlers[slot] = handler;
+    return enablePin(pin, handler);
 }
 
 void PinInterrupts::disable(uint8_t pin) {
@@ -46,6 +56,7 @@ void PinInterrupts::disable(uint8_t pin) {
 
 ISR(PCINT0_vect) {
     using namespace asip;
+    if (firstHandler != nullptr) firstHandler();
     for (uint8_t i = 0; i < 2; ++i)
         if (handlers[i] != nullptr) handlers[i]();
 }
@@ -62,6 +73,10 @@ ISR(PCINT3_vect, ISR_ALIASOF(PCINT0_vect));
 #else
 
 bool PinInterrupts::enable(uint8_t pin, Slot, Handler handler) {
+    return enableExternal(pin, handler);
+}
+
+bool PinInterrupts::enableAlone(uint8_t pin, Handler handler) {
     return enableExternal(pin, handler);
 }
 

@@ -178,6 +178,7 @@ std::vector<Figure> measure_figures() {
     const auto size = size_of_image();
     const auto robot = size_of_image("asip_uno_mirto");
     const auto displays = size_of_image("asip_uno_displays");
+    const auto climate = size_of_image("asip_uno_climate");
     const auto slow = round_trip(57600);
     const auto fast = round_trip(500000);
     const auto fastest = round_trip(1000000);
@@ -195,6 +196,8 @@ std::vector<Figure> measure_figures() {
          static_cast<double>(displays.data + displays.bss), 900, 875},
         {"LCD, 18 pixels, four I2C sensors: flash", "B", static_cast<double>(displays.text + displays.data),
          18000, 17040},
+        {"two DHT22: static RAM", "B", static_cast<double>(climate.data + climate.bss), 370, 363},
+        {"two DHT22: flash", "B", static_cast<double>(climate.text + climate.data), 9000, 8794},
         {"round trip / wire at 57600", "", slow.cycles / slow.wire, 1.01, 1.01, false, 4},
         {"round trip at 500,000", "ms", fast.cycles / kCyclesPerMs, 0.45, 0.40, false, 3},
         {"round trip / wire at 1,000,000", "", fastest.cycles / fastest.wire, 1.25, 1.17, false, 2},

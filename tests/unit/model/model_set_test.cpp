@@ -30,9 +30,9 @@ class ModelSetTest : public testing::Test {
 
 TEST_F(ModelSetTest, Standard_HasEveryServiceOfTheProtocol) {
     EXPECT_THAT(models_.names(),
-                testing::ElementsAre("acceleration", "bump", "distance", "encoders", "gyroscope", "heading",
-                                     "humidity", "io", "lcd", "motors", "neopixels", "pixels", "pressure",
-                                     "reflectance", "servo", "tone"));
+                testing::ElementsAre("acceleration", "bump", "climate", "distance", "encoders", "gyroscope",
+                                     "heading", "humidity", "io", "lcd", "motors", "neopixels", "pixels",
+                                     "pressure", "reflectance", "servo", "tone"));
     EXPECT_TRUE(models_.find_ref("distance@1"));
     EXPECT_FALSE(models_.find_ref("distance@2"));
     EXPECT_FALSE(models_.find_ref("distance"));

@@ -146,6 +146,7 @@ TEST(Matches, NamesOfDeployedBoards_FindTheirModel) {
                                          {'R', "IR Sensors", "reflectance"},
                                          {'B', "Bump Sensors", "bump"},
                                          {'M', "Motors", "motors"},
+                                         {'C', "Climate", "climate"},
                                          {'E', "Encoders", "encoders"},
                                          {'T', "Tone", "tone"},
                                          {'P', "Pixels", "pixels"},

@@ -52,6 +52,11 @@ TEST(ServiceProperties, EachOtherSensor_HasOneForEachFieldOrElement) {
                             "pressure/temperature sensor 'Pressure temperature' C temperature",
                             "pressure/altitude sensor 'Pressure altitude' m distance"));
     EXPECT_THAT(seen_of("humidity"), ElementsAre("humidity sensor 'Humidity' % humidity"));
+    EXPECT_THAT(seen_of("climate"),
+                ElementsAre("-climate/0/damaged sensor 'Climate damaged'",
+                            "-climate/0/silent sensor 'Climate silent'",
+                            "climate/0/temperature sensor 'Climate temperature' C temperature",
+                            "climate/0/humidity sensor 'Climate humidity' % humidity"));
     EXPECT_THAT(seen_of("heading"),
                 ElementsAre("-heading/x sensor 'Heading x'", "-heading/y sensor 'Heading y'",
                             "-heading/z sensor 'Heading z'", "heading sensor 'Heading' degrees angle"));

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sensors of temperature and humidity with one data pin each, DHT11 or DHT22 (AM2302):
+//
+//   asip::Dht climate(asip::Dht::kDht22, 4);      // sensor 0 on pin 4; up to four pins
+//
+// C,M measures once, C,A,ms periodically; both are answered by @C,e,1,{21.50:45.20}, degrees Celsius and
+// percent. A sensor that does not answer, or whose answer is damaged, has no value: @C,e,1,{}. C,E asks how
+// often each was damaged and silent: @C,E,1,{3:0}.
+//
+// These sensors measure after they have answered, so what they tell is as old as the question before it. One
+// that was not asked for five seconds is asked twice, and only the second answer counts: it comes two seconds
+// later. The pins need an interrupt (docs/protocol.md says which do); one that has none is not used.
+#pragma once
+
+#include "Asip.h"
+
+namespace asip {
+
+class Dht : public Service {
+  public:
+    enum Kind : uint8_t { kDht11, kDht22 };
+    static constexpr uint8_t kMaxSensors = 4;
+
+    // Not constexpr: it would be kept in flash, too. A service has to be a global: what is not set here is
+    // zero.
+    template <typename... Pins>
+    explicit Dht(Kind kind, Pins... pins)
+        : Service('C', sizeof...(Pins)), pins_{static_cast<uint8_t>(pins)...}, kind_(kind) {
+        static_assert(sizeof...(Pins) > 0 && sizeof...(Pins) <= kMaxSensors, "one to four sensors");
+    }
+
+    FlashText name() const override;
+    void begin() override;
+    Error processRequest(Request& request) override;
+    void reportValue(uint8_t index) override;
+    void reportValues() override;  // starts to measure
+    void poll() override;          // goes on measuring, and reports at the end
+
+  private:
+    enum State : uint8_t { kIdle, kResting, kWaking, kListening, kReporting };
+    static constexpr int16_t kNoValue = -32768;
+
+    struct Sensor {
+        int16_t temperature, humidity;  // tenths
+        uint8_t damaged, silent;        // answers, counted up to 255
+    };
+
+    void turnTo(uint8_t sensor);
+    void wake();
+    void listen();
+    void take(uint8_t bits);
+    bool isPassed(uint16_t ms);
+
+    Sensor sensors_[kMaxSensors];
+    uint8_t pins_[kMaxSensors];
+    uint8_t kind_;
+    uint8_t state_;
+    uint8_t sensor_;
+    uint8_t lastMs_;
+    uint16_t waitedMs_;  // in this state
+    uint16_t restedMs_;  // since the sensors were asked
+    bool isOld_;         // what they tell now
+};
+
+}  // namespace asip
