@@ -230,7 +230,10 @@ void Announcer::on_foreign_description(const mqtt::Message& message, Time now, A
         return;
     }
     retained_until_.reset();
-    if (!other) return;
+    if (!other) {  // somebody emptied it: programs take this board for forgotten
+        if (established_) announce_within(kProbeAnswer, now);
+        return;
+    }
     const std::string holder = "agent " +
                                (other->agent.client.empty() ? other->session : other->agent.client) +
                                (other->agent.host.empty() ? "" : " on " + other->agent.host);

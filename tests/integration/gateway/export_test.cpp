@@ -103,6 +103,27 @@ TEST_F(GatewayExportOfABoard, BoardThatIsForgotten_IsGone) {
                                                                                            // and state
 }
 
+TEST_F(GatewayExportOfABoard, TopicsThatSomebodyEmpties_AreThereAgainAtOnce) {
+    auto gateway = start({"--home-assistant", "--homie", "--wot-mqtt"});
+    ASSERT_TRUE(is_shown());
+    probe_.publish(std::string(kServo) + "/set", "90");
+    ASSERT_TRUE(becomes(kServo, "90"));
+    ASSERT_TRUE(becomes("homie/5/uno1/servo/servo-0-angle", "90"));
+    ASSERT_TRUE(becomes("asip/export/wot/uno1/servo-0-angle", "90"));
+    for (const auto& topic : retained())
+        probe_.publish(topic, "", true);
+    EXPECT_TRUE(wait_until([&] { return probe_.all_acknowledged(); }));
+    EXPECT_TRUE(is_shown());
+    EXPECT_TRUE(becomes(kServo, "90"));
+    EXPECT_TRUE(becomes("homie/5/uno1/servo/servo-0-angle", "90"));
+    EXPECT_TRUE(becomes("asip/export/wot/uno1/servo-0-angle", "90"));
+    EXPECT_TRUE(becomes(kBoard, "online"));
+    EXPECT_TRUE(becomes("homie/5/uno1/$state", "ready"));
+    probe_.publish(std::string(kServo) + "/set", "45");
+    EXPECT_TRUE(becomes(kServo, "45"));
+    EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 2u) << "each command once";
+}
+
 class GatewayExportOfMany : public GatewayExport {
   protected:
     void announce(const std::string& board) {

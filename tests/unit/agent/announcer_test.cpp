@@ -157,6 +157,20 @@ TEST(Announcer, OwnStateWrittenBySomebody_IsPutRight) {
     EXPECT_THAT(bench.on(kState), ElementsAre("online", "online"));
 }
 
+TEST(Announcer, OwnDescriptionEmptiedOrSpoilt_IsThereAgainAtOnce) {
+    BridgeBench bench;
+    bench.go_online();
+    for (const auto* text : {"", "{", R"({"services":7})"}) {
+        bench.pass(1s);
+        bench.published.clear();
+        bench.hear(kDescription, text);
+        bench.pass(1s);
+        ASSERT_EQ(bench.on(kDescription).size(), 1u) << text;
+        for (const auto& each : bench.published)
+            EXPECT_TRUE(each.message.topic != kDescription || each.message.retain);
+    }
+}
+
 TEST(Announcer, StateThatIsRetainedBehindOurs_IsPutRight) {
     BridgeBench bench;
     bench.go_online();
