@@ -22,7 +22,8 @@ int Connection::configure() {
     // a program that waits for what the message says would wait for that, too. See write_out().
     mosquitto_threaded_set(m, true);
     if (!options_.user.empty()) {
-        mosquitto_username_pw_set(m, options_.user.c_str(), or_null(options_.password));
+        const int error = mosquitto_username_pw_set(m, options_.user.c_str(), or_null(options_.password));
+        if (error != MOSQ_ERR_SUCCESS) return error;
     }
     if (options_.will) {
         const auto& will = *options_.will;

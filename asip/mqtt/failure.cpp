@@ -14,6 +14,18 @@ constexpr int kV311ServerUnavailable = 3;
 constexpr int kV311BadCredentials = 4;
 constexpr int kV311NotAuthorised = 5;
 
+/// What may be wrong with a password that a broker does not take: " (...)", or nothing.
+std::string hint_at(const std::string& password) {
+    constexpr std::string_view kBlanks = " \t\r\n";
+    if (password.empty()) return {};
+    if (kBlanks.find(password.back()) != std::string_view::npos) return " (the password ends with a blank)";
+    if (kBlanks.find(password.front()) != std::string_view::npos)
+        return " (the password begins with a blank)";
+    if (mosquitto_validate_utf8(password.data(), static_cast<int>(password.size())) != MOSQ_ERR_SUCCESS)
+        return " (the password is no UTF-8: was it written as Latin-1?)";
+    return {};
+}
+
 bool is_credentials(int code) {
     switch (code) {
         case kV311BadCredentials:
@@ -102,8 +114,8 @@ ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, cons
               "(asipctl secure add) and give them by --credentials"
         : connack_code == MQTT_RC_BANNED
             ? "user \"" + options.user + "\": banned"
-            : "user \"" + options.user +
-                  "\"; check user and password, or ask the administrator of the broker for "
+            : "user \"" + options.user + "\"" + hint_at(options.password) +
+                  "; check user and password, or ask the administrator of the broker for "
                   "new ones (asipctl secure)";
     return {Kind::kBadCredentials, broker, connack_code, broker.describe() + " refused " + whom};
 }

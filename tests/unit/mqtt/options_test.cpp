@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/mqtt/options.hpp"
+#include "asip/mqtt/failure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -73,6 +74,26 @@ TEST(PasswordFile, OddOnes_HaveAHint) {
         std::string::npos);
     EXPECT_NE(read_password_file(folder.file("none")).error().find("No such file"), std::string::npos);
     EXPECT_FALSE(read_password_file(folder.path().string()));
+}
+
+TEST(RefusedPassword, OddOnes_HaveAHint) {
+    constexpr int kBadUserOrPassword = 0x86;
+    const auto text = [](const std::string& password) {
+        Options options;
+        options.user = "ann";
+        options.password = password;
+        return refused_by({"pi", 1883, false}, kBadUserOrPassword, options).text;
+    };
+    EXPECT_NE(text("secret").find("refused user \"ann\"; check"), std::string::npos) << text("secret");
+    EXPECT_NE(text("secret ").find("\"ann\" (the password ends with a blank); check"), std::string::npos);
+    EXPECT_NE(text("secret\r").find("ends with a blank"), std::string::npos);
+    EXPECT_NE(text("\tsecret").find("begins with a blank"), std::string::npos);
+    EXPECT_NE(text("K\xfc"
+                   "che")
+                  .find("no UTF-8: was it written as Latin-1?"),
+              std::string::npos);
+    EXPECT_EQ(text("Küche").find("UTF-8"), std::string::npos);
+    EXPECT_EQ(text("secret ").find("secret"), std::string::npos);
 }
 
 }  // namespace
