@@ -133,7 +133,7 @@ bool Bridge::note_restart(Time now) {
 
 void Bridge::tick_restarts(Time now, Effects& out) {
     if (!restarts_.tick(now)) return;
-    if (!restarts_.text().empty()) out.log(Level::kWarning, "board " + restarts_.text());
+    if (restarts_.to_log()) out.log(Level::kWarning, "board " + restarts_.text());
     show_warnings(now);
 }
 

@@ -73,7 +73,10 @@ void PointToPoint::accepted(std::unique_ptr<link::ByteStream> stream, ClientFram
     const auto client = clients_.insert(
         clients_.end(), Client{next_id_++, std::move(stream), ClientFraming(framing), silent, now, now});
     client->stream->start({[this, client](std::string_view bytes) { received(*client, bytes); },
-                           [this, client](const link::StreamError&) { drop(*client, "closed"); },
+                           [this, client](const link::StreamError& error) {
+                               const bool vanished = error.kind == link::StreamError::Kind::kUnreachable;
+                               drop(*client, vanished ? "it does not read, or vanished" : "closed");
+                           },
                            [this, client] { input_ended(*client); }});
     watch_silence();
 }
@@ -133,7 +136,7 @@ void PointToPoint::send(std::string_view line, std::optional<session::ClientId> 
     for (Client& client : clients_) {
         if (client.gone || (to && *to != client.id)) continue;
         if (client.stream->unsent_bytes() > kMaxUnsentBytes) {
-            drop(client, "too slow");
+            drop(client, "it does not read");
         } else if (const std::string bytes = client.framing.encode(line); !bytes.empty()) {
             client.stream->write(bytes);
             if (to) client.served = Clock::now();

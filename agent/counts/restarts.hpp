@@ -4,16 +4,19 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "asip/time.hpp"
 
 namespace asip::agent {
 
-/// Notices a board that restarts again and again, as one does whose power is too weak: what to say of it, at
-/// most once a minute. Pure.
+/// Notices a board that restarts again and again, as one does whose power is too weak: what to say of it.
+/// Pure.
 class Restarts {
   public:
     static constexpr Duration kMinute = std::chrono::minutes(1);
+    /// So often at most what is announced of it changes.
+    static constexpr Duration kBetweenTexts = std::chrono::seconds(5);
     /// So many within a minute are no chance.
     static constexpr std::size_t kMany = 3;
     /// More are not counted.
@@ -23,25 +26,32 @@ class Restarts {
     bool restarted(Time now) {
         forget(now);
         if (times_.size() < kMax) times_.push_back(now);
-        if (times_.size() >= kMany && !due_) due_ = now;
+        if (times_.size() >= kMany && !due_) due_ = log_at_ = now;
         return !many();
     }
     bool many() const { return due_.has_value(); }
-    /// What to say has changed: text() is to be logged, where it is not empty, and announced.
+    /// What to say has changed: text() is to be announced, and logged where to_log() says so.
     bool tick(Time now) {
+        to_log_ = false;
         if (!due_ || now < *due_) return false;
         forget(now);
+        std::string text;
         if (times_.size() >= kMany) {
-            due_ = now + kMinute;
-            text_ = "restarted " + std::to_string(times_.size()) +
-                    (times_.size() == kMax ? " times or more" : " times") +
-                    " in the last minute: is its power supply strong enough, is a cable loose?";
+            due_ = now + kBetweenTexts;
+            text = "restarted " + std::to_string(times_.size()) +
+                   (times_.size() == kMax ? " times or more" : " times") +
+                   " in the last minute: is its power supply strong enough, is a cable loose?";
+            to_log_ = now >= log_at_;
+            if (to_log_) log_at_ = now + kMinute;
         } else {
             due_.reset();
-            text_.clear();
         }
-        return true;
+        const bool changed = text != text_;
+        text_ = std::move(text);
+        return changed || to_log_;
     }
+    /// Once a minute.
+    bool to_log() const { return to_log_; }
     std::optional<Time> next_deadline() const { return due_; }
     /// Empty: nothing.
     const std::string& text() const { return text_; }
@@ -54,6 +64,8 @@ class Restarts {
 
     std::deque<Time> times_;  // of the last minute
     std::optional<Time> due_;
+    Time log_at_{};
+    bool to_log_ = false;
     std::string text_;
 };
 

@@ -122,8 +122,11 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
         if (!handlers_.on_closed) return;
         const bool hung_up =
             error == boost::asio::error::eof || error == boost::asio::error::connection_reset;
-        handlers_.on_closed({StreamError::Kind::kClosed, name_ + (hung_up ? " was closed by the other side"
-                                                                          : " is gone: " + error.message())});
+        // Also of what was written and nobody took.
+        const auto kind = error == boost::asio::error::timed_out ? StreamError::Kind::kUnreachable
+                                                                 : StreamError::Kind::kClosed;
+        handlers_.on_closed(
+            {kind, name_ + (hung_up ? " was closed by the other side" : " is gone: " + error.message())});
     }
 
     Socket socket_;

@@ -22,7 +22,9 @@ using testing::Not;
 /// A blocking TCP client with nothing of ours in it.
 class Socket {
   public:
-    explicit Socket(std::uint16_t port) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+    /// `room`: bytes that wait for it at most; 0: as many as usual.
+    explicit Socket(std::uint16_t port, int room = 0) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+        if (room > 0) setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
         sockaddr_in address{};
         address.sin_family = AF_INET;
         address.sin_port = htons(port);
@@ -166,13 +168,29 @@ TEST_F(AgentOnPort, ClientThatDoesNotRead_IsDroppedAndTheOthersStay) {
         [&] {
             good.received.clear();
             (void)good.receive("never", 1ms);
-            dropped = dropped || agent_.process().errors().find("too slow") != std::string::npos;
+            dropped = dropped || agent_.process().errors().find("it does not read") != std::string::npos;
             return dropped;
         },
         40s));
     fake_.flood("");
     good.send("I,d,2,1\n");
     EXPECT_TRUE(wait_until([&] { return fake_.executed("I,d,2,1"); }));
+}
+
+// Little waits for it, so that the kernel ends the connection first.
+TEST_F(AgentOnPort, ClientThatDoesNotReadTheLittleThatComes_IsLoggedAsThat) {
+    constexpr int kRoom = 2048;
+    Socket slow(port_, kRoom);
+    Socket good(port_);
+    ASSERT_TRUE(slow.connected() && good.connected());
+    fake_.flood("@I,a,6,{0:111,1:222,2:333,3:444,4:555,5:666}");
+    EXPECT_TRUE(wait_until([&] { return !good.receive("never", 1ms) && good.received.size() > 20'000; }));
+    fake_.flood("");
+    EXPECT_TRUE(wait_until(
+        [&] { return agent_.process().errors().find("it does not read, or vanished") != std::string::npos; },
+        30s))
+        << agent_.process().errors();
+    EXPECT_EQ(agent_.process().errors().find("why=closed"), std::string::npos);
 }
 
 TEST_F(AgentOnPort, SixtyFourIdleConnections_LockNobodyOutForLong) {

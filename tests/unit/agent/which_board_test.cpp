@@ -131,6 +131,19 @@ TEST(WhichBoard, RestartsAgainAndAgain_IsAWarningAndOneLineAMinute) {
     EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
 }
 
+TEST(WhichBoard, RestartsAgainAndAgain_TheWarningSaysHowOften) {
+    BridgeBench bench;
+    bench.go_online();
+    for (int i = 0; i < 15; ++i) {
+        bench.say(bench.board.reboot());
+        bench.pass(2s);
+    }
+    bench.pass(5s);
+    EXPECT_THAT(warnings_of(bench, "uno1"), Contains(HasSubstr("restarted 15 times in the last minute")));
+    bench.pass(60s);
+    EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
+}
+
 TEST(WhichBoard, RestartsOnce_IsToldAsBefore) {
     BridgeBench bench;
     bench.go_online();
