@@ -102,6 +102,19 @@ TEST_F(StandingTest, ReportedValue_CountsOverWhatTheAgentSays_UntilARestart) {
     EXPECT_EQ(value("distance/0")["value"], 7);
 }
 
+TEST_F(StandingTest, BoardThatRestartsTwice_WhatItReportedInBetweenDoesNotCount) {
+    list();
+    values({{"distance/0", kRestart}});
+    pass(2s);
+    bus("asip/uno1/distance/out", R"({"distance":[42]})");
+    EXPECT_EQ(value("distance/0")["value"], 42);
+    values({{"distance/0", {{"unknown", "restart"}, {"age", 2}}}, {"servo/0/angle", set_to(90)}}, 2);
+    EXPECT_EQ(value("distance/0")["value"], 42) << "the same restart, told again";
+    pass(1s);
+    values({{"distance/0", kRestart}}, 3);
+    EXPECT_EQ(value("distance/0")["unknown"], "restart");
+}
+
 TEST_F(StandingTest, WhatWasReportedBeforeTheListOfASession_DoesNotCount) {
     bus("asip/uno1/distance/out", R"({"distance":[42]})");
     list();
