@@ -233,9 +233,10 @@ void BoardSource::on_announcement(
     std::function<void(const std::string& board, const std::string& session)> handler) {
     // Of two agents with one name the view shows one.
     session_.on_board(
-        [this, handler = std::move(handler)](const std::string& board, const mqtt::Message& message) {
-            if (message.retain || message.topic != environment_.topics.description(board)) return;
-            if (const auto description = model::parse_description(message.payload))
+        [this, handler = std::move(handler)](const std::string& board, const mqtt::Message* said) {
+            if (said == nullptr || said->retain || said->topic != environment_.topics.description(board))
+                return;
+            if (const auto description = model::parse_description(said->payload))
                 handler(board, description->session);
         });
 }
@@ -286,7 +287,7 @@ Outcome<KnownBoard> BoardSource::board_in_full(const std::string& name) {
     return known(std::move(answer->boards.front()));
 }
 
-KnownBoard BoardSource::known(bus::BoardItem item) {
+KnownBoard BoardSource::known(bus::BoardItem item) const {
     KnownBoard result{std::move(item), std::nullopt};
     if (result.item.description.empty()) {
         const auto& refused = bus().refused();

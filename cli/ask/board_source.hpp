@@ -74,7 +74,7 @@ class BoardSource {
     const std::string& registry() const { return registry_; }
     /// What was read from the bus itself; `read_bus` reads it, with a window for answers to a probe or
     /// without.
-    catalogue::BusView& bus() { return session_.caller().boards(); }
+    catalogue::BusView& bus() const { return session_.boards(); }
     void read_bus(bool probe);
     /// Called for each description that is published while we look (not for those retained).
     void on_announcement(std::function<void(const std::string& board, const std::string& session)> handler);
@@ -88,7 +88,7 @@ class BoardSource {
     bool asks_registry() const { return !environment_.from_bus && !no_registry_; }
     void without_registry(const std::string& why);
     Outcome<KnownBoard> unknown(const std::string& name);
-    KnownBoard known(bus::BoardItem item);
+    KnownBoard known(bus::BoardItem item) const;
 
     const Environment& environment_;
     BusSession& session_;

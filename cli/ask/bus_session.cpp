@@ -64,7 +64,7 @@ struct BusSession::State {
         result.unsubscribe = [this](const std::string& filter) { client.unsubscribe(filter); };
         result.v5 = [this] { return client.v5(); };
         result.changed = [this](const std::string& board, const mqtt::Message* said) {
-            if (said != nullptr && board_said) board_said(board, *said);
+            if (board_said) board_said(board, said);
         };
         result.unacknowledged = [this] { return client.counters().unacknowledged; };
         return result;
@@ -149,7 +149,7 @@ struct BusSession::State {
                                                                               const std::string& why) {
         environment.note(connected ? "connected again" : why);
     };
-    std::function<void(const std::string&, const mqtt::Message&)> board_said;
+    std::function<void(const std::string&, const mqtt::Message*)> board_said;
     bool started = false;
     program::StopSignal signal;
     std::optional<QuitKey> quit_key;
@@ -230,11 +230,11 @@ BusSession::Hold BusSession::hold(caller::Command command, std::chrono::millisec
     return state_->caller.hold(std::move(command), hold, std::move(begun), std::move(ended), Clock::now());
 }
 
-void BusSession::on_board(std::function<void(const std::string&, const mqtt::Message&)> handler) {
+void BusSession::on_board(std::function<void(const std::string&, const mqtt::Message*)> handler) {
     state_->board_said = std::move(handler);
 }
 
-caller::Caller& BusSession::caller() {
+caller::Caller& BusSession::caller() const {
     return state_->caller;
 }
 

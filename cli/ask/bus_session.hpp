@@ -64,10 +64,11 @@ class BusSession {
     Call command(caller::Command command, OnAnswer on_answer);
     /// A command that is renewed until the handle ends: caller::Caller::hold().
     Hold hold(caller::Command command, std::chrono::milliseconds hold, OnAnswer begun, OnAnswer ended);
-    /// Called with all that watched boards say.
-    void on_board(std::function<void(const std::string& board, const mqtt::Message& said)> handler);
-    /// The boards that are watched, and all else that a caller of the bus knows.
-    caller::Caller& caller();
+    /// Called with all that watched boards say, and with null where a lease is over.
+    void on_board(std::function<void(const std::string& board, const mqtt::Message* said)> handler);
+    /// What a caller of the bus knows, and the boards that are watched.
+    caller::Caller& caller() const;
+    catalogue::BusView& boards() const { return caller().boards(); }
 
     /// Of boards that report on demand: `hz` values a second are enough, as long as the handle lives, which
     /// may end after the session. `board` and `service` may be patterns; an empty service is all of them.

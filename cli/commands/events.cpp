@@ -45,7 +45,6 @@ class Follower {
           environment_(environment),
           session_(environment),
           source_(environment, session_),
-          view_(environment.topics),
           records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
 
     int run() {
@@ -113,17 +112,14 @@ class Follower {
     }
 
     void follow_bus() {
-        const auto take = [this](const mqtt::Message& message) { take_announcement(message); };
-        subscriptions_.push_back(session_.subscribe(environment_.topics.board_names() + "/+/+", take));
-        subscriptions_.push_back(session_.subscribe(environment_.topics.service_names("+"), take));
+        session_.on_board([this](const std::string& board, const mqtt::Message*) { look_at(board); });
+        session_.caller().watch_all();
         retained_.emplace(session_.mark_retained());
     }
 
     /// What was there before the first look is not a change.
-    void take_announcement(const mqtt::Message& message) {
-        const auto name = view_.apply(message, Clock::now());
-        if (name.empty()) return;
-        const auto board = view_.board(name, catalogue::instant_now());
+    void look_at(const std::string& name) {
+        const auto board = session_.boards().board(name, catalogue::instant_now());
         const auto state = board ? board->state : std::string();
         const auto known = states_.find(name);
         const auto was = known == states_.end() ? std::string() : known->second;
@@ -160,7 +156,6 @@ class Follower {
     Environment& environment_;
     BusSession session_;
     BoardSource source_;
-    catalogue::BusView view_;
     RecordPrinter records_;
     Table table_ = change_table();
     std::map<std::string, std::string> states_;

@@ -35,11 +35,7 @@ constexpr Duration kFirstDocument = 17s;
 class Top {
   public:
     Top(const TopOptions& options, Environment& environment)
-        : options_(options),
-          environment_(environment),
-          session_(environment),
-          view_(environment.topics),
-          model_(5s) {}
+        : options_(options), environment_(environment), session_(environment), model_(5s) {}
 
     int run() {
         session_.tell_refused_subscriptions();
@@ -73,8 +69,8 @@ class Top {
     }
 
     int run_services() {
-        const auto announce = [this](const mqtt::Message& message) { take_announcement(message); };
-        const auto announcements = session_.subscribe(environment_.topics.board_names() + "/+/+", announce);
+        session_.on_board([this](const std::string& board, const mqtt::Message*) { look_at(board); });
+        session_.caller().watch_all();
         const auto report = [this](const mqtt::Message& message) { take_report(message); };
         const auto reports =
             session_.subscribe(environment_.topics.service_out("+", "+"), report, {.retained = false});
@@ -100,7 +96,7 @@ class Top {
     }
 
     std::optional<Failure> which_is_missing() const {
-        const auto names = view_.names();
+        const auto names = session_.boards().names();
         const auto is_it = [this](const std::string& name) { return wanted(name); };
         if (options_.pattern == "*" || std::any_of(names.begin(), names.end(), is_it)) return std::nullopt;
         return no_such_board(options_.pattern, names);
@@ -108,11 +104,9 @@ class Top {
 
     bool wanted(const std::string& board) const { return bus::matches_pattern(options_.pattern, board); }
 
-    void take_announcement(const mqtt::Message& message) {
-        const auto now = Clock::now();
-        const auto name = view_.apply(message, now);
-        if (name.empty() || !wanted(name)) return;
-        const auto board = view_.board(name, catalogue::instant_now());
+    void look_at(const std::string& name) {
+        if (!wanted(name)) return;
+        const auto board = session_.boards().board(name, catalogue::instant_now());
         if (!board) return;
         model_.state(name, board->state);
         for (const auto& service : board->services)
@@ -134,7 +128,7 @@ class Top {
         for (const auto& [name, request] : pings_)
             model_.round_trip(name, std::nullopt);
         pings_.clear();
-        for (const auto& board : view_.boards({}, catalogue::instant_now())) {
+        for (const auto& board : session_.boards().boards({}, catalogue::instant_now())) {
             if (!wanted(board.board) || board.state != "online" || board.names_only ||
                 ++count > kMaxPingsAtOnce)
                 continue;
@@ -190,7 +184,6 @@ class Top {
     Environment& environment_;
     bool redraws_ = environment_.terminal() && knows_escapes(program::environment_variable("TERM"));
     BusSession session_;
-    catalogue::BusView view_;
     TopModel model_;
     StatsModel stats_;
     std::map<std::string, BusSession::Request> pings_;  // those without an answer

@@ -27,11 +27,11 @@ class Waiter {
           environment_(environment),
           targets_{std::move(target)},
           for_state_(model::board_state_from_text(options.what).has_value()),
-          session_(environment),
-          view_(environment.topics) {}
+          session_(environment) {}
 
     int run() {
-        watch_announcements();
+        session_.caller().watch(board());
+        session_.caller().watch_names(board());
         retained_ = session_.mark_retained();
         if (!for_state_) watch_events();
         if (const auto connected = session_.connect(); !connected)
@@ -52,14 +52,6 @@ class Waiter {
   private:
     const std::string& board() const { return targets_.front().board; }
 
-    void watch_announcements() {
-        const auto take = [this](const mqtt::Message& message) { view_.apply(message, Clock::now()); };
-        for (const auto& topic :
-             {environment_.topics.state(board()), environment_.topics.description(board()),
-              environment_.topics.service_names(board())})
-            subscriptions_.push_back(session_.subscribe(topic, take));
-    }
-
     void watch_events() {
         want_ = session_.want(board(), targets_.front().service);
         for (const auto& filter : context_filters(environment_.topics, targets_, false)) {
@@ -72,7 +64,7 @@ class Waiter {
     void take_event(const mqtt::Message& message) {
         auto event = context_event(environment_.topics, message.topic, message.payload);
         if (!event || event->kind != ContextEvent::Kind::kValue) return;
-        if (!is_wanted(*event, targets_, view_.description(board()))) return;
+        if (!is_wanted(*event, targets_, session_.boards().description(board()))) return;
         const auto document = model::parse_json(event->payload);
         if (!document || !document->is_object() || !document->contains(options_.what)) return;
         event->time = std::chrono::system_clock::now();
@@ -81,7 +73,7 @@ class Waiter {
 
     /// What it is now, for people.
     std::string present() const {
-        const auto known = view_.board(board(), catalogue::instant_now());
+        const auto known = session_.boards().board(board(), catalogue::instant_now());
         if (!known) return "the board is not announced";
         if (!reported(*known)) return "its state is not known: only an old description is retained";
         return "the board is " + state_text(*known);
@@ -96,10 +88,11 @@ class Waiter {
 
     bool came() const {
         if (!for_state_) return event_.has_value();
-        const auto known = view_.board(board(), catalogue::instant_now());
+        const auto known = session_.boards().board(board(), catalogue::instant_now());
         if (!known || known->state != options_.what || !reported(*known)) return false;
         // An online board can be used once it has a description.
-        return options_.what != "online" || known->names_only || view_.description(board()) != nullptr;
+        return options_.what != "online" || known->names_only ||
+               session_.boards().description(board()) != nullptr;
     }
 
     int print() const {
@@ -121,7 +114,6 @@ class Waiter {
     std::vector<Target> targets_;
     bool for_state_;
     BusSession session_;
-    mutable catalogue::BusView view_;  // leases are judged by looking
     std::optional<BusSession::Mark> retained_;
     std::optional<ContextEvent> event_;
     std::vector<BusSession::Subscription> subscriptions_;

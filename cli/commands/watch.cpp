@@ -95,20 +95,13 @@ int watch_registry(const ListOptions& options, Environment& environment, ChangeP
 int watch_bus(const ListOptions& options, Environment& environment, ChangePrinter& printer) {
     BusSession session(environment);
     session.tell_refused_subscriptions();
-    catalogue::BusView view(environment.topics, [&](std::string_view reference) {
-        return model::units_of(environment.models(), reference);
-    });
+    auto& view = session.boards();
     session.on_connection_change([&](bool connected, const std::string& why) {
         environment.note(connected ? "connected again" : not_known_text(why));
-        connected ? view.connected(Clock::now()) : view.disconnected();
     });
     std::set<std::string> changed;
-    const auto take = [&](const mqtt::Message& message) {
-        if (auto name = view.apply(message, Clock::now()); !name.empty()) changed.insert(std::move(name));
-    };
-    const auto announcements = session.subscribe(environment.topics.board_names() + "/+/+", take);
-    const auto services = session.subscribe(environment.topics.service_names("+"), take);
-    const auto names = session.subscribe(environment.topics.board_names(), take);
+    session.on_board([&](const std::string& board, const mqtt::Message*) { changed.insert(board); });
+    session.caller().watch_all();
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     session.publish(environment.topics.probe(), "");
     session.run_for(kRetainedPatience);
@@ -122,10 +115,7 @@ int watch_bus(const ListOptions& options, Environment& environment, ChangePrinte
             }
         }
         changed.clear();
-        const auto next = view.next_expiry();
-        session.run_until([&] { return !changed.empty(); },
-                          std::min(next.value_or(Time::max()), Clock::now() + 1h));
-        changed.merge(view.expired(Clock::now()));
+        session.run_until([&] { return !changed.empty(); }, Clock::now() + 1h);
         // A description and a state that come together are one change.
         session.run_for(30ms);
     }

@@ -37,7 +37,6 @@ struct InteractiveShell::State {
           board(std::move(its_board)),
           session(environment),
           source(environment, session),
-          view(environment.topics),
           history(LineHistory::file_of_user(program::environment_variable)),
           editor({[this] { return prompt(); }, [this](std::size_t columns) { return status(columns); },
                   [this](const std::string& typed) {
@@ -70,12 +69,8 @@ struct InteractiveShell::State {
     }
 
     void follow() {
-        const auto announcement = [this](const mqtt::Message& message) {
-            view.apply(message, Clock::now());
-            look_at_board();
-        };
-        for (const auto& filter : {environment.topics.description(board), environment.topics.state(board)})
-            subscriptions.push_back(session.subscribe(filter, announcement));
+        session.on_board([this](const std::string&, const mqtt::Message*) { look_at_board(); });
+        session.caller().watch(board);
         const auto report = [this](const mqtt::Message& message) { take_report(message); };
         for (const auto& filter :
              {environment.topics.service_out(board, "+"), environment.topics.service_error(board, "+")})
@@ -83,7 +78,6 @@ struct InteractiveShell::State {
         demand_what_is_shown();
         session.on_connection_change([this](bool connected, const std::string& why) {
             online = connected;
-            connected ? view.connected(Clock::now()) : view.disconnected();
             say(connected ? "connected again" : not_known_text(why));
         });
     }
@@ -103,10 +97,10 @@ struct InteractiveShell::State {
     }
 
     void look_at_board() {
-        const auto item = view.board(board, catalogue::instant_now());
+        const auto item = session.boards().board(board, catalogue::instant_now());
         if (!item) return;
         KnownBoard known{*item, std::nullopt};
-        if (const auto* described = view.description(board)) known.description = *described;
+        if (const auto* described = session.boards().description(board)) known.description = *described;
         const auto before = state;
         if (known.description) {
             take_services(known);
@@ -127,7 +121,7 @@ struct InteractiveShell::State {
     }
 
     model::ModelPtr model(const std::string& service) const {
-        const auto* described = view.description(board);
+        const auto* described = session.boards().description(board);
         if (described == nullptr) return nullptr;
         for (const auto& one : described->services) {
             if (one.name == service) return bus::model_of(one, environment.models());
@@ -221,7 +215,6 @@ struct InteractiveShell::State {
     std::string board;
     BusSession session;
     BoardSource source;
-    catalogue::BusView view;
     LineHistory history;
     LineEditor editor;
     ShellValues values;
