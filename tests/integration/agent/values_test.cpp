@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using testing::ContainerEq;
 
-constexpr const char* kValues = "asip/uno1/$values";
+constexpr const char* kValuesTopic = "asip/uno1/$values";
 constexpr const char* kList = "asip/servicebus/uno1/$properties";
 
 class Values : public testing::Test {
@@ -39,12 +39,12 @@ class Values : public testing::Test {
     /// Until the newest message says that these are known of the pins.
     bool says(const json& expected) {
         return wait_until([&] {
-            const auto last = probe.last(kValues);
+            const auto last = probe.last(kValuesTopic);
             return last && known_in(*last) == expected;
         });
     }
     /// What a client finds on `topic` that comes now; "" for nothing.
-    std::string stored(const std::string& topic = kValues) {
+    std::string stored(const std::string& topic = kValuesTopic) {
         BusProbe late(broker.port(), {topic});
         const auto found = late.wait_for(topic, 1s);
         return found && found->retain ? found->payload : "";
@@ -70,7 +70,7 @@ TEST_F(Values, TwoSenders_LateJoinerAndViewsKnowBoth) {
     other.publish("asip/uno1/in", "I,P,3,5");
     other.publish("asip/uno1/in", "I,a,3,255");
     const json all{{"io/13", true}, {"io/3", 255}};
-    EXPECT_TRUE(says(all)) << *probe.last(kValues);
+    EXPECT_TRUE(says(all)) << *probe.last(kValuesTopic);
     EXPECT_EQ(known_in(stored()), all);
     EXPECT_EQ(shown(), all);
 }
@@ -82,7 +82,7 @@ TEST_F(Values, RefusedOrNotExecuted_IsUnchanged) {
     EXPECT_EQ(ask(R"({"write":[0,1]})")["status"], "error") << "the pin of the line to the agent";
     EXPECT_EQ(ask(R"({"write":[13,2]})")["status"], "refused");
     ASSERT_EQ(ask(R"({"write":[13,0]})")["status"], "ok");
-    EXPECT_TRUE(says({{"io/13", false}})) << *probe.last(kValues);
+    EXPECT_TRUE(says({{"io/13", false}})) << *probe.last(kValuesTopic);
 }
 
 TEST_F(Values, BoardRestarts_AreUnknown) {
@@ -141,7 +141,7 @@ TEST_F(Values, BoardForgotten_NothingIsLeft) {
         return answer && json::parse(*answer).value("refused", "").empty();
     };
     ASSERT_TRUE(wait_until(forgotten));
-    for (const std::string topic : {kValues, kList, "asip/uno1/io/set"})
+    for (const std::string topic : {kValuesTopic, kList, "asip/uno1/io/set"})
         EXPECT_TRUE(wait_until([&] { return stored(topic).empty(); })) << topic;
 }
 
