@@ -41,11 +41,13 @@ Setting draw_setting(Dice& dice, bool clock_behind) {
 
 class History {
   public:
-    History(std::uint64_t seed, bool with_trace, const std::string& watched)
+    History(std::uint64_t seed, bool with_trace, const std::string& watched,
+            std::vector<std::string>* recorded)
         : dice_(seed),
           clock_behind_(has_clock_behind(seed)),
           setting_(draw_setting(dice_, clock_behind_)),
           with_trace_(with_trace),
+          recorded_(recorded),
           broker_(dice_, setting_.in_order) {
         note(fmt::format("seed {}: {}, {}, lease {} s", seed,
                          setting_.in_order ? "in order" : "bridged brokers",
@@ -69,7 +71,7 @@ class History {
         }
         views_.push_back(make_registry(broker_, dice_, "r1", now_));
         views_.push_back(make_gateway(broker_, dice_));
-        views_.push_back(make_bus_view(broker_));
+        views_.push_back(bus_view());
         for (auto& view : views_)
             view->start(now_);
     }
@@ -90,6 +92,9 @@ class History {
     }
 
   private:
+    std::unique_ptr<View> bus_view() {
+        return recorded_ != nullptr ? make_recorded_view(broker_, *recorded_) : make_bus_view(broker_);
+    }
     void note(std::string what) {
         if (with_trace_) end_.trace.push_back(fmt::format("{:8.3f} {}", seconds(now_), what));
     }
@@ -235,7 +240,7 @@ class History {
         note(fmt::format("a late joiner: {}", kind));
         const auto at = std::min<std::size_t>(kind + 3, views_.size());
         auto view = kind == 0   ? make_gateway(broker_, dice_)
-                    : kind == 1 ? make_bus_view(broker_)
+                    : kind == 1 ? bus_view()
                                 : make_registry(broker_, dice_, fmt::format("r{}", ++registries_), now_);
         if (at == views_.size()) {
             views_.push_back(std::move(view));
@@ -323,6 +328,7 @@ class History {
     bool clock_behind_;
     Setting setting_;
     bool with_trace_;
+    std::vector<std::string>* recorded_;
     End end_;
     Time now_ = kBegin;
     Time next_tick_ = kBegin;
@@ -336,8 +342,9 @@ class History {
 
 }  // namespace
 
-End run_history(std::uint64_t seed, bool with_trace, const std::string& watched) {
-    return History(seed, with_trace, watched).run();
+End run_history(std::uint64_t seed, bool with_trace, const std::string& watched,
+                std::vector<std::string>* recorded) {
+    return History(seed, with_trace, watched, recorded).run();
 }
 
 }  // namespace truth::presence

@@ -28,7 +28,8 @@ struct End {
 
 /// A random history of boards, agents, brokers' connections and programs that look at them; from time to
 /// time, when all is quiet, each view is compared with what is really so. `watched`: the view whose messages
-/// are part of the trace.
-End run_history(std::uint64_t seed, bool with_trace, const std::string& watched = {});
+/// are part of the trace. `recorded`: what bus views got is added to it, see make_recorded_view().
+End run_history(std::uint64_t seed, bool with_trace, const std::string& watched = {},
+                std::vector<std::string>* recorded = nullptr);
 
 }  // namespace truth::presence

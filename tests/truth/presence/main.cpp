@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -41,6 +42,20 @@ struct Plan {
     unsigned failures_allowed = 5;
     unsigned threads = 1;
 };
+
+/// Writes what bus views got in histories, and what they said, for the tests of other languages.
+int record(const Plan& plan, const std::string& path) {
+    std::vector<std::string> recorded;
+    for (std::uint64_t number = 0; number < plan.histories; ++number) {
+        const auto end = truth::presence::run_history(plan.first + number, false, {}, &recorded);
+        if (end.failure.empty()) continue;
+        fmt::print("FAILED: seed {}: {}\n", plan.first + number, end.failure);
+        return 1;
+    }
+    std::ofstream file(path);
+    file << "{\"histories\": [\n" << fmt::format("{}", fmt::join(recorded, ",\n")) << "\n]}\n";
+    return file.good() ? 0 : 1;
+}
 
 int run(const Plan& plan) {
     const auto began = SteadyClock::now();
@@ -85,7 +100,7 @@ int main(int argc, char** argv) {
     CLI::App app(
         "Checks that every program's view of boards is true, in random histories in simulated time.");
     std::vector<std::uint64_t> seeds;
-    std::string watched;
+    std::string watched, vectors;
     Plan plan;
     plan.threads = std::max(1U, std::thread::hardware_concurrency());
     app.add_option("--seed", seeds, "Replay the histories of these seeds and print what happens");
@@ -96,7 +111,12 @@ int main(int argc, char** argv) {
     app.add_option("--threads", plan.threads, "At the same time")->capture_default_str();
     app.add_option("--failures", plan.failures_allowed, "Stop after so many that fail")
         ->capture_default_str();
+    app.add_option("--record", vectors,
+                   "Write what programs hear in --histories of them, and what they say, to this file: "
+                   "python/tests/test_presence.py and node-red/tests/presence.test.mjs read it")
+        ->needs("--histories");
     CLI11_PARSE(app, argc, argv);
     asip::program::log::configure(asip::program::log::Level::kOff, asip::program::log::Format::kText);
+    if (!vectors.empty()) return record(plan, vectors);
     return seeds.empty() ? run(plan) : replay(seeds, watched);
 }

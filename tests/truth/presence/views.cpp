@@ -176,9 +176,10 @@ class GatewayView final : public View {
     asip::gateway::Mirror mirror_;
 };
 
-class ViewOfBus final : public View {
+class ViewOfBus : public View {
   public:
-    explicit ViewOfBus(SimBroker& broker) : View(broker, "bus view"), view_(asip::bus::Topics()) {}
+    explicit ViewOfBus(SimBroker& broker, std::vector<std::string> filters = {"asip/servicebus/#"})
+        : View(broker, "bus view"), filters_(std::move(filters)), view_(asip::bus::Topics()) {}
 
     void tick(Time now) override { view_.expired(now); }  // as asipctl watch does
     bool is_complete() const override { return complete_; }
@@ -189,7 +190,8 @@ class ViewOfBus final : public View {
   protected:
     void on_connected(Time now) override {
         view_.connected(now);
-        broker_.subscribe(client_, "asip/servicebus/#", false, true, now);
+        for (const auto& filter : filters_)
+            broker_.subscribe(client_, filter, false, true, now);
         own_ = "view/" + std::to_string(client_);
         broker_.subscribe(client_, own_, false, false, now);
         Message mark;
@@ -203,9 +205,74 @@ class ViewOfBus final : public View {
     }
 
   private:
+    std::vector<std::string> filters_;
     std::string own_;
     bool complete_ = false;
     asip::catalogue::BusView view_;
+};
+
+class RecordedView final : public ViewOfBus {
+  public:
+    RecordedView(SimBroker& broker, std::vector<std::string>& recorded)
+        : ViewOfBus(broker, {"asip/servicebus/+/$description", "asip/servicebus/+/$state"}),
+          recorded_(recorded) {}
+    RecordedView(const RecordedView&) = delete;
+    RecordedView& operator=(const RecordedView&) = delete;
+    ~RecordedView() override {
+        for (const auto& [board, steps] : steps_)
+            recorded_.push_back(json{{"about", name()}, {"board", board}, {"steps", steps}}.dump());
+    }
+
+    /// A turn that changes nothing that is seen is no step.
+    void tick(Time now) override {
+        ViewOfBus::tick(now);
+        for (auto& [board, steps] : steps_)
+            if (is_another(shown(board, now), steps.back().at("then"))) add(board, json::object(), now);
+    }
+
+  protected:
+    void on_connected(Time now) override {
+        ViewOfBus::on_connected(now);
+        for (const auto* board : kBoards)
+            add(board, {{"heard", true}}, now);
+    }
+    void on_disconnected(Time now) override {
+        ViewOfBus::on_disconnected(now);
+        for (const auto* board : kBoards)
+            add(board, {{"heard", false}}, now);
+    }
+    void on_message(const Message& message, Time now) override {
+        ViewOfBus::on_message(message, now);
+        for (const std::string board : kBoards)
+            for (const auto* kind : {"state", "description"}) {
+                if (message.topic != "asip/servicebus/" + board + "/$" + kind) continue;
+                json step{{std::string(kind) == "state" ? kind : "text", message.payload}};
+                if (message.retain) step["kept"] = true;
+                if (message.expiry_seconds) step["expiry"] = *message.expiry_seconds;
+                add(board, std::move(step), now);
+            }
+    }
+
+  private:
+    using json = nlohmann::json;
+    static constexpr const char* kBoards[] = {"b0", "b1"};
+
+    json shown(const std::string& name, Time now) {
+        const auto item = board(name, now);
+        if (!item) return nullptr;
+        return {item->state, item->reason, item->state_age < 0 ? json() : json(item->state_age)};
+    }
+    static bool is_another(const json& a, const json& b) {
+        return a.is_null() || b.is_null() ? a != b : a[0] != b[0] || a[1] != b[1];
+    }
+    void add(const std::string& board, json step, Time now) {
+        step["at"] = std::chrono::duration<double>(now.time_since_epoch()).count();
+        step["then"] = shown(board, now);
+        steps_[board].push_back(std::move(step));
+    }
+
+    std::vector<std::string>& recorded_;
+    std::map<std::string, json> steps_;
 };
 
 }  // namespace
@@ -218,6 +285,9 @@ std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice) {
 }
 std::unique_ptr<View> make_bus_view(SimBroker& broker) {
     return std::make_unique<ViewOfBus>(broker);
+}
+std::unique_ptr<View> make_recorded_view(SimBroker& broker, std::vector<std::string>& recorded) {
+    return std::make_unique<RecordedView>(broker, recorded);
 }
 
 }  // namespace truth::presence

@@ -65,5 +65,9 @@ std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::st
 std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice);
 /// asipctl without a registry, and the client library.
 std::unique_ptr<View> make_bus_view(SimBroker& broker);
+/// The same, of what the Python package and the nodes of Node-RED hear. When it ends, it adds what it got,
+/// and what it said of each board after that, to `recorded`, as a history of tests/vectors/presence.json
+/// each.
+std::unique_ptr<View> make_recorded_view(SimBroker& broker, std::vector<std::string>& recorded);
 
 }  // namespace truth::presence
