@@ -24,6 +24,7 @@ std::optional<Context::Decoded> Context::decode(const protocol::ParsedLine& line
 void Context::publish(const protocol::ParsedLine& line, const std::optional<Decoded>& decoded, Effects& out,
                       std::string_view by) {
     const auto& topics = board_.topics;
+    if (out.publish.empty()) out.publish.reserve(4);  // most lines make two
     mqtt::Message raw;
     raw.topic = options_.client_side ? topics.board_in(board_.name) : topics.board_out(board_.name);
     raw.payload = line.text() + options_.terminator;
