@@ -25,6 +25,7 @@ const Words kNewer{"def_ent_id"};
 const std::map<std::string, Words> kKeys{
     {"sensor", {"dev_cla", "stat_cla", "unit_of_meas", "ops"}},
     {"binary_sensor", {"dev_cla"}},
+    {"event", {"dev_cla", "evt_typ"}},
     {"number", {"cmd_t", "min", "max", "step", "unit_of_meas", "dev_cla"}},
     {"switch", {"cmd_t", "dev_cla"}},
     {"select", {"cmd_t", "ops"}},
@@ -104,6 +105,8 @@ void expect_class(const json& component, const std::string& platform) {
     if (klass.empty()) return;
     if (platform == "binary_sensor") {
         EXPECT_TRUE(kInputs.contains(klass));
+    } else if (platform == "event") {
+        EXPECT_TRUE(Words({"button", "doorbell", "motion"}).contains(klass));
     } else if (platform == "switch") {
         EXPECT_TRUE(klass == "outlet" || klass == "switch");
     } else {
