@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 
 #include "asip/program/command_words.hpp"
@@ -35,7 +36,12 @@ constexpr const char* kNotes =
     "  asipctl subscribe uno1/distance\n"
     "  asipctl send uno1/servo write 0 90\n"
     "  asipctl pin uno1 13 high\n"
-    "asipctl COMMAND --help, or asipctl help COMMAND, shows the options of one command.";
+    "asipctl help all lists the other commands, too; asipctl COMMAND --help shows the options of one.";
+
+/// What most people type. The others are in `asipctl help all`.
+constexpr std::array<std::string_view, 13> kFirst{"list",   "show",   "get",  "subscribe", "send",
+                                                  "pin",    "stop",   "open", "label",     "flash",
+                                                  "doctor", "secure", "help"};
 
 /// These print or complete what every verb declares.
 bool knows_all(const Verb& verb) {
@@ -83,7 +89,8 @@ std::string CommandLine::first_argument(const std::vector<std::string>& words) c
 void CommandLine::add_verb(const Verb& verb, bool with_options) {
     auto* command = app_.add_subcommand(verb.name, verb.summary);
     command->fallthrough();
-    command->group("Commands");
+    const bool first = std::find(kFirst.begin(), kFirst.end(), verb.name) != kFirst.end();
+    command->group(first ? "Commands" : "");
     if (!with_options) return;
     command->footer(verb.notes + "\nOptions of every command: asipctl --help");
     Declaration declaration(*command);
@@ -237,10 +244,24 @@ ColourChoice CommandLine::colour() const {
 
 Outcome<std::string> CommandLine::help(const std::string& verb) const {
     // App::help() would print the help of the verb that was given: of `help` itself.
-    if (verb.empty()) return app_.get_formatter()->make_help(&app_, "asipctl", CLI::AppFormatMode::Normal);
+    if (verb.empty() || verb == "all") {
+        auto text = app_.get_formatter()->make_help(&app_, "asipctl", CLI::AppFormatMode::Normal);
+        return verb.empty() ? text : text + other_commands();
+    }
     if (const auto unknown = program::unknown_word(app_, {verb}))
         return failure(program::kExitUsage, *unknown);
     return app_.get_subcommand(verb)->help("asipctl");
+}
+
+std::string CommandLine::other_commands() const {
+    std::string text = "\nOther commands:\n";
+    for (const auto* command :
+         app_.get_subcommands([](const CLI::App* each) { return each->get_group().empty(); })) {
+        auto line = "  " + command->get_name();
+        line.resize(std::max<std::size_t>(line.size() + 2, 30), ' ');
+        text += line + command->get_description() + "\n";
+    }
+    return text;
 }
 
 }  // namespace asip::cli

@@ -43,12 +43,13 @@ class CommandLine {
     /// Runs the verb that was given.
     int run(Environment& environment) const { return chosen_(environment); }
 
-    /// What `asipctl VERB --help` prints; with an empty verb, `asipctl --help`. Fails with kExitUsage and the
-    /// nearest verb.
+    /// What `asipctl VERB --help` prints; with an empty verb, `asipctl --help`; with "all", the verbs that
+    /// this leaves out, too. Fails with kExitUsage and the nearest verb.
     Outcome<std::string> help(const std::string& verb) const;
 
   private:
     CommandLine();
+    std::string other_commands() const;
     /// Of words that are read before any verb was added: the one that should be a verb.
     std::string first_argument(const std::vector<std::string>& words) const;
     /// The same words, where `--` is among them with the options before it and all arguments behind it.

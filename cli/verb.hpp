@@ -16,7 +16,7 @@ using Run = std::function<int(Environment&)>;
 /// lists it; help, manual page and completion follow from what `declare` declares.
 struct Verb {
     std::string name;
-    std::string summary;  ///< one line of `asipctl --help`
+    std::string summary;  ///< one line of `asipctl help all`
     std::string notes;    ///< below the options in `asipctl NAME --help`: what to know, and examples
     Run (*declare)(Declaration& verb) = nullptr;
     bool uses_bus = true;  ///< it connects to a broker: one is searched where none is configured

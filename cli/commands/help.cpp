@@ -9,7 +9,9 @@ namespace {
 
 Run declare_help(Declaration& verb) {
     auto name = std::make_shared<std::string>();
-    verb.argument("VERB", *name, "The command; without it, all of them are listed", Declaration::Needed::kNo);
+    verb.argument("VERB", *name,
+                  "The command; without it, those that most people type are listed, with all every one",
+                  Declaration::Needed::kNo);
     return [name](Environment& environment) {
         const auto text = environment.help(*name);
         if (!text) return environment.fail_with(text.error());
@@ -21,8 +23,8 @@ Run declare_help(Declaration& verb) {
 }  // namespace
 
 Verb help_verb() {
-    return {"help", "Options and examples of a command", "Example:\n  asipctl help send", declare_help,
-            false};
+    return {"help", "Options and examples of a command", "Examples:\n  asipctl help send\n  asipctl help all",
+            declare_help, false};
 }
 
 }  // namespace asip::cli

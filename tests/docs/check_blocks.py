@@ -96,7 +96,7 @@ class Checks:
     def help(self, words):
         words = tuple(words)
         if words not in self.helps:
-            helps = ["--help-all" if words in WITH_HELP_ALL else "--help"]
+            helps = ["help", "all"] if words == ("asipctl",) else ["--help-all" if words in WITH_HELP_ALL else "--help"]
             done = subprocess.run([os.path.join(self.programs, words[0]), *words[1:], *helps], capture_output=True, text=True, timeout=30)
             self.helps[words] = done.stdout if done.returncode == 0 else None
         return self.helps[words]

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace asip::cli {
@@ -147,6 +148,20 @@ TEST(CommandLine, ForSomeArguments_DeclaresTheVerbThatIsGiven) {
             EXPECT_EQ(line.help("").value(), all.help("").value());
         }
     }
+}
+
+TEST(CommandLine, Help_ShowsAboutTwelveVerbsAndWithAllEachOne) {
+    const CommandLine line(all_verbs());
+    const auto shown_in = [](const std::string& text) {
+        const auto verbs = all_verbs();
+        return std::count_if(verbs.begin(), verbs.end(), [&text](const Verb& verb) {
+            return text.find("\n  " + verb.name + " ") != std::string::npos &&
+                   text.find(verb.summary) != std::string::npos;
+        });
+    };
+    EXPECT_EQ(shown_in(line.help("").value()), 13);
+    EXPECT_EQ(shown_in(line.help("all").value()), static_cast<std::ptrdiff_t>(all_verbs().size()));
+    EXPECT_THAT(line.help("").value(), testing::HasSubstr("asipctl help all"));
 }
 
 TEST(CommandLine, ForSomeArguments_ErrorsNameAllVerbs) {
