@@ -14,10 +14,17 @@ using program::log::Level;
 
 namespace {
 
-std::string error_line(const Expected<protocol::Request>& request, protocol::ErrorCode code) {
-    const std::string start = request ? std::string{'~', request->service, ',', request->tag} : "~#,?";
-    return start + "," + std::to_string(static_cast<int>(code)) + "{" +
+std::string error_line(char service, char tag, protocol::ErrorCode code) {
+    return std::string{'~', service, ',', tag, ','} + std::to_string(static_cast<int>(code)) + "{" +
            std::string(protocol::error_name(code)) + "}";
+}
+
+/// As the board itself answers to what is no request: under the letter that it begins with.
+std::string error_to_no_request(std::string_view line, const session::Identity& board) {
+    const char first = line.empty() || line.front() <= ' ' || line.front() > '~' ? '?' : line.front();
+    const bool known = first == '#' || board.find_service(first) != nullptr;
+    return error_line(first, '?',
+                      known ? protocol::ErrorCode::kUnknownRequest : protocol::ErrorCode::kInvalidService);
 }
 
 }  // namespace
@@ -240,7 +247,8 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     const auto request = protocol::parse_request(line);
     const bool valid = request && session::may_be_sent(*request);
     if (valid && latch_.holds(board_.services, *request)) {
-        out.lines.push_back({error_line(request, protocol::ErrorCode::kDeviceNotAvailable), client});
+        out.lines.push_back(
+            {error_line(request->service, request->tag, protocol::ErrorCode::kDeviceNotAvailable), client});
         if (may_publish()) control_.report_refused(line, out);
         return ClientResult::kRefused;
     }
@@ -265,7 +273,9 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     const bool not_there = valid && why != session::Refusal::kTooLong;
     const auto code =
         not_there ? protocol::ErrorCode::kDeviceNotAvailable : protocol::ErrorCode::kUnknownRequest;
-    out.lines.push_back({error_line(request, code), client});
+    out.lines.push_back({request ? error_line(request->service, request->tag, code)
+                                 : error_to_no_request(line, session.identity()),
+                         client});
     if (may_publish()) control_.report_refused(line, why, out);
     return ClientResult::kRefused;
 }

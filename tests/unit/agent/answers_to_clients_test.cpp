@@ -93,6 +93,23 @@ TEST_F(OnlineBridge, ClientAsksForExtensions_IsNotOfferedThoseOfTheLine) {
     EXPECT_EQ(bench.lines_for_one[1].line, "~#,C,2{UNKNOWN_REQUEST}");
 }
 
+TEST_F(OnlineBridge, WhatIsNoRequest_IsAnsweredUnderItsLetterAsByTheBoard) {
+    for (const auto& [line, answer] :
+         std::vector<std::pair<std::string, std::string>>{{"a,?", "~a,?,1{INVALID_SERVICE}"},
+                                                          {"5", "~5,?,1{INVALID_SERVICE}"},
+                                                          {"Zx", "~Z,?,1{INVALID_SERVICE}"},
+                                                          {"#?", "~#,?,2{UNKNOWN_REQUEST}"},
+                                                          {"Sx", "~S,?,2{UNKNOWN_REQUEST}"},
+                                                          {"\xc3\xa4,?", "~?,?,1{INVALID_SERVICE}"}}) {
+        bench.lines_for_one.clear();
+        bench.client_says(line, 1);
+        ASSERT_EQ(bench.lines_for_one.size(), 1u) << line;
+        EXPECT_EQ(bench.lines_for_one[0].line, answer);
+    }
+    bench.client_says("#,?", 1);
+    EXPECT_EQ(bench.lines_for_one.size(), 2u) << "the next good one works";
+}
+
 TEST_F(OnlineBridge, ClientTooFast_IsAskedToWaitAndLosesNothing) {
     bench.board.mute = true;
     int accepted = 0;
