@@ -7,6 +7,24 @@
 /// Random histories of how a board stands: commands of several programs, levels and distances, restarts of
 /// the board, broker and gateway, lost lines and readers, in simulated time. A real agent and a real gateway
 /// stand between a scripted board and what is asked; each view is compared with what the board did.
+/// What single tests show of it, by what a user would see:
+///  1 reading switches a lamp off             RealBoardTest.NoReading_SwitchesALampOff; run_lamp() here
+///  2 the same from Python, and toggle        test_reading_sets_nothing_whatever_the_pin_is,
+///                                            test_toggle_works_from_what_any_program_set
+///  3 an analog pin by its name               test_analog_pin_by_name
+///  4 a button is on when it is released      PinProperty.InputWithPullUp_IsOnWhenLow,
+///                                            RealBoardTest.MeaningOfAPin_ShowsInItsValue
+///  5 a value that lags behind its command    ValuesOfBoard.Command_ShowsAtOnceToReadersThatAsk
+///  6 a form that shows another value         tests/browser/services_test.py
+///  7 ids that a new command moves            PropertyIds.CommandInFront_ChangesNoOtherId,
+///                                            PropertyIds.StandardModels_AreThoseOfTheCommittedTable
+///  8 values that cannot be                   ExporterTest.ValueThatThePropertyCannotHave_IsCountedAndNotSent
+///  9 names said twice; 0 cm without an echo  HomeAssistantNames.OfTheDevice_AreNotSaidTwice,
+///                                            ValueOf.NumberThatSaysNone_IsNoValue
+/// 10 arguments by name                       EncodeWords.ArgumentsByName_InAnyOrder
+/// 11 one list for all                        tests/unit/property/, which no other folder repeats
+/// Damaged, enormous and lying lists: PropertyList.Damaged_IsRefusedWithThePlace,
+/// StandingTest.DamagedDocuments_AreDroppedAndCounted_AndTheNextOneWorks.
 namespace truth::values {
 
 struct End {
