@@ -18,7 +18,7 @@ Caller::Caller(Options options, const Random& random, Port port)
       view_(options_.topics, options_.units_of),
       router_([this](const std::string& filter) { port_.unsubscribe(filter); }),
       access_(options_.user),
-      watched_(options_.topics.board_names() + "/") {
+      watched_(options_.topics.board_names()) {
     port_.subscribe(replies().filter(), {.qos = options_.qos, .retained = false});
 }
 

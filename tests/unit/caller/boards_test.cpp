@@ -46,6 +46,13 @@ TEST_F(BoardTest, StoredWords_AreCompleteOnceTheStateHasCome) {
     EXPECT_THAT(changed, Contains("uno1"));
 }
 
+TEST_F(BoardTest, BoardOfNamesAlone_IsSeenByItsName) {
+    caller->watch_all();
+    receive("asip/servicebus", "pico");
+    EXPECT_THAT(caller->boards().names(), ElementsAre("pico"));
+    EXPECT_THAT(changed, ElementsAre("pico"));
+}
+
 TEST_F(BoardTest, LostConnection_JudgesNoLeaseAndHearsAgain) {
     receive("asip/servicebus/uno1/$description", description(1));
     EXPECT_TRUE(caller->heard_of("uno1"));
