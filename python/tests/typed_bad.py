@@ -9,3 +9,5 @@ with asip.connect() as bus:
     desk.servo.write(0, "up")  # fault
     desk.servo.wirte(0, 90)  # fault
     desk.pin(13).on(1.0)  # fault
+    desk.property(13)  # fault
+    desk.property("io/13").wirte(True)  # fault

@@ -9,5 +9,8 @@ with asip.connect() as bus:
     desk.servo.write(0, angle=90)
     desk.io.mode(13, "output")
     desk.pin(13).on(timeout=1.0)
+    desk["servo/0/angle"].value = 90
+    desk.set_meaning("io/2", "door", inverted=True)
+    print([(one.id, one.text, one.read(timeout=1.0)) for one in desk.properties])
     for value in desk.distance.stream(hz=5):
         print(value)
