@@ -83,6 +83,7 @@ inline constexpr std::string_view kComponents = R"json({
   "PropertyValues": {"type": "object", "required": ["board", "session", "values", "present"], "properties": {
     "board": {"type": "string"}, "session": {"type": "string"},
     "present": {"type": "boolean", "description": "The board is there; otherwise these are its last values"},
+    "past": {"type": "object", "description": "By id, the newest first: [time, number]", "additionalProperties": {"type": "array", "items": {"type": "array"}}},
     "values": {"type": "object", "additionalProperties": {"type": "object", "required": ["age"], "properties": {
       "value": {}, "age": {"type": "number"}, "how": {"type": "string", "enum": ["reported", "answered", "set"]},
       "unknown": {"type": "string", "enum": ["never", "restart", "doubt"], "description": "Why there is no value"}}}}}},
@@ -118,6 +119,7 @@ inline constexpr std::string_view kComponents = R"json({
   "Things": {"type": "array", "items": {"$ref": "#/components/schemas/Thing"}},
   "Properties": {"type": "object"},
   "PropertyValue": {"description": "A number, a text, true or false; of a light an object: on, brightness, color"},
+  "PropertyByIdValue": {"type": "object", "minProperties": 1, "maxProperties": 1, "description": "Its id and its value", "additionalProperties": {"$ref": "#/components/schemas/PropertyValue"}},
   "EventStream": {"type": "string"},
   "Widget": {"type": "object", "required": ["kind"], "additionalProperties": false, "properties": {
     "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,16}$", "description": "Given by the gateway where it is missing"},

@@ -2,15 +2,19 @@
 // What can be read and set on a board, and how it stands.
 #include <nlohmann/json.hpp>
 
+#include "asip/model/json.hpp"
 #include "asip/property/documents.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/api/streams.hpp"
+#include "gateway/dashboard/dashboard.hpp"
 
 namespace asip::gateway::api {
 namespace {
+
+constexpr std::int64_t kMaxPast = 600;
 
 /// A board as its asker sees it, with those of its properties that `ids` names.
 struct Asked {
@@ -21,7 +25,7 @@ struct Asked {
 };
 
 /// Or a 404 that names the nearest.
-std::optional<Asked> asked(const Call& call) {
+std::optional<Asked> asked(const Call& call, const std::string& one = {}) {
     const auto board = board_of(call);
     if (!board) return std::nullopt;
     auto found = call.gateway.things().find(call.gateway.mirror(), call.board(), call.now());
@@ -31,7 +35,7 @@ std::optional<Asked> asked(const Call& call) {
     }
     Asked result{std::move(*found), {}};
     result.found.board = seen(call.principal.rights, std::move(result.found.board));
-    const auto* text = call.request.parameter("ids");
+    const auto* text = one.empty() ? call.request.parameter("ids") : &one;
     for (std::size_t at = 0; text != nullptr && at <= text->size();) {
         const auto comma = std::min(text->find(',', at), text->size());
         result.ids.insert(text->substr(at, comma - at));
@@ -69,14 +73,40 @@ void get_board_properties(Call& call) {
 }
 
 void get_board_values(Call& call) {
+    const auto past = whole_parameter(call, "past", 0, 0, kMaxPast);
+    if (!past) return send_problem(call, 400, past.error());
     const auto board = asked(call);
     if (!board) return;
     auto text = values_text(
         call.gateway.mirror(), *board->found.board, board->found.session,
         [&](const auto& each) { return board->wants(each); }, call.now());
     text.pop_back();
-    text += std::string(",\"present\":") + (model::takes_commands(board->found.state) ? "true}" : "false}");
+    text += std::string(",\"present\":") + (model::takes_commands(board->found.state) ? "true" : "false");
+    if (*past > 0) {
+        auto points = nlohmann::json::object();
+        for (const auto& each : board->found.board->properties) {
+            if (!board->wants(each)) continue;
+            auto known = past_of(call.gateway.mirror(), call.board(), each, static_cast<std::size_t>(*past));
+            if (!known.empty()) points[each.id] = std::move(known);
+        }
+        text += ",\"past\":" + points.dump();
+    }
+    text += '}';
     call.reply.send(text_response(std::move(text)));
+}
+
+void put_board_values(Call& call) {
+    if (!board_of(call)) return;
+    const auto body = model::parse_json(call.request.body, {.max_bytes = 1024, .max_depth = 3});
+    if (!body || !body->is_object() || body->size() != 1)
+        return send_problem(call, 400, "the body must be one property and its value: {\"io/13\":true}");
+    const auto& id = body->begin().key();
+    const auto board = asked(call, id);
+    if (!board) return;
+    for (const auto& each : board->found.board->properties)
+        if (each.id == id)
+            return set_property(call, board->found, each, Widget::value_for(each, body->begin().value()));
+    send_problem(call, 404, "board " + call.board() + " has no property \"" + text::printable(id) + "\"");
 }
 
 void get_board_values_stream(Call& call) {

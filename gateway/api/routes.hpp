@@ -57,6 +57,7 @@ void delete_board(Call& call);
 void get_board_history(Call& call);
 void get_board_properties(Call& call);
 void get_board_values(Call& call);
+void put_board_values(Call& call);
 void get_board_values_stream(Call& call);
 void get_history(Call& call);
 void get_services(Call& call);

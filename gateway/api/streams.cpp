@@ -131,6 +131,39 @@ PropertyFeed::Options feed_options(const Reader& reader, const std::string& boar
     return options;
 }
 
+/// Of these properties alone, and the reports of nothing else are demanded.
+PropertyFeed::Options only(const Reader& reader, const std::string& board, std::set<std::string> ids,
+                           double hz, const std::function<bool(const std::string& service)>& allowed) {
+    auto feed = feed_options(reader, board, "*", hz);
+    std::set<std::string, std::less<>> services;
+    for (const auto& id : ids)
+        if (auto service = id.substr(0, id.find('/')); allowed(service)) services.insert(std::move(service));
+    auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
+    for (const auto& service : services)
+        wants->push_back(reader.gateway.demander().want(board, service, hz));
+    feed.ids = std::move(ids);
+    feed.values.demands = wants->size();
+    feed.values.demand = std::move(wants);
+    feed.values.allowed = [services = std::move(services)](std::string_view, std::string_view service) {
+        return services.contains(service);
+    };
+    return feed;
+}
+
+Expected<PropertyFeed::Options> values_feed(const Reader& reader, const std::string& board,
+                                            const json& request, double max_hz) {
+    const auto listed = request.find("ids");
+    if (listed == request.end()) return feed_options(reader, board, "*", max_hz);
+    std::set<std::string> ids;
+    for (const auto& id : *listed)
+        if (id.is_string()) ids.insert(id.get<std::string>());
+    if (!listed->is_array() || ids.size() != listed->size() || ids.empty() ||
+        ids.size() > property::kMaxProperties)
+        return fail("ids: must be a list of ids of properties, such as [\"distance/0\"]");
+    return only(reader, board, std::move(ids), max_hz > 0 ? max_hz : bus::kUsualHz,
+                [&](const std::string& service) { return reader.rights.sees_service(board, service); });
+}
+
 Expected<std::unique_ptr<Feed>> dashboard_feed(const Reader& reader, const json& request, double max_hz) {
     const auto name = request.find("name");
     if (name == request.end() || !name->is_string()) return fail("name: which dashboard");
@@ -145,20 +178,7 @@ Expected<std::unique_ptr<Feed>> dashboard_feed(const Reader& reader, const json&
     if (max_hz > 0) options.max_hz = own.empty() ? max_hz : std::min(max_hz, options.max_hz);
     options.properties = [reader, hz = options.max_hz](const std::string& board,
                                                        const std::set<std::string>& ids) {
-        auto feed = feed_options(reader, board, {}, hz);
-        feed.ids = ids;
-        std::set<std::string, std::less<>> services;
-        for (const auto& id : ids)
-            services.insert(id.substr(0, id.find('/')));
-        auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
-        for (const auto& service : services)
-            wants->push_back(reader.gateway.demander().want(board, service, hz));
-        feed.values.demands = wants->size();
-        feed.values.demand = std::move(wants);
-        feed.values.allowed = [services](std::string_view, std::string_view service) {
-            return services.contains(service);
-        };
-        return feed;
+        return only(reader, board, ids, hz, [](const std::string&) { return true; });
     };
     options.part = [reader] { return reader.part(); };
     return std::make_unique<DashboardFeed>(reader.gateway.dashboards(), reader.gateway.mirror(),
@@ -188,8 +208,9 @@ Expected<std::unique_ptr<Feed>> feed_for(const Reader& reader, const json& reque
         const auto board = text.substr(0, text.find('/'));
         if (!reader.rights.sees_board(board))
             return fail("there is no board \"" + text::printable(board) + "\"");
-        return std::make_unique<PropertyFeed>(reader.gateway.mirror(),
-                                              feed_options(reader, board, "*", *max_hz));
+        auto options = values_feed(reader, board, request, *max_hz);
+        if (!options) return Unexpected<std::string>(options.error());
+        return std::make_unique<PropertyFeed>(reader.gateway.mirror(), std::move(*options));
     }
     if (target == "$catalogue") {
         const auto board = request.find("board");

@@ -11,7 +11,7 @@
 namespace asip::gateway {
 using nlohmann::json;
 
-json Widget::value_for(const property::Property& of, const json& value) const {
+json Widget::value_for(const property::Property& of, const json& value) {
     if (of.kind != property::Kind::kLight) return value;
     if (value.is_boolean()) return {{"on", value}};
     if (!value.is_number()) return value;

@@ -29,7 +29,7 @@ struct Widget {
     std::string_view service() const { return std::string_view(property).substr(0, property.find('/')); }
     /// What a switch or a slider asks for, as a value of the property; of a light it is whether it is on, or
     /// its brightness.
-    nlohmann::json value_for(const property::Property& of, const nlohmann::json& value) const;
+    static nlohmann::json value_for(const property::Property& of, const nlohmann::json& value);
 };
 
 /// A link that shows a dashboard to its holder. Of its token only the hash is kept.

@@ -3,7 +3,6 @@
 
 #include "asip/model/json.hpp"
 #include "asip/property/documents.hpp"
-#include "asip/property/value.hpp"
 #include "asip/text/wall_time.hpp"
 
 namespace asip::gateway {
@@ -91,22 +90,10 @@ void DashboardFeed::show_properties(const Source& source, const Instant& now) {
         const auto found = std::find_if(all.begin(), all.end(),
                                         [&](const auto& each) { return each.id == widget.property; });
         put("property", {{"id", widget.id}, {"property", found == all.end() ? json() : json_of(*found)}});
-        if (widget.kind == Widget::Kind::kPlot && found != all.end()) add_past(widget, *found);
+        if (widget.kind != Widget::Kind::kPlot || found == all.end()) continue;
+        auto points = past_of(mirror_, widget.board, *found, kMaxPast);
+        if (!points.empty()) put("past", {{"id", widget.id}, {"points", std::move(points)}});
     }
-}
-
-void DashboardFeed::add_past(const Widget& widget, const property::Property& property) {
-    const auto* service =
-        property.read ? mirror_.values().find(widget.board, property.read->service) : nullptr;
-    if (service == nullptr || !is_reported(property)) return;
-    json points = json::array();
-    for (auto i = service->points.size(); i > 0 && points.size() < kMaxPast; --i) {
-        const auto& point = service->points[i - 1];
-        if (service->channels[point.channel].error || point.cut > 0) continue;
-        const auto value = property::value_in(property, json::parse(point.json, nullptr, false));
-        if (value && value->is_number()) points.push_back({text::iso_time(point.seen.wall), *value});
-    }
-    if (!points.empty()) put("past", {{"id", widget.id}, {"points", std::move(points)}});
 }
 
 void DashboardFeed::show_boards(const Instant& now) {

@@ -51,7 +51,6 @@ class DashboardFeed final : public Feed {
     void end();
     void add_sources(const Instant& now);
     void show_properties(const Source& source, const Instant& now);
-    void add_past(const Widget& widget, const property::Property& property);
     void show_boards(const Instant& now);
     void read(Source& source, const StreamEvent& event, const Instant& now);
     void put(std::string_view kind, const nlohmann::json& data);

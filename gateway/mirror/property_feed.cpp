@@ -2,6 +2,9 @@
 #include "gateway/mirror/property_feed.hpp"
 
 #include "asip/model/json.hpp"
+#include "asip/property/documents.hpp"
+#include "asip/property/value.hpp"
+#include "asip/text/wall_time.hpp"
 
 namespace asip::gateway {
 
@@ -14,6 +17,20 @@ std::string values_text(Mirror& mirror, const exports::ExportedBoard& board, con
             document.values.emplace(each.id,
                                     mirror.shown(board.board, each, now).value_or(property::ShownValue()));
     return property::to_text(document);
+}
+
+nlohmann::json past_of(Mirror& mirror, const std::string& board, const property::Property& property,
+                       std::size_t max) {
+    auto points = nlohmann::json::array();
+    const auto* service = property.read ? mirror.values().find(board, property.read->service) : nullptr;
+    if (service == nullptr || !exports::is_reported(property)) return points;
+    for (auto i = service->points.size(); i > 0 && points.size() < max; --i) {
+        const auto& point = service->points[i - 1];
+        if (service->channels[point.channel].error || point.cut > 0) continue;
+        const auto value = property::value_in(property, nlohmann::json::parse(point.json, nullptr, false));
+        if (value && value->is_number()) points.push_back({text::iso_time(point.seen.wall), *value});
+    }
+    return points;
 }
 
 PropertyFeed::PropertyFeed(Mirror& mirror, Options options)

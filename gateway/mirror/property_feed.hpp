@@ -16,6 +16,11 @@ namespace asip::gateway {
 std::string values_text(Mirror& mirror, const exports::ExportedBoard& board, const std::string& session,
                         const std::function<bool(const property::Property&)>& choose, const Instant& now);
 
+/// What a property was, the newest first: [["2026-01-31T12:00:00.000Z", 42], ...], at most `max`; of sums,
+/// and of what no report shows, nothing.
+nlohmann::json past_of(Mirror& mirror, const std::string& board, const property::Property& property,
+                       std::size_t max);
+
 /// How the properties of a board stand: `values` with all of them, `snapshot-end`, then `values` with those
 /// that changed, each by its id. When the list changes, `properties` says so, and all follow again. Pure.
 class PropertyFeed final : public Feed {

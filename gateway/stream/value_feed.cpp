@@ -77,8 +77,10 @@ ValueFeed::~ValueFeed() {
 }
 
 bool ValueFeed::exact() const {
-    return board_.find_first_of("*?") == std::string::npos &&
-           service_.find_first_of("*?") == std::string::npos;
+    const auto one = [](const std::string& text) {
+        return !text.empty() && text.find_first_of("*?") == std::string::npos;  // an empty pattern is any
+    };
+    return one(board_) && one(service_);
 }
 
 std::optional<std::uint64_t> ValueFeed::place_of(const ServiceValues& service) const {

@@ -101,7 +101,7 @@ class BoardPage(PageTest):
     def test_Order_IsValuesControlsPinsAbout_AndTheRestIsUnderAdvanced(self):
         self.open_board()
         self.value()
-        self.browser.shown("form[aria-label^='servo: Turn']")
+        self.setter("Servo 0 angle")
         heads = [head.text for head in self.browser.find("asip-board h2") if head.is_displayed()]
         self.assertEqual(heads, ["Values", "Controls", "Pins", "About", "History"])
         self.assertEqual([each.text for each in self.browser.find("input[type=number]") if each.is_displayed() and "Period" in each.text], [])
@@ -124,13 +124,29 @@ class BoardPage(PageTest):
             main = lambda form: form.find_element(By.CSS_SELECTOR, "button.main").text
             self.assertEqual(main(self.form("motors", "Set the power of the first two motors at once")), "Hold to run")
             self.assertEqual(main(self.form("motors", "Set the power of one motor")), "Hold to run")
-            self.assertEqual(main(self.form("motors", "Stop every motor")), "Send")
+            self.assertEqual(main(self.form("motors", "Stop every motor")), "Stop every motor")
             self.assertEqual(main(self.form("pixels", "Set the brightness of the strip")), "Set")
             client.publish("asip/servicebus/rover/$state", "", qos=1, retain=True).wait_for_publish(20)
         self.open_board()
-        self.assertEqual(main(self.form("servo", "Turn a servo to an angle")), "Set")
+        self.assertEqual(main(self.form("servo", "Turn a servo to an angle")), "Turn")
         self.all_commands()
         self.assertEqual(main(self.form("io", "Set the level of an output pin")), "Set")
+
+    def test_ValuesOfSeveralUnits_HaveAPlotAndAnAxisEach(self):
+        fields = [{"name": name, "type": "number", "unit": unit} for name, unit in (("far", "cm"), ("echo", "us"), ("near", "mm"), ("nearer", "mm"))]
+        model = {"name": "probe", "version": 1, "id": "P", "events": {"p": {"name": "probe", "per": "event", "fields": fields}}}
+        meter = {"board": "meter", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [{"name": "probe", "id": "P", "model": model}]}
+        with published(self.bus, "asip/servicebus/meter/$description", json.dumps(meter)) as client, published(self.bus, "asip/servicebus/meter/$state", "online"):
+            self.open("board/meter")
+            plots = lambda: self.browser.run("return [...document.querySelectorAll('asip-plot canvas')].map((each) => each.getAttribute('aria-label'))")
+
+            def drawn():
+                client.publish("asip/meter/probe/out", json.dumps({"probe": {"far": 42, "echo": 2400, "near": 420, "nearer": 410}})).wait_for_publish(20)
+                return len(plots()) == 3 and all("Nothing yet" not in each for each in plots())
+
+            eventually(drawn, "three plots")
+            units = [[unit for unit in ("cm", "µs", "mm") if f"\u00a0{unit}" in each] for each in plots()]
+            self.assertEqual(units, [["cm"], ["µs"], ["mm"]])
 
     def test_NamesAndLabels_AreGivenInThePageAndStandEverywhere(self):
         self.open_board()
@@ -145,15 +161,15 @@ class BoardPage(PageTest):
         eventually(lambda: self.browser.text("h1") == "left desk desk", "the name in the heading")
         headings = lambda: " ".join(each.text for each in self.browser.find(".controls-box h3"))
         eventually(lambda: "arm" in headings(), "the name of the service")
-        self.browser.shown(".pin[aria-label^='Pin 13']").click()
+        self.browser.shown(".pin[title^='Pin 13']").click()
         name = self.browser.shown("form[aria-label='Name of pin 13'] input")
         name.send_keys("status lamp")
         self.browser.button("Save", "form[aria-label='Name of pin 13']").click()
-        eventually(lambda: "status lamp" in self.browser.text(".pin[aria-label^='Pin 13']"), "the name on the pin")
+        eventually(lambda: "status lamp" in self.browser.text(".pin[title^='Pin 13']"), "the name on the pin")
         self.assertIn("room=lab", self.browser.text("dl.facts"))
         self.browser.size(360, 740, mobile=True)
-        eventually(lambda: "status lamp" in self.browser.text(".pin[aria-label^='Pin 13']"), "the name on the pin of a phone")
-        called = self.browser.shown(".pin[aria-label^='Pin 13'] .pin-called")
+        eventually(lambda: "status lamp" in self.browser.text(".pin[title^='Pin 13']"), "the name on the pin of a phone")
+        called = self.browser.shown(".pin[title^='Pin 13'] .pin-called")
         self.assertLessEqual(called.get_property("scrollWidth"), called.get_property("clientWidth"), "none of it is cut")
         self.assertLessEqual(called.get_property("scrollHeight"), called.get_property("clientHeight") + 1)
         self.browser.screenshot("phone-pin-names")

@@ -89,7 +89,7 @@ class Connection(PageTest):
 
     def test_CommandWithoutConnection_IsRefusedAtOnceAndNotSentLater(self):
         self.open_board()
-        form = self.browser.shown("form[aria-label^='servo: Turn']")
+        form = self.form("servo", "Turn a servo to an angle")
         self.fill(form, "Angle", "20")
         before = self.bus.part("desk/servo")
         self.bus.end("gateway", signal.SIGKILL)
@@ -178,7 +178,7 @@ class Connection(PageTest):
             self.browser.desktop()
             self.open_board()
         self.assertEqual(self.bus.get("/api/status")["streams"]["clients"], 1)
-        form = self.browser.shown("form[aria-label^='servo: Turn']")
+        form = self.form("servo", "Turn a servo to an angle")
         self.fill(form, "Angle", "70")
         form.find_element(By.CSS_SELECTOR, "button.main").click()
         eventually(lambda: "Done" in form.text, "the answer in the seventh tab")
@@ -202,7 +202,7 @@ class Connection(PageTest):
         self.browser.desktop()
         self.open_board()
         self.assertEqual(self.bus.get("/api/status")["streams"]["clients"], 1)
-        form = self.browser.shown("form[aria-label^='servo: Turn']")
+        form = self.form("servo", "Turn a servo to an angle")
         self.fill(form, "Angle", "100")
         form.find_element(By.CSS_SELECTOR, "button.main").click()
         eventually(lambda: "Done" in form.text, "the answer in the second tab")

@@ -61,7 +61,7 @@ class Dashboards(PageTest):
 
     def add(self, what, offer, title=None):
         """From the page of a board."""
-        box = self.browser.shown(f"button[aria-label='Add {what} to a dashboard']")
+        box = self.browser.shown(f"button[title='Add {what} to a dashboard']")
         if box.get_attribute("aria-expanded") == "false":
             box.click()
         form = self.browser.shown(f"form[aria-label='Add {what} to a dashboard']")
@@ -81,7 +81,7 @@ class Dashboards(PageTest):
         self.add("controls of servo", "Servo 0 angle (\u00b0): slider")
         self.output(13)
         self.open_board("lamp")
-        self.browser.shown(".pin[aria-label^='Pin 13:']").click()
+        self.browser.shown(".pin[title^='Pin 13:']").click()
         eventually(lambda: "output" in self.browser.text(".pin-panel"), "the mode of pin 13")
         self.add("pin 13", "Pin 13: switch")
         self.add("pin 13", "Pin 13: lamp")

@@ -146,15 +146,17 @@ class Hostile(PageTest):
         self.assertLess(used, 0.75)
 
     def test_EverNewNames_DoNotGrow(self):
-        self.open_world()
+        self.describe([], board="odd", services=[{"name": "mirto", "id": "P"}])
+        eventually(lambda: self.bus.state("odd") == "online", "a board whose service has no model")
+        self.open("board/odd", anew=True)
         with self.quick():
             for n in range(2000):
-                self.client.publish("asip/world/mirto/out", json.dumps({"pose": {f"k{n}": n, "x": n}}))
-            self.publish("world/mirto/out", {f"event{n}": n for n in range(1000)})
-            self.publish("world/mirto/out", {"pose": {"list": list(range(5000))}})
+                self.client.publish("asip/odd/mirto/out", json.dumps({"pose": {f"k{n}": n, "x": n}}))
+            self.publish("odd/mirto/out", {f"event{n}": n for n in range(1000)})
+            self.publish("odd/mirto/out", {"pose": {"list": list(range(5000))}})
             eventually(lambda: len(self.browser.find("asip-service .number")) > 200, "values")
             self.assertLess(len(self.browser.find("asip-service .number")), 300)
-            self.publish("world/mirto/out", {"pose": {"last": 12345}})
+            self.publish("odd/mirto/out", {"pose": {"last": 12345}})
             eventually(lambda: "12345" in self.browser.text("asip-service .values"), "what came last")
             self.assertLess(len(self.browser.find("asip-service .number")), 300)
 

@@ -87,7 +87,7 @@ class Kiosk(PageTest):
         self.browser.shown(".pin:not(.taken)").click()
         self.browser.shown(".pin-panel")
         self.browser.run("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
-        self.assertEqual(self.visible("button.stop, asip-command, asip-service form, .pin-panel button, .pin-panel input"), [])
+        self.assertEqual(self.visible("button.stop, asip-command, .toggle, .setters input, asip-service form, .pin-panel button, .pin-panel input"), [])
         self.assertNotIn("Stop", self.browser.text("body"))
 
     def open_framed(self, host):
@@ -126,7 +126,7 @@ class Kiosk(PageTest):
         self.browser.shown("asip-board asip-service", seconds=40)
         self.shows_nothing_that_acts()
         driver.execute_cdp_cmd("Network.setBlockedURLs", {"urls": []})
-        self.browser.shown("asip-command form", seconds=40)
+        self.browser.shown("asip-board .setters input", seconds=40)
         self.browser.button("Stop all")
         self.browser.shown(".pin-panel button")
         driver.get_log("browser")  # what was blocked is logged as an error
@@ -169,7 +169,7 @@ class Kiosk(PageTest):
         eventually(lambda: urlopen_status(f"{self.url}api/status", token) == 200, "the token is read")
         self.open_page(f"{self.url}#/board/desk")
         self.sign_in(token)
-        self.browser.shown("asip-command form", seconds=40)
+        self.browser.shown("asip-board .setters input", seconds=40)
         self.browser.button("Stop desk")
         self.browser.button("Stop my boards").click()
         eventually(lambda: "Stopped in" in self.browser.text("header"), "its answer")
@@ -177,7 +177,7 @@ class Kiosk(PageTest):
         eventually(lambda: "Resumed" in self.browser.text("header"), "its answer")
         self.take_out("worker")
         self.browser.shown("#token", seconds=40)
-        self.assertEqual(self.visible("button.stop, asip-command"), [])
+        self.assertEqual(self.visible("button.stop, asip-command, .setters"), [])
 
     def test_OperatorOfSomeServices_IsShownFormsAndNoStop(self):
         self.browser.driver.delete_all_cookies()
@@ -185,7 +185,7 @@ class Kiosk(PageTest):
         eventually(lambda: urlopen_status(f"{self.url}api/status", token) == 200, "the token is read")
         self.open_page(f"{self.url}#/board/desk")
         self.sign_in(token)
-        self.browser.shown("asip-command form", seconds=40)
+        self.browser.shown("asip-board .setters input", seconds=40)
         self.assertEqual(self.visible("button.stop, button.resume"), [])
 
     def test_CodeForAnotherName_AsksFirstAndIsRefusedFromAnotherSite(self):

@@ -15,14 +15,17 @@ from rig import PageTest, eventually
 
 class Pins(PageTest):
     def pin(self, label):
-        return self.browser.shown(f".pin[aria-label^='Pin {label}:']")
+        return self.browser.shown(f".pin[title^='Pin {label}:']")
+
+    def switch(self):
+        return self.browser.shown(".pin-panel .toggle:enabled")
 
     def output_form(self):
         """The form that sets pin 13, an output now, to high."""
         self.open_board()
         self.pin("13").click()
         self.browser.button("Output", ".pin-panel").click()
-        eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
+        eventually(lambda: "output" in self.pin("13").get_attribute("title"), "pin 13 as output")
         self.all_commands()
         form = self.form("io", "Set the level of an output pin")
         self.fill(form, "Pin", "13")
@@ -33,24 +36,24 @@ class Pins(PageTest):
         self.open_board()
         self.pin("13").click()
         self.browser.button("Output", ".pin-panel").click()
-        eventually(lambda: "output" in self.pin("13").get_attribute("aria-label"), "pin 13 as output")
-        self.browser.button("High", ".pin-panel").click()
+        eventually(lambda: "output" in self.pin("13").get_attribute("title"), "pin 13 as output")
+        self.switch().click()
         eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
-        eventually(lambda: "set to on" in self.pin("13").get_attribute("aria-label"), "pin 13 shown as set to on")
+        eventually(lambda: "set to on" in self.pin("13").get_attribute("title"), "pin 13 shown as set to on")
         self.assertIn("set to on", self.browser.shown(".pin-panel").text)
         self.browser.screenshot("pins")
-        self.browser.button("Low", ".pin-panel").click()
+        self.switch().click()
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
 
     def test_ButtonPressedOnTheBoard_LightsThePin(self):
         self.open_board()
         self.pin("2").click()
         self.browser.button("Input pullup", ".pin-panel").click()
-        eventually(lambda: self.pin("2").get_attribute("aria-label").endswith(", off"), "released is off")
+        eventually(lambda: self.pin("2").get_attribute("title").endswith(", off"), "released is off")
         self.bus.sim("press", "desk/button")
-        eventually(lambda: self.pin("2").get_attribute("aria-label").endswith(", on"), "pressed is on")
+        eventually(lambda: self.pin("2").get_attribute("title").endswith(", on"), "pressed is on")
         self.bus.sim("release", "desk/button")
-        eventually(lambda: self.pin("2").get_attribute("aria-label").endswith(", off"), "released is off again")
+        eventually(lambda: self.pin("2").get_attribute("title").endswith(", off"), "released is off again")
 
     def test_HeldOutput_IsOnOnlyWhileTheButtonIsDown(self):
         form = self.output_form()
@@ -78,19 +81,19 @@ class Pins(PageTest):
         self.open_board()
         self.pin("13").click()
         self.browser.button("Output", ".pin-panel").click()
-        self.browser.button("High", ".pin-panel").click()
+        self.switch().click()
         eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit")
         self.browser.button("Stop all").click()
         eventually(lambda: "Stopped" in self.browser.text("header asip-stop"), "what the stop did")
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
-        self.assertNotIn("set to on", self.pin("13").get_attribute("aria-label"))
-        self.browser.button("Low", ".pin-panel").click()
-        eventually(lambda: "stopped" in self.browser.text(".pin-panel output"), "the refusal")
+        self.assertNotIn("set to on", self.pin("13").get_attribute("title"))
+        eventually(lambda: "stopped" in self.browser.text(".pin-panel asip-widget"), "that it is stopped")
+        self.assertFalse(self.browser.shown(".pin-panel .toggle").is_enabled())
         self.browser.button("Resume all").click()
         eventually(lambda: "Resumed" in self.browser.text("header asip-stop"), "what the button did")
-        self.browser.button("High", ".pin-panel").click()
+        self.switch().click()
         eventually(lambda: self.bus.part("desk/led") == "on", "the LED is lit again")
-        self.browser.button("Low", ".pin-panel").click()
+        self.switch().click()
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
 
     def test_MeaningOfAPin_IsSetInItsPanel(self):
@@ -112,8 +115,8 @@ class Pins(PageTest):
 
     def test_TakenPins_SayWhoseTheyAreAndOfferNothing(self):
         self.open_board()
-        self.assertIn("servo", self.pin("9").get_attribute("aria-label"))
-        self.assertIn("board itself", self.pin("0").get_attribute("aria-label"))
+        self.assertIn("servo", self.pin("9").get_attribute("title"))
+        self.assertIn("board itself", self.pin("0").get_attribute("title"))
         self.pin("9").click()
         self.assertIn("servo", self.browser.shown(".pin-panel").text)
         self.assertEqual(self.browser.find(".pin-panel .chips"), [], "nothing that sets it")

@@ -194,7 +194,21 @@ class PageTest(unittest.TestCase):
         self.browser.shown("asip-board .pin, asip-board asip-command form")
 
     def form(self, service, title):
-        return self.browser.shown(f"form[aria-label='{service}: {title}']")
+        """The form of a command, also where it is folded away."""
+        selector = f"form[aria-label='{service}: {title}']"
+        eventually(lambda: self.browser.find(selector), selector)
+        self.all_commands()
+        return self.browser.shown(selector)
+
+    def setter(self, name):
+        """What sets a property of the board: a switch or a slider, by its name."""
+        return self.browser.shown(f"asip-board .setters [aria-label='{name}']:is(button, input)")
+
+    def slide(self, name, *values):
+        slider = self.setter(name)
+        for value in values:
+            self.browser.run("arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input', {bubbles: true}))", slider, value)
+        return slider
 
     def number(self, form, name):
         """The number input of a field, by the name that its label begins with."""

@@ -97,22 +97,43 @@ class Services(PageTest):
         self.open_board()
         urllib.request.urlopen(urllib.request.Request(f"{self.bus.url}/api/boards/desk/services/servo/commands/write", b"[0,33]",
                                                       {"Content-Type": "application/json"}), timeout=10)
-        known = lambda: self.browser.shown("form[aria-label^='servo'] .now-set").text
+        known = lambda: self.browser.shown(".setters [aria-label='Servo 0 angle']").text
         eventually(lambda: "33" in known(), "what was set by another program")
         self.open_board(anew=True)
         eventually(lambda: "33" in known(), "and after a reload")
 
     def test_SliderOfAServo_IsWhereTheServoIs_AndOnlyServosOfTheBoardAreOffered(self):
         self.open_board()
-        form = self.form("servo", "Turn a servo to an angle")
-        slider = form.find_element(By.CSS_SELECTOR, "input[type=range]")
+        slider = self.setter("Servo 0 angle")
         for angle in (150, 21):
             urllib.request.urlopen(urllib.request.Request(f"{self.bus.url}/api/boards/desk/services/servo/commands/write", f"[0,{angle}]".encode(),
                                                           {"Content-Type": "application/json"}), timeout=10)
             eventually(lambda: slider.get_property("value") == str(angle), f"the slider at {angle}")  # noqa: B023
             self.assertNotIn("unknown", slider.get_attribute("class"), "a value that is known is not pale")
-        offered = [each.text for each in form.find_elements(By.TAG_NAME, "option")]
+        self.assertEqual([each.text for each in self.browser.find(".setters h3") if "ervo" in each.text], ["Servo 0 angle", "Servo 1 angle"])
+        offered = [each.get_property("textContent") for each in self.form("servo", "Turn a servo to an angle").find_elements(By.TAG_NAME, "option")]
         self.assertEqual(offered, ["Servo 0", "Servo 1"])  # the pins that the sketch gives it, not 256
+
+    def test_SliderMoved_MovesTheServo_AndSaysWhatTheBoardDid(self):
+        self.open_board()
+        self.slide("Servo 0 angle", 60, 75)
+        eventually(lambda: abs(float(self.bus.part("desk/servo")) - 75) < 2, "the servo at 75 degrees")
+        eventually(lambda: "75" in self.browser.text(".setters [aria-label='Servo 0 angle']"), "what the board was told")
+
+    def test_ValuesOfABoard_HaveTheNamesAndWordsOfItsProperties(self):
+        label = lambda body: urllib.request.urlopen(urllib.request.Request(f"{self.bus.url}/api/boards/desk/labels", body.encode(), {"Content-Type": "application/json"}), timeout=20)
+        self.addCleanup(label, '{"meanings":{"io/14":null}}')
+        label('{"meanings":{"io/14":{"class":"button","inverted":false}}}')
+        self.open_board()
+        value = lambda name: self.browser.run("""const box = [...document.querySelectorAll(".number")].find((each) => each.firstChild.textContent === arguments[0]);
+            return box?.lastChild.textContent""", name)
+        listed = lambda: {each["name"]: each["id"] for each in self.bus.get("/api/boards/desk/properties")["properties"]}
+        eventually(lambda: "Pin A0" in listed(), "pin A0 is listed")
+        for name in ("Distance 0", "Distance 1", "Pin A0"):
+            eventually(lambda: value(name), name)  # noqa: B023
+        stands = lambda name: self.bus.get("/api/boards/desk/values")["values"][listed()[name]].get("value")
+        eventually(lambda: value("Distance 1").startswith(f"{stands('Distance 1')}\u00a0cm"), "the same value")
+        self.assertNotIn("Pin A1", self.browser.text(".values-box"), "an input that nobody uses is no value")
 
     def test_DistanceReported_ValueAndPlotMove(self):
         self.open_board()

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Forms for commands, made from the service model.
+import { words } from "./text.js";
 
 const kMaxSliderSteps = 1023;
 
@@ -34,8 +35,13 @@ function field_of(argument, model, service) {
 
 /// The fields of a command's form. `service` may have `elements`: the numbers of those that the board has.
 export function fields_of(command, model, service = {}) {
-  return (command.args ?? []).filter((argument) => argument.type !== "count")
-    .map((argument) => field_of(argument, model, service));
+  return (command.args ?? []).filter((argument) => argument.type !== "count").map((argument) => field_of(argument, model, service));
+}
+
+/// What its button says: "Stop every motor"; where something is to be entered, the verb alone: "Turn".
+export function button_text(command, name, fields) {
+  const title = command.title ?? words(name);
+  return fields.length === 0 ? title : title.split(" ")[0];
 }
 
 /// The names of the commands: first what moves something, then what asks, then settings.

@@ -6,10 +6,11 @@ export function labels_text(labels) {
   return Object.entries(labels).filter(([key]) => key !== "name").map(([key, value]) => (value === "" ? key : `${key}=${value}`)).join(", ");
 }
 
-/// "room=lab, camera" -> {room: "lab", camera: ""}. A value may have no comma; an agent's label that has one stays as it is.
+/// "room=lab, camera" -> {room: "lab", camera: ""}; without any comma blanks stand between labels, as in asipctl. A value may have no
+/// comma; an agent's label that has one stays as it is.
 export function parse_labels(text) {
   const labels = {};
-  for (const part of text.split(",").map((each) => each.trim()).filter(Boolean)) {
+  for (const part of text.split(text.includes(",") ? "," : /\s+/).map((each) => each.trim()).filter(Boolean)) {
     const at = part.indexOf("=");
     labels[at < 0 ? part : part.slice(0, at).trim()] = at < 0 ? "" : part.slice(at + 1).trim();
   }
@@ -35,10 +36,8 @@ export function changed_names(now, entered) {
   return change;
 }
 
-/// One assignment for many boards: "room=lab" sets, "room-" removes: {room: "lab"}, {room: null}. Undefined: it is neither.
-export function parse_assignment(text) {
-  const trimmed = text.trim();
-  if (/^[^=\s]+-$/.test(trimmed)) return { [trimmed.slice(0, -1)]: null };
-  const [[key, value] = []] = Object.entries(parse_labels(trimmed));
-  return key && !trimmed.includes(",") ? { [key]: value } : undefined;
+/// Assignments for many boards: "room=lab" sets, "room-" removes: {room: "lab"}, {room: null}. Undefined: there is none.
+export function parse_assignments(text) {
+  const all = Object.entries(parse_labels(text)).map(([key, value]) => (value === "" && /.-$/.test(key) ? [key.slice(0, -1), null] : [key, value]));
+  return all.length > 0 && all.every(([key]) => key) ? Object.fromEntries(all) : undefined;
 }

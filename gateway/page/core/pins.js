@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pins of a board as its description, its reports and its properties say.
+// The pins of a board as its description and its properties say.
 import { is_on, value_text } from "./properties.js";
 
 export const mode_names = ["unallocated", "input", "input-pullup", "output", "analog", "pwm", "reserved", "other-service", "invalid"];
 export const kDigital = 1;
 export const kAnalog = 2;
 export const kPwm = 4;
-const kMaxPin = 255;
 
 /// What each pin is: [{number, label, name, can, owner, mode, channel}]. `name`: what people call it, "" where they do not.
 /// `owner` is "" (free), "system" or a service's name.
@@ -61,26 +60,9 @@ export function settable_modes(pin) {
   return modes;
 }
 
-/// Of what anybody may have published: numbers of pins that a board can have.
-function numbers_by_pin(map) {
-  if (map === null || typeof map !== "object") return [];
-  return Object.entries(map).map(([pin, value]) => [Number(pin), value])
-    .filter(([pin, value]) => Number.isInteger(pin) && pin >= 0 && pin <= kMaxPin && typeof value === "number");
-}
-
-/// What is known of the pins from reports of the I/O service and from the properties of the board.
+/// What is known of the pins from the properties of the board.
 export class PinValues {
-  constructor() {
-    this.levels = new Map();
-    this.analog = new Map(); // by channel
-    this.properties = new Map(); // by pin: {property, value, how}
-  }
-
-  /// A value of the service: {"digital":{"2":1}}, {"analog":{"0":320}}.
-  reported(value) {
-    for (const [pin, level] of numbers_by_pin(value.digital)) this.levels.set(pin, level);
-    for (const [channel, reading] of numbers_by_pin(value.analog)) this.analog.set(channel, reading);
-  }
+  constructor() { this.properties = new Map(); } // by pin: {property, value, how}
 
   /// The list of the board, and how its properties stand: id -> {value, how}.
   stands(properties, values) {
@@ -93,13 +75,8 @@ export class PinValues {
   state_of(pin) {
     const mode = mode_names[pin.mode];
     const { property, value, how } = this.properties.get(pin.number) ?? {};
-    if (property && value !== undefined && value !== null) {
-      const level = typeof value === "number" ? value / (property.max ?? 1) : Number(is_on(value) ?? 0);
-      return { mode, text: value_text(property, value), level, told: how === "set" };
-    }
-    const reading = mode === "analog" ? this.analog.get(pin.channel) : undefined;
-    if (reading !== undefined) return { mode, text: String(reading), level: reading / 1023, told: false };
-    const level = property === undefined && ["input", "input-pullup"].includes(mode) ? this.levels.get(pin.number) : undefined;
-    return { mode, text: level === undefined ? "" : level ? "high" : "low", level, told: false };
+    if (value === undefined || value === null) return { mode, text: "", level: undefined, told: false };
+    const level = typeof value === "number" ? value / (property.max ?? 1) : Number(is_on(value) ?? 0);
+    return { mode, text: value_text(property, value), level, told: how === "set" };
   }
 }

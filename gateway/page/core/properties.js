@@ -2,14 +2,14 @@
 // What can be read and set on a board, as the gateway lists it, and how it stands.
 import { with_unit } from "./text.js";
 
-const kDigits = 4;
+const kMaxSliderSteps = 1023;
 const kFullBrightness = 255;
 
 /// The value of a property, for a person; "" where it is not known.
 export function value_text(property, value) {
   if (value === undefined || value === null) return "";
   if (typeof value === "boolean") return value ? "on" : "off";
-  if (typeof value === "number") return with_unit(Number(value.toFixed(kDigits)), property?.unit);
+  if (typeof value === "number") return with_unit(value, property?.unit);
   if (typeof value === "string") return value;
   if (value.on === undefined) return JSON.stringify(value);
   if (!value.on) return "off";
@@ -36,25 +36,14 @@ export function range_of(property) {
 /// Where the slider of a value stands; undefined where that is not known.
 export function place_in(value) { return typeof value === "number" ? value : value?.on === false ? 0 : value?.brightness; }
 
-/// The elements of a service that the board has, of those that have a number.
-export function elements_of(properties, service) {
-  const parts = properties.filter((each) => each.service === service).map((each) => each.id.slice(service.length + 1).split("/"));
-  return [...new Set(parts.filter((part) => /^\d+$/.test(part[0])).map((part) => Number(part[0])))].sort((a, b) => a - b);
+/// The elements that the board has, of the properties of a service whose elements have a number.
+export function elements_of(properties) {
+  const parts = properties.map((each) => each.id.slice(each.service.length + 1).split("/")[0]);
+  return [...new Set(parts.filter((part) => /^\d+$/.test(part)).map(Number))].sort((a, b) => a - b);
 }
 
-/// Those that a command of a service sets.
-export function set_by(properties, service, command) {
-  return properties.filter((each) => each.service === service && each.write?.command === command && each.kind !== "button");
-}
-
-/// The number or text that stands for a value in its command; undefined where there is none.
-export function raw_of(property, value) {
-  if (value === undefined || value === null) return undefined;
-  if (property.kind === "light") {
-    const level = value.on ? value.brightness ?? kFullBrightness : 0;
-    return property.choices?.length ? property.choices.find(([word]) => word === (value.on ? "on" : "off"))?.[1]
-      : Math.round((level * (property.max ?? kFullBrightness)) / kFullBrightness);
-  }
-  const word = typeof value === "boolean" ? (value ? "on" : "off") : value;
-  return property.choices?.length ? property.choices.find(([each]) => each === word)?.[1] : value;
+/// Whether one switch or slider says all that can be set; a slider of very many steps does not.
+export function is_simple(property) {
+  const range = range_of(property);
+  return range ? (range.max - range.min) / range.step <= kMaxSliderSteps : property.kind === "switch" || (property.kind === "light" && property.write !== undefined);
 }

@@ -4,28 +4,18 @@
 /// More values of one event are neither shown nor kept: no user could read them.
 export const kMaxNumbers = 256;
 
-function member(key, name, value, field) { return { key, name, value, unit: field?.unit, min: field?.min, max: field?.max }; }
-
-/// The single numbers in the value of one event: [{key, name, value, unit}], the first kMaxNumbers. `event` is its model, if there is one.
-export function numbers_of(name, value, event, element) { return all_numbers_of(name, value, event, element).slice(0, kMaxNumbers); }
-
-function all_numbers_of(name, value, event, element) {
-  const fields = event?.fields ?? [];
-  const field_named = (key) => fields.find((field) => field.name === key);
-  if (typeof value === "number" || typeof value === "boolean") return [member(name, name, Number(value), fields[0])];
-  if (value === null || typeof value !== "object") return [];
-  const list = Array.isArray(value);
-  return Object.entries(list ? value.slice(0, kMaxNumbers) : value).slice(0, kMaxNumbers).flatMap(([key, item]) => {
-    const label = !list ? key : value.length === 1 ? "" : `${element ?? name} ${key}`;
-    if (typeof item === "number") {
-      const field = list || !field_named(key) ? fields[0] : field_named(key);
-      return [member(key, label || field?.name || name, item, field)];
-    }
-    if (item === null || typeof item !== "object") return [];
-    return Object.entries(Array.isArray(item) ? item.slice(0, kMaxNumbers) : item).slice(0, kMaxNumbers).filter(([, number]) => typeof number === "number")
-      .map(([part, number]) => member(`${key}.${part}`, label ? `${label} ${part}` : part, number, field_named(part)));
-  });
+/// The single numbers in what one event of a service says that has no properties: [{key, name, value}], the first kMaxNumbers.
+export function numbers_of(name, value) {
+  if (typeof value === "number" || typeof value === "boolean") return [{ key: name, name, value: Number(value) }];
+  return members(value).flatMap(([key, item]) => {
+    const label = !Array.isArray(value) ? key : value.length === 1 ? "" : `${name} ${key}`;
+    if (typeof item === "number") return [{ key, name: label || name, value: item }];
+    return members(item).filter(([, number]) => typeof number === "number")
+      .map(([part, number]) => ({ key: `${key}.${part}`, name: label ? `${label} ${part}` : part, value: number }));
+  }).slice(0, kMaxNumbers);
 }
+
+const members = (value) => (value === null || typeof value !== "object" ? [] : Object.entries(Array.isArray(value) ? value.slice(0, kMaxNumbers) : value).slice(0, kMaxNumbers));
 
 /// Room for one more key in a map that holds kMaxNumbers: the first that is not in `present` goes, and is returned.
 export function make_room(map, present) {

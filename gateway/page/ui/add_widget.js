@@ -36,8 +36,7 @@ class AddWidget extends Part {
   }
 
   shown() {
-    this.button = h("button", { class: "add-widget", "aria-expanded": "false", "aria-label": `Add ${this.what} to a dashboard`, title: "Add to a dashboard",
-      onclick: () => this.toggle() }, "+ Dashboard");
+    this.button = h("button", { class: "add-widget", "aria-expanded": "false", title: `Add ${this.what} to a dashboard`, onclick: () => this.toggle() }, "+ Dashboard ", h("span", { class: "hidden" }, `with ${this.what}`));
     this.panel = h("div", { class: "add-panel", hidden: true });
     this.append(this.button, this.panel);
     this.listen(status, "change", () => this.allow());

@@ -70,7 +70,7 @@ class Board extends Part {
     if (this.end_standing || !this.isConnected || document.hidden) return;
     this.end_standing = bus.subscribe({ subscribe: `${this.name}/$values`, max_hz: rate }, (message) => {
       for (const [id, each] of Object.entries(message.values ?? {})) this.stands.set(id, each);
-      if (message.values) this.show_standing();
+      if (message.values) this.show_standing(new Map(Object.entries(message.values)));
     });
   }
 
@@ -80,14 +80,14 @@ class Board extends Part {
   }
 
   async load_properties() {
-    this.properties = (await request(path_of("boards", this.name, "properties")).catch(() => this)).properties;
+    this.properties = (await request(path_of("boards", this.name, "properties")).catch(() => this)).properties ?? [];
     if (this.isConnected) this.show_standing();
   }
 
-  show_standing() {
+  show_standing(changed = this.stands) {
     if (!this.properties) return;
     this.pins.stands(this.properties, this.stands);
-    for (const element of this.shown_services.values()) element.stands(this.properties, this.stands);
+    for (const element of this.shown_services.values()) element.stands(this.properties, this.stands, changed);
   }
 
   rate_box() {
@@ -146,7 +146,9 @@ class Board extends Part {
   show_usable(state) {
     const reachable = bus.link.state === "open" && status.now?.broker?.connected !== false;
     const usable = reachable && (state === undefined || (alive(state) && state !== "updating"));
+    const now = { state: state ?? "online", reason: boards.catalogue.rows.get(this.name)?.reason };
     for (const element of this.shown_services.values()) element.usable = usable;
+    for (const element of [...this.shown_services.values(), this.pins]) element.board_is(now);
     if (this.pins.panel) this.pins.panel.inert = !usable;
     set_text(this.unusable, usable ? "" : !reachable ? "Commands are off: the bus cannot be reached." : state === "updating" ? "Commands are off: its port is in other hands." : "Commands are off until the board is back.");
   }
@@ -215,11 +217,6 @@ class Board extends Part {
     this.world?.keep(rovers.map((each) => each.name));
   }
 
-  listener_of(service) {
-    if (service.name === "io") return (value, past) => { if (!past) this.pins.reported?.(value); };
-    return is_pose(service) ? (value) => this.world?.moved(service.name, value) : undefined;
-  }
-
   // Services that stay keep their element: what is entered in a form must not vanish when the board says something new.
   show_services(services) {
     const pins = !this.pins_box.hidden;
@@ -231,7 +228,7 @@ class Board extends Part {
       const key = JSON.stringify([service.name, service.model, pins, Boolean(this.board.description?.on_demand)]);
       const element = known.get(key) ?? document.createElement("asip-service").begin(this.name, service, {
         controls: this.controls, advanced: this.advanced, hz: rate, on_demand: Boolean(this.board.description?.on_demand),
-        pins: pins && service.name === "io", on_value: this.listener_of(service) });
+        pins: pins && service.name === "io", on_value: is_pose(service) ? (value) => this.world?.moved(service.name, value) : undefined });
       if (known.has(key)) element.update(service);
       return [key, element];
     }));

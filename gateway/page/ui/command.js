@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A form for one command, made from the model of its service.
-import { answer_text, arguments_of, fields_of, hint_of, parse_field, safe_form } from "../core/form.js";
-import { raw_of, set_by, value_text } from "../core/properties.js";
+import { answer_text, arguments_of, button_text, fields_of, hint_of, parse_field, safe_form } from "../core/form.js";
 import { unit_text, words } from "../core/text.js";
 import { bus } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
@@ -25,33 +24,11 @@ class Command extends Part {
     const title = this.command.title ?? words(this.name);
     this.inputs = new Map();
     this.output = h("output", { class: "answer", "aria-live": "polite" });
-    this.known = h("span", { class: "muted now-set" });
     this.actions = h("span", { class: "actions" }, this.buttons());
     this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "",
-      onsubmit: (event) => { event.preventDefault(); this.send(); }, oninput: (event) => this.is_entered(event.target) },
-      h("div", { class: "title" }, h("span", {}, title), this.known, this.output), this.fields.map((field) => this.control(field)), this.actions);
+      onsubmit: (event) => { event.preventDefault(); this.send(); } },
+      h("div", { class: "title" }, h("span", {}, title), this.output), this.fields.map((field) => this.control(field)), this.actions);
     this.append(this.form);
-  }
-
-  /// What a person has entered stays until it is sent; another element shows how that one stands.
-  is_entered(input) {
-    const element = this.fields.find((field) => field.kind === "choice" && field.preset !== undefined);
-    this.touched = this.inputs.get(element?.name)?.focusable !== input;
-    if (!this.touched && this.standing) this.stands(...this.standing);
-  }
-
-  /// How the properties that this command sets stand: id -> {value}.
-  stands(properties, values) {
-    this.standing = [properties, values];
-    const known = set_by(properties, this.service.name, this.name).filter((each) => values.get(each.id)?.how);
-    set_text(this.known, known.map((each) => `${each.name}: ${value_text(each, values.get(each.id).value)}`).join(", "));
-    if (this.touched || this.held) return;
-    const entered = this.fields.map((field) => Number(this.inputs.get(field.name).value()));
-    for (const each of known) {
-      const { args } = each.write;
-      const meant = args.every((arg, i) => arg === null || arg === entered[i] || this.fields[i]?.name !== this.model.element);
-      if (meant) this.inputs.get(this.fields[args.indexOf(null)]?.name)?.show(raw_of(each, values.get(each.id).value));
-    }
   }
 
   get held_kind() { return this.command.safe !== undefined && !this.ask; }
@@ -61,7 +38,7 @@ class Command extends Part {
   buttons() {
     const first = this.runs_while_held;
     const set = h("button", first ? { title: "Stays on when you let go" } : { class: "main" },
-      first ? "Keep on" : this.command.answer ? "Ask" : this.fields.length > 0 ? "Set" : "Send");
+      first ? "Keep on" : button_text(this.command, this.name, this.fields));
     if (!this.held_kind) return set;
     const hold = h("button", { type: "button", class: first ? "main hold" : "hold", "aria-pressed": "false",
       title: "Works as long as you hold it; made safe as soon as you let go",
@@ -80,7 +57,6 @@ class Command extends Part {
     const label = h("label", { for: id }, words(field.name), field.unit ? h("span", { class: "muted" }, ` ${unit_text(field.unit)}`) : "");
     const known = last_values.get(this.key)?.[field.name];
     const input = makers[field.kind]?.(this, field, id, known) ?? make_number(this, field, id, known);
-    input.show ??= (raw) => { input.focusable.value = raw; };
     this.inputs.set(field.name, input);
     return h("div", { class: `field ${field.kind}${field.preset === undefined ? "" : " element"}` }, label, input.elements);
   }
@@ -127,7 +103,6 @@ class Command extends Part {
     const { kind, text } = answer_text(answer);
     this.tell(kind, text);
     if (answer.status !== "ok") return;
-    this.touched = false;
     const proof = `${this.service.name} ${this.name}: proof: ${answer.proof}${ms === undefined ? "" : `, ${Math.round(ms)} ms`}`;
     this.dispatchEvent(Object.assign(new Event("proof", { bubbles: true }), { proof }));
   }
@@ -223,19 +198,15 @@ function make_number(form, field, id, known = field.preset) {
     slider.setAttribute("aria-valuetext", "not known yet");
     slider.value = (field.min + field.max) / 2;
   }
-  return { elements: [slider, number], focusable: number, value, show: (raw) => { number.value = raw; show(raw); } };
+  return { elements: [slider, number], focusable: number, value };
 }
 
 function make_choice(form, field, id, known) {
   const options = field.choices.map(({ value, name }) => h("option", { value }, words(name)));
   const select = h("select", { id }, options);
   const preset = known ?? field.preset;
-  if (preset === undefined) {
-    select.prepend(h("option", { value: "" }, "Choose"));
-    select.value = "";
-  } else {
-    select.value = preset;
-  }
+  if (preset === undefined) select.prepend(h("option", { value: "" }, "Choose"));
+  select.value = preset ?? "";
   return { elements: [select], focusable: select, value: () => select.value };
 }
 

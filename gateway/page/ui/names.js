@@ -60,7 +60,7 @@ class Names extends Part {
     const services = description?.services ?? [];
     this.services = new Map(services.map((service) => [service.name,
       field(`Name of ${service.name}`, names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.title ?? words(service.name) })]));
-    this.labels = field("Labels, with commas between them", labels_text(labels), { placeholder: "room=lab, shelf=2" });
+    this.labels = field("Labels, with commas or blanks between them", labels_text(labels), { placeholder: "room=lab, shelf=2" });
   }
 
   async save() {

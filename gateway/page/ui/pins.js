@@ -2,13 +2,14 @@
 // The pins of a board, drawn as the board has them. A click on a free pin shows what it can do.
 import { answer_text } from "../core/form.js";
 import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";
-import { raw_of } from "../core/properties.js";
+import { is_simple } from "../core/properties.js";
 import { words } from "../core/text.js";
 import { offers_of_board } from "./add_widget.js";
 import { bus } from "../net/bus.js";
 import { before_picture, fresh_id, h, Part, set_class, set_text } from "./dom.js";
 import { status } from "./model.js";
 import { keep_labels } from "./names.js";
+import "./widget.js";
 
 const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "A in", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
 const kinds = ["digital", "analog in", "PWM"];
@@ -49,8 +50,8 @@ class Pins extends Part {
   build() {
     this.cells = new Map();
     const draw_pin = (pin) => {
-      const cell = { pin, name: h("span", { class: "pin-name" }, pin.label, pin.name && h("span", { class: "pin-called" }, pin.name)), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }) };
-      cell.button = h("button", { class: "pin", "aria-expanded": "false", onclick: () => this.open(pin) }, cell.name, cell.light, cell.text);
+      const cell = { pin, name: h("span", { class: "pin-name" }, h("span", { class: "hidden" }, "Pin "), pin.label, pin.name && h("span", { class: "pin-called" }, pin.name)), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }), more: h("span", { class: "hidden" }) };
+      cell.button = h("button", { class: "pin", "aria-expanded": "false", onclick: () => this.open(pin) }, cell.name, " ", cell.light, cell.text, cell.more);
       this.cells.set(pin.number, cell);
       return cell.button;
     };
@@ -61,11 +62,6 @@ class Pins extends Part {
     this.draw();
   }
 
-  reported(value) {
-    this.values.reported(value);
-    this.refresh?.();
-  }
-
   /// The list of the board, and how its properties stand.
   stands(properties, values) {
     this.values ??= new PinValues();
@@ -73,29 +69,33 @@ class Pins extends Part {
     this.refresh?.();
   }
 
+  /// {state, reason} of its board.
+  board_is(state) {
+    this.state = state;
+    this.refresh?.();
+  }
+
   draw() {
-    for (const { pin, button, light, text } of this.cells.values()) {
+    for (const { pin, button, light, text, more } of this.cells.values()) {
       const { mode, text: value, level, told } = this.values.state_of(pin);
       const taken = pin.owner !== "";
       set_text(text, taken ? pin.owner : value || short[mode] || "");
       set_class(button, `pin${taken ? " taken" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
       set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}${told ? " told" : ""}`);
       light.style.opacity = level > 0 ? String(0.35 + 0.65 * level) : "";
-      const label = this.label_of(pin, mode, value && (told ? `set to ${value}` : value));
-      if (button.getAttribute("aria-label") !== label) {
-        button.setAttribute("aria-label", label);
-        button.title = label;
-      }
+      const now = this.standing_of(pin, mode, value && (told ? `set to ${value}` : value));
+      set_text(more, `, ${now}`);
+      const title = `Pin ${pin.label}${pin.name && ` (${pin.name})`}: ${now}`;
+      if (button.title !== title) button.title = title;
       button.setAttribute("aria-expanded", String(pin.number === this.opened));
     }
     if (this.opened !== undefined) this.show_panel();
   }
 
-  label_of(pin, mode, value) {
-    const called = pin.name ? ` (${pin.name})` : "";
-    if (pin.owner === "system") return `Pin ${pin.label}${called}: used by the board itself`;
-    if (pin.owner !== "") return `Pin ${pin.label}${called}: belongs to ${pin.owner}`;
-    return `Pin ${pin.label}${called}: free, ${words(mode ?? "unknown mode").toLowerCase()}${value ? `, ${value}` : ""}`;
+  standing_of(pin, mode, value) {
+    if (pin.owner === "system") return "used by the board itself";
+    if (pin.owner !== "") return `belongs to ${pin.owner}`;
+    return `free, ${words(mode ?? "unknown mode").toLowerCase()}${value ? `, ${value}` : ""}`;
   }
 
   open(pin) {
@@ -114,7 +114,7 @@ class Pins extends Part {
     this.output = h("output", { class: "answer", "aria-live": "polite" });
     this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, [pin.name, can || "no use known"].filter(Boolean).join(", "))), h("p", {}, this.state_line));
     this.mode_buttons = new Map();
-    this.controls = h("div", { class: "pin-controls" });
+    this.controls = h("div", { class: "setters" });
     if (pin.owner === "" && this.may_command) this.add_modes(pin);
     if (this.may_label) this.panel.append(this.meaning_form(pin));
     const offers = () => offers_of_board(this.board, (each) => each.id === `io/${pin.number}`);
@@ -165,31 +165,15 @@ class Pins extends Part {
     set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `set to ${text}` : `now ${text}`)].filter(Boolean).join(", ") + ".");
     if (pin.owner !== "") return;
     for (const [each, button] of this.mode_buttons) button.setAttribute("aria-pressed", String(each === mode));
-    if (!this.may_command) return;
-    if (this.controls_for !== mode) {
-      this.controls_for = mode;
-      this.controls.replaceChildren(...this.controls_of(pin, mode));
-    }
     const { property, value } = this.values.properties.get(pin.number) ?? {};
-    const raw = property && raw_of(property, value);
-    for (const button of this.controls.querySelectorAll("[data-level]")) button.setAttribute("aria-pressed", String(raw === Number(button.dataset.level)));
-    const slider = this.controls.querySelector("input");
-    if (!slider || raw === undefined || document.activeElement === slider) return;
-    slider.value = raw;
-    slider.classList.remove("unknown");
-  }
-
-  controls_of(pin, mode) {
-    if (mode === "output") {
-      const level = (number, text) => h("button", { "data-level": number, onclick: () => this.send("write", { pin: pin.number, level: number }) }, text);
-      return [h("div", { class: "chips", role: "group", "aria-label": `Level of pin ${pin.label}` }, level(0, "Low"), level(1, "High"))];
+    const key = property && this.may_command && is_simple(property) ? JSON.stringify(property) : "";
+    if (this.controls_for !== key) {
+      this.controls_for = key;
+      this.controls.replaceChildren(key && document.createElement("asip-widget").sets(this.board, property, { use: true }));
     }
-    if (mode === "pwm") {
-      const slider = h("input", { type: "range", min: 0, max: 255, value: 0, class: "unknown", "aria-label": `Duty of pin ${pin.label}, 0 to 255`,
-        oninput: () => slider.classList.remove("unknown"), onchange: () => this.send("pwm", { pin: pin.number, duty: Number(slider.value) }) });
-      return [slider];
-    }
-    return [];
+    const [setter] = this.controls.children;
+    if (setter && this.state) setter.board_is(this.state);
+    setter?.says({ value });
   }
 
   async send(command, args) {

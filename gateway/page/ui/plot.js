@@ -19,6 +19,12 @@ class Plot extends Part {
     return this;
   }
 
+  /// Other points from now on.
+  shows(series) {
+    if (this.series === this.live) this.series = series;
+    this.live = series;
+  }
+
   shown() {
     this.span = 60_000;
     this.end = undefined; // paused: where the picture ends; else it follows the time

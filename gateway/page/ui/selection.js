@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What can be done with the boards that are selected in the table: stop them, resume them, label them, send them a command.
 import { command_order } from "../core/form.js";
-import { parse_assignment } from "../core/labels.js";
+import { parse_assignments } from "../core/labels.js";
 import { for_each_board, many_text } from "../core/many.js";
 import { plural, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
@@ -70,8 +70,8 @@ class Selection extends Part {
     const input = h("input", { id: fresh_id("label"), type: "text", autocomplete: "off", placeholder: "room=lab, or room- to remove it" });
     const apply = async (event) => {
       event.preventDefault();
-      const labels = parse_assignment(input.value);
-      if (!labels) return this.tell("refused", "Type one label: room=lab sets it, room- removes it.");
+      const labels = parse_assignments(input.value);
+      if (!labels) return this.tell("refused", "Type a label: room=lab sets it, room- removes it.");
       const { kind, text } = await this.each(async (name) => {
         await request(path_of("boards", name, "labels"), { method: "POST", body: { labels } });
       });

@@ -1,40 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 // One service of a board: its live values with a plot, and forms for its commands, which stand where the board has its controls.
 import { command_order, place_of } from "../core/form.js";
-import { elements_of, value_text } from "../core/properties.js";
+import { elements_of, is_simple, value_text } from "../core/properties.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
-import { duration_text, moment_text, plural, time_of, with_unit, words } from "../core/text.js";
+import { duration_text, moment_text, plural, time_of, unit_text, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { offers_of_board } from "./add_widget.js";
 import { before_picture, h, Part, set_text } from "./dom.js";
 import "./command.js";
 import { status } from "./model.js";
 import "./plot.js";
+import "./widget.js";
 
 const kMaxEvents = 16;    // different ones; the gateway keeps no more either
 const kMaxText = 200;     // of a value that is no number
 const kUsualHz = 10;      // what the gateway demands of a board where nothing is said
+const kErrorHz = 1;
+const kPast = 600;
 
 const shortened = (text) => (text.length > kMaxText ? `${text.slice(0, kMaxText)} …` : text);
 
 class Service extends Part {
-  /// Call before it is put into the page. `controls` and `advanced`: where its forms stand. `on_value` gets each value and whether it
-  /// is of the past, `pins` says that the board's pins show them, `hz` how many values a second are wanted.
+  /// Call before it is put into the page. `controls` and `advanced`: where its forms stand; `pins`: it is the I/O service. `on_value`
+  /// gets each report, `hz` how many of them a second are wanted where no property shows them.
   begin(board, service, { controls, advanced, on_value, pins = false, hz = kUsualHz, on_demand = true }) {
     Object.assign(this, { board, service, controls, advanced, on_value, pins, hz, on_demand });
     return this;
   }
 
   async shown() {
-    this.events = new Map(); // name of the event -> {series, numbers, at, model}
+    this.groups = new Map(); // by unit, or name of the event -> {name, series, numbers, at, model}
     this.left_out = 0;
     this.values = h("div", { class: "values" });
     this.note = h("p", { class: "muted note" });
     this.plots = h("div", { class: "plots" });
     this.waiting = h("p", { class: "muted note" }, "No value yet.");
     this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", h("small", { class: "muted" })));
-    this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), h("div", { class: "commands" }));
-    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], !this.pins && this.adder("controls", (kind) => kind === "switch" || kind === "slider")), this.usual = h("div", { class: "commands" }));
+    this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), this.more = h("div", { class: "values" }), h("div", { class: "commands" }));
+    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], this.adder("controls", (kind) => kind === "switch" || kind === "slider")), this.set_box = h("div", { class: "setters" }), this.known = h("p", { class: "muted note" }), this.usual = h("div", { class: "commands" }));
     this.titles[0].id = `service-${this.service.name}`;
     this.show_titles();
     this.hidden = true;
@@ -44,10 +47,11 @@ class Service extends Part {
     this.while_shown(() => { this.card.remove(); this.settings.remove(); this.unfollow(); });
     this.refresh = before_picture(() => this.draw());
     this.every(1000, () => this.draw());
-    this.listen(status, "change", () => this.show_commands());
+    this.listen(status, "change", () => { if (this.standing && this.loaded) this.stands(this.standing.properties, this.standing.values, new Map()); });
     this.listen(document, "visibilitychange", () => (document.hidden ? this.unfollow() : this.follow()));
     await this.load_model();
-    this.follow();
+    this.loaded = true;
+    if (this.standing) this.stands(this.standing.properties, this.standing.values);
   }
 
   adder(what, wanted) {
@@ -85,7 +89,7 @@ class Service extends Part {
 
   show_titles() {
     for (const title of this.titles) {
-      set_text(title.firstChild, this.pins ? this.service.label ?? "Analog pins" : this.title_text());
+      set_text(title.firstChild, this.pins ? this.service.label ?? "Pins" : this.title_text());
       set_text(title.lastChild, this.subtitle());
     }
   }
@@ -100,56 +104,64 @@ class Service extends Part {
     }
     this.element = this.model?.element;
     this.show_titles();
-    if (!this.isConnected) return;
-    this.show_commands();
-    this.show_card();
   }
 
-  /// A service that says nothing has no place among the values; of the I/O service the pins show all but analog values.
+  /// A service that says nothing has no place among the values.
   show_card() {
-    const says = this.pins ? this.events.has("analog") : !this.model || Object.keys(this.model.events ?? {}).length > 0;
-    this.hidden = !says && (this.pins || this.events.size === 0) && this.note.textContent === "";
-    this.waiting.hidden = this.events.size > 0;
+    const says = this.listed?.length > 0 || (!this.pins && (!this.model || Object.keys(this.model.events ?? {}).length > 0));
+    this.hidden = !says && this.groups.size === 0 && this.note.textContent === "";
+    this.waiting.hidden = [...this.groups.values()].some((group) => group.at !== undefined);
     const why = this.on_demand || !this.model?.commands?.report ? "" : " The agent of this board sets no periods: set one under “Advanced”.";
     set_text(this.waiting, `No value yet.${why}`);
   }
 
   /// Forms are there for users who may send commands, and go when the right to it ends.
   show_commands() {
-    const wanted = status.may_command && this.model !== undefined;
+    const wanted = status.may_command && this.model !== undefined && this.simple !== undefined;
     if (wanted === this.has_commands) return;
     this.has_commands = wanted;
     const names = wanted ? command_order(this.model) : [];
     this.forms = new Map(names.map((name) => [name, document.createElement("asip-command").begin(this.board, { ...this.service, elements: this.elements }, this.model, name)]));
-    const rare = names.filter((name) => this.pins || place_of(this.model, name) === "advanced");
+    const has_control = (name) => this.simple.some((each) => each.write?.command === name);
+    const rare = names.filter((name) => this.pins || has_control(name) || place_of(this.model, name) === "advanced");
     const forms = (wanted_names) => wanted_names.map((name) => this.forms.get(name));
     const usual = names.filter((name) => !rare.includes(name));
     // Where there is a control, rare commands stand below it; those of a sensor below its values. They are moved
     // without forms: a form that is moved would be built twice.
     this.settings.lastChild.replaceChildren();
     if (this.pins) set_text(this.settings.firstChild, `All commands of ${this.service.name}`);
-    else (usual.length > 0 ? this.card : this).append(this.settings);
+    else (usual.length + this.simple?.length > 0 ? this.card : this).append(this.settings);
     this.usual.replaceChildren(...forms(usual));
     this.settings.lastChild.replaceChildren(...forms(rare));
-    this.card.hidden = usual.length === 0;
+    this.show_controls();
     this.settings.hidden = rare.length === 0;
-    this.show_stands();
   }
 
   // First the subscription, then the past: so nothing falls between, and the series skips what comes twice.
-  // The gateway demands values of the board as long as this lasts.
+  // The gateway demands values of the board as long as this lasts. Of what the properties show, only errors are new here.
   follow() {
-    if (this.end || !this.isConnected || document.hidden) return;
+    if (this.end || !this.listed || !this.isConnected || document.hidden) return;
     let early = [];
+    const hz = this.listed.length > 0 && !this.on_value ? kErrorHz : this.hz;
     const received = (message) => (early ? early.push(message) : this.received(message));
-    this.end = bus.subscribe({ subscribe: `${this.board}/${this.service.name}`, max_hz: this.hz === kUsualHz ? undefined : this.hz }, received);
-    const past = request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
-    past.then((answer) => {
-      for (const item of answer?.items ?? []) this.received({ event: "value", ...item }, true);
+    this.end = bus.subscribe({ subscribe: `${this.board}/${this.service.name}`, max_hz: hz === kUsualHz ? undefined : hz }, received);
+    this.load_past().then(() => {
       const messages = early;
       early = undefined;
       messages.forEach((message) => this.received(message));
     });
+  }
+
+  async load_past() {
+    if (this.listed.length > 0) {
+      const ids = this.listed.map((each) => each.id);
+      const { past = {} } = await request(`${path_of("boards", this.board, "values")}?past=${kPast}&ids=${encodeURIComponent(ids.join())}`).catch(() => ({}));
+      for (const group of this.groups.values()) group.series = past_series(group.numbers, past);
+      for (const plot of this.plots.querySelectorAll("asip-plot")) plot.shows(this.groups.get(plot.group).series);
+    } else {
+      const past = await request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
+      for (const item of past?.items ?? []) this.received({ event: "value", ...item });
+    }
   }
 
   unfollow() {
@@ -157,60 +169,105 @@ class Service extends Part {
     this.end = undefined;
   }
 
-  /// The list of the board, and how its properties stand. Other elements are other forms.
-  stands(properties, values) {
+  /// The list of the board, and how its properties stand; `changed`: the ids of what was said just now.
+  stands(properties, values, changed = values) {
     this.standing = { properties, values };
-    const elements = elements_of(properties, this.service.name);
-    if (JSON.stringify(elements) !== JSON.stringify(this.elements)) {
-      this.elements = elements;
-      this.has_commands &&= undefined;
-      if (this.forms) this.show_commands();
+    if (!this.loaded) return;
+    const mine = properties.filter((each) => each.service === this.service.name);
+    this.show_list(mine.filter((each) => each.access === "read"));
+    for (const group of this.groups.values()) if (group.listed && group.numbers.some(({ key }) => changed.has(key))) this.says(group, values, changed);
+    this.elements = elements_of(mine);
+    this.show_set(mine.filter((each) => each.access !== "read" && each.kind !== "button"), values, changed);
+    this.show_card();
+    this.refresh();
+  }
+
+  /// What can be set: those that one control says, and as text how others stand that commands set.
+  show_set(settable, values, changed) {
+    const simple = settable.filter((each) => is_simple(each) && (this.pins || !each.advanced));
+    const key = JSON.stringify([simple, this.elements, status.may_command]);
+    if (key !== this.simple_key) {
+      this.simple_key = key;
+      this.simple = simple;
+      this.setters = new Map(simple.map((each) => [each.id, document.createElement("asip-widget").sets(this.board, each, { use: status.may_command })]));
+      this.set_box.replaceChildren(...this.setters.values());
+      this.has_commands = undefined;
+      changed = values;
     }
-    this.show_stands();
+    for (const [id, setter] of this.setters) {
+      if (this.state) setter.board_is(this.state);
+      if (changed.has(id)) setter.says({ value: values.get(id)?.value });
+    }
+    const others = settable.filter((each) => !this.setters.has(each.id) && values.get(each.id)?.how);
+    set_text(this.known, others.map((each) => `${each.name}: ${value_text(each, values.get(each.id).value)}`).join(", "));
+    this.show_commands();
+    this.show_controls();
   }
 
-  show_stands() {
-    if (!this.standing || !this.forms) return;
-    const { properties, values } = this.standing;
-    for (const form of this.forms.values()) if (form.inputs) form.stands(properties, values);
-    if (this.has_commands === false && !this.pins) this.show_set(properties, values);
+  /// {state, reason} of its board.
+  board_is(state) {
+    this.state = state;
+    for (const setter of this.setters?.values() ?? []) setter.board_is(state);
   }
 
-  /// For users who may not send commands: how what others set stands.
-  show_set(properties, values) {
-    const known = properties.filter((each) => each.service === this.service.name && each.access === "both" && values.get(each.id)?.how);
-    this.usual.replaceChildren(...known.map((each) => h("p", { class: "only-set" }, `${each.name}: `, h("strong", {}, value_text(each, values.get(each.id).value)))));
-    this.card.hidden = known.length === 0;
+  /// Its properties by unit, each with a plot of its own.
+  show_list(listed) {
+    const same = JSON.stringify(listed) === JSON.stringify(this.listed);
+    this.listed = listed;
+    if (!same) {
+      for (const group of this.groups.values()) group.list?.remove();
+      this.plots.replaceChildren();
+      this.groups.clear();
+      for (const each of listed) {
+        const key = `${each.unit ?? ""}${each.advanced && !this.pins ? " more" : ""}`;
+        const group = this.groups.get(key) ?? { key, name: this.title_text(), listed: true, place: each.advanced && !this.pins ? this.more : this.values, series: new Series(), numbers: [] };
+        group.numbers.push({ key: each.id, name: each.name, unit: each.unit, value: undefined, property: each });
+        this.groups.set(key, group);
+      }
+      this.unfollow();
+    }
+    this.follow();
   }
 
-  received(message, past = false) {
+  says(group, values, changed) {
+    const now = Date.now();
+    for (const number of group.numbers) number.value = values.get(number.key)?.value;
+    const ages = group.numbers.map(({ key }) => values.get(key)).filter((each) => each?.how);
+    if (ages.length === 0) return;
+    group.at = now - 1000 * Math.min(...ages.map((each) => each.age));
+    group.series.add(group.at, group.numbers.filter(({ key, value }) => typeof value === "number" && changed.has(key)));
+  }
+
+  show_controls() { this.card.hidden = this.usual.childElementCount === 0 && !this.simple?.length && this.known.textContent === ""; }
+
+  received(message) {
     if (message.event === "error") return this.board_error(message);
     if (message.cut !== undefined) {
       set_text(this.note, `The value of ${moment_text(time_of(message.at))} is too long to be shown: ${plural(message.cut, "byte")}.`);
       this.show_card();
     }
     if (message.event !== "value" || message.value === null || typeof message.value !== "object") return;
+    this.on_value?.(message.value);
+    if (this.listed.length > 0) return;
     const at = time_of(message.at) ?? Date.now();
     this.left_out += message.left_out ?? 0;
     for (const [name, value] of Object.entries(message.value)) this.value(name, value, at);
-    this.on_value?.(message.value, past);
     this.show_card();
     this.refresh();
   }
 
+  /// Of a service without properties, as it stands in its report.
   value(name, value, at) {
-    let event = this.events.get(name);
-    if (!event) {
-      if (this.events.size >= kMaxEvents) return;
-      const model = Object.values(this.model?.events ?? {}).find((each) => each.name === name);
-      event = { name, model, series: new Series(), element: this.element };
-      this.events.set(name, event);
+    let group = this.groups.get(name);
+    if (!group) {
+      if (this.groups.size >= kMaxEvents) return;
+      group = { key: name, name: words(name), place: this.values, series: new Series() };
+      this.groups.set(name, group);
     }
-    event.at = at;
-    const numbers = numbers_of(name, value, event.model, this.element);
-    if (this.pins && name === "analog") for (const number of numbers) number.name = `A${number.key}`;
-    event.numbers = numbers.length ? numbers : [{ key: name, name, value: shortened(JSON.stringify(value)) }];
-    if (numbers.length) event.series.add(at, numbers);
+    group.at = at;
+    const numbers = numbers_of(name, value);
+    group.numbers = numbers.length ? numbers : [{ key: name, name, value: shortened(JSON.stringify(value)) }];
+    if (numbers.length) group.series.add(at, numbers);
   }
 
   board_error(message) {
@@ -222,45 +279,57 @@ class Service extends Part {
   }
 
   draw() {
-    for (const event of this.events.values()) {
-      if (this.pins && event.name !== "analog") continue; // the pins show it
-      if (!event.boxes) this.add_event(event);
-      const present = new Set(event.numbers.map((number) => number.key));
-      for (const number of event.numbers) {
-        let box = event.boxes.get(number.key);
+    for (const group of this.groups.values()) {
+      if (!group.boxes) this.add_group(group);
+      const present = new Set(group.numbers.map((number) => number.key));
+      for (const number of group.numbers) {
+        let box = group.boxes.get(number.key);
         if (!box) {
-          make_room(event.boxes, present)?.parentElement.remove();
-          event.boxes.set(number.key, (box = this.add_box(event, number)));
+          make_room(group.boxes, present)?.parentElement.remove();
+          group.boxes.set(number.key, (box = this.add_box(group, number)));
         }
-        set_text(box, with_unit(number.value, number.unit));
+        set_text(box, number.property ? value_text(number.property, number.value) || "–" : with_unit(number.value, number.unit));
       }
-      const age = Date.now() - event.at;
-      set_text(event.age, age < 2000 ? "just now" : `${duration_text(age)} ago`);
+      if (!group.plotted && group.numbers.some((number) => typeof number.value === "number")) this.add_plot(group);
+      const age = Date.now() - group.at;
+      set_text(group.age, Number.isNaN(age) ? "" : age < 2000 ? "just now" : `${duration_text(age)} ago`);
     }
     if (this.left_out > 0) set_text(this.note, `${plural(this.left_out, "value")} left out: this browser is too slow for all of them.`);
   }
 
-  add_event(event) {
-    event.boxes = new Map();
-    event.age = h("span", { class: "age muted" });
-    event.list = h("div", { class: "event", role: "group", "aria-label": words(event.name) }, event.age);
-    this.values.append(event.list);
-    if (event.numbers.some((number) => typeof number.value === "number")) this.add_plot(event);
+  add_group(group) {
+    group.boxes = new Map();
+    group.age = h("span", { class: "age muted" });
+    group.list = h("div", { class: "event", role: "group", "aria-label": group.name }, group.age);
+    group.place.append(group.list);
   }
 
-  add_box(event, number) {
+  add_box(group, number) {
     const value = h("span", { class: "value" });
-    event.age.before(h("span", { class: "number" }, h("span", { class: "muted" }, number.name), value));
+    group.age.before(h("span", { class: "number" }, h("span", { class: "muted" }, number.name), value));
     return value;
   }
 
-  add_plot(event) {
-    const label = `${this.board} ${this.service.name} ${event.name}`;
-    const plot = document.createElement("asip-plot").begin(event.series, label, label.replaceAll(" ", "-"));
-    const box = h("details", { open: !this.pins }, h("summary", {}, "Plot"));
-    box.append(plot);
-    this.plots.append(box);
+  add_plot(group) {
+    group.plotted = true;
+    const label = [this.board, group.name, group.listed && unit_text(group.numbers[0].unit)].filter(Boolean).join(" ");
+    const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"));
+    plot.group = group.key;
+    this.plots.append(h("details", { open: group.place === this.values }, h("summary", {}, "Plot"), plot));
   }
+}
+
+/// Of properties with the same unit, from what the gateway keeps: id -> [[time, number]], the newest first.
+function past_series(numbers, past) {
+  const at_times = new Map();
+  for (const number of numbers) for (const [time, value] of past[number.key] ?? []) {
+    const at = time_of(time);
+    if (!at_times.has(at)) at_times.set(at, []);
+    at_times.get(at).push({ ...number, value });
+  }
+  const series = new Series();
+  for (const [at, points] of [...at_times].sort((a, b) => a[0] - b[0])) series.add(at, points);
+  return series;
 }
 
 customElements.define("asip-service", Service);

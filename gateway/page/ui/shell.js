@@ -23,6 +23,7 @@ class LinkSign extends Part {
     const { state, was_open } = bus.link;
     const apart = was_open ? ["bad", "not connected"] : ["warn", "connecting"];
     const [kind, text] = state !== "open" ? apart : broker ? ["good", "live"] : ["warn", "no broker"];
+    this.hidden = status.refused; // then there is nothing to be connected to
     set_class(this.sign, `sign ${kind}`);
     set_text(this.sign, text);
   }

@@ -14,14 +14,23 @@ const kSlideMs = 150;     // a moved slider is sent at most so often
 class Widget extends Part {
   /// Call before it is put into the page. `may`: {use, stop}: which controls may be used.
   begin(dashboard, widget, may) {
-    Object.assign(this, { dashboard, widget, may, value: undefined });
+    Object.assign(this, { widget, may, value: undefined });
+    this.ask = (body) => request(path_of("dashboards", dashboard, "widgets", widget.id), { method: "POST", body });
+    return this;
+  }
+
+  /// The same for a property of a board that can be set, outside of a dashboard.
+  sets(board, property, may) {
+    const kind = !may.use ? "value" : range_of(property) ? "slider" : "switch";
+    Object.assign(this, { widget: { kind, board, property: property.id }, property, may, level: "h3" });
+    this.ask = ({ value }) => request(path_of("boards", board, "values"), { method: "PUT", body: { [property.id]: value } });
     return this;
   }
 
   shown() {
     const { widget } = this;
     this.className = `kind-${widget.kind} ${widget.size ?? "small"}`;
-    this.heading = h("h2", {}, title_of(widget, this.property));
+    this.heading = h(this.level ?? "h2", {}, title_of(widget, this.property));
     this.trouble = h("p", { class: "trouble", role: "status" });
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     this.body = h("div", { class: "widget-body" });
@@ -88,7 +97,7 @@ class Widget extends Part {
     this.value = value ?? undefined;
     this.at = time_of(at) ?? Date.now();
     if (this.series && typeof value === "number") this.series.add(this.at, [this.point(value)]);
-    if (!this.sliding) this.show();
+    this.show();
   }
 
   point(value) { return { key: "value", name: title_of(this.widget, this.property), value, unit: this.property?.unit }; }
@@ -107,7 +116,7 @@ class Widget extends Part {
     set_text(this.trouble, stopped ? `Board ${widget.board} is stopped until it is resumed.` : trouble);
     this.classList.toggle("gone", trouble !== "" && widget.kind !== "stop");
     for (const control of [this.button, this.input]) if (control) control.disabled = !this.may[widget.kind === "stop" ? "stop" : "use"] || trouble !== "" || Boolean(stopped);
-    this[`show_${widget.kind}`]?.(value);
+    if (!this.sliding) this[`show_${widget.kind}`]?.(value); // what a person moves stays where it is
   }
 
   show_value(value) {
@@ -156,7 +165,7 @@ class Widget extends Part {
   async send(value) {
     try {
       const body = value === undefined ? {} : { value };
-      const answer = await request(path_of("dashboards", this.dashboard, "widgets", this.widget.id), { method: "POST", body });
+      const answer = await this.ask(body);
       if (this.widget.kind === "stop") this.tell(...stopped_text(answer));
       else this.tell("", "");
     } catch (problem) {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import test from "node:test";
-import { answer_text, arguments_of, command_order, fields_of, hint_of, place_of, safe_form } from "../../../gateway/page/core/form.js";
+import { answer_text, arguments_of, button_text, command_order, fields_of, hint_of, place_of, safe_form } from "../../../gateway/page/core/form.js";
 
 const folder = new URL("../../../services/", import.meta.url);
 const model = (name) => JSON.parse(readFileSync(new URL(`${name}.json`, folder)));
@@ -25,6 +25,11 @@ test("NumberOfElementsNotKnown_AsksForANumberAndSuggestsTheFirst", () => {
 
 test("ServosThatTheBoardHasNot_AreNotOffered", () => {
   assert.deepEqual(form("servo", "write", { count: 9, elements: [0, 1] })[0].choices.map((choice) => choice.value), [0, 1]);
+});
+
+test("Button_SaysWhatItDoes", () => {
+  const text = (name, command) => button_text(model(name).commands[command], command, form(name, command, {}));
+  assert.deepEqual([text("servo", "write"), text("motors", "stop-all"), text("pixels", "brightness")], ["Turn", "Stop every motor", "Set"]);
 });
 
 test("Commands_BeginWithWhatMovesSomething", () => {

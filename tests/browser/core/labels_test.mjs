@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import test from "node:test";
-import { changed_labels, changed_names, labels_text, parse_assignment, parse_labels } from "../../../gateway/page/core/labels.js";
+import { changed_labels, changed_names, labels_text, parse_assignments, parse_labels } from "../../../gateway/page/core/labels.js";
 
 test("Labels_AreReadAsTheyAreWritten", () => {
   const labels = { room: "lab", camera: "", name: "left desk" };
@@ -23,10 +23,17 @@ test("LabelWithAComma_StaysWhereNothingIsTyped", () => {
   assert.deepEqual(changed_labels({ note: "a, b" }, "note=a, b", ""), {});
 });
 
-test("Assignment_SetsOrRemoves_OrIsNone", () => {
-  assert.deepEqual(parse_assignment("room=lab"), { room: "lab" });
-  assert.deepEqual(parse_assignment(" retired "), { retired: "" });
-  assert.deepEqual(parse_assignment("room-"), { room: null });
-  assert.equal(parse_assignment(""), undefined);
-  assert.equal(parse_assignment("a=1, b=2"), undefined);
+test("Blanks_StandBetweenLabelsAsInAsipctl_WhereThereIsNoComma", () => {
+  assert.deepEqual(parse_labels(" room=lab  camera shelf=2"), { room: "lab", camera: "", shelf: "2" });
+  assert.deepEqual(parse_labels("room=big hall, camera"), { room: "big hall", camera: "" });
+});
+
+test("Assignments_SetOrRemove_OrAreNone", () => {
+  assert.deepEqual(parse_assignments("room=lab"), { room: "lab" });
+  assert.deepEqual(parse_assignments(" retired "), { retired: "" });
+  assert.deepEqual(parse_assignments("room-"), { room: null });
+  assert.deepEqual(parse_assignments("room=lab old- camera"), { room: "lab", old: null, camera: "" });
+  assert.deepEqual(parse_assignments("room=big hall, old-"), { room: "big hall", old: null });
+  assert.equal(parse_assignments(""), undefined);
+  assert.equal(parse_assignments("=lab"), undefined);
 });

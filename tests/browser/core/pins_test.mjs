@@ -45,17 +45,6 @@ test("Modes_FollowFromWhatThePinCanDo", () => {
   assert.deepEqual(settable_modes({ can: 0 }), []);
 });
 
-test("Reports_AreShownByMode", () => {
-  const pins = pins_of(uno);
-  const values = new PinValues();
-  values.reported({ digital: { 2: 1, 3: 0 } });
-  values.reported({ analog: { 0: 1023 } });
-  assert.deepEqual(values.state_of(pins[2]), { mode: "input", text: "high", level: 1, told: false });
-  assert.deepEqual(values.state_of(pins[3]), { mode: "input", text: "low", level: 0, told: false });
-  assert.deepEqual(values.state_of(pins[14]), { mode: "analog", text: "1023", level: 1, told: false });
-  assert.deepEqual(values.state_of(pins[4]), { mode: "input", text: "", level: undefined, told: false });
-});
-
 const output = { id: "io/13", kind: "switch", choices: [["off", 0], ["on", 1]] };
 
 test("ModeThatACommandSet_CountsMoreThanThatOfTheBoard", () => {
@@ -66,7 +55,6 @@ test("ModeThatACommandSet_CountsMoreThanThatOfTheBoard", () => {
 test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
   const pins = pins_of(uno);
   const values = new PinValues();
-  values.reported({ digital: { 2: 0 } });
   values.stands([output, { id: "io/2", kind: "binary" }, { id: "io/10", kind: "number", max: 255 }, { id: "servo/0/angle" }],
     new Map([["io/13", { value: true, how: "set" }], ["io/2", { value: true, how: "reported" }], ["io/10", { value: 51, how: "set" }]]));
   assert.deepEqual([values.state_of(pins[13]).text, values.state_of(pins[13]).told], ["on", true]);
@@ -74,14 +62,5 @@ test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
   assert.deepEqual([values.state_of(pins[10]).text, values.state_of(pins[10]).level], ["51", 0.2]);
   values.stands([output], new Map([["io/13", { unknown: "restart" }]]));
   assert.equal(values.state_of(pins[13]).text, "");
-  assert.equal(values.state_of(pins[2]).text, "low", "a pin that is no property shows its level");
-});
-
-test("what others publish as reports of pins does no harm, and does not grow", () => {
-  const values = new PinValues();
-  for (const value of [{ modes: {} }, { modes: "out" }, { modes: [{}] }, { digital: 7 }, { digital: { 2: "high", x: 1, "-1": 1, 300: 1, 1.5: 1 } },
-    { analog: "no" }, { analog: { 0: { toString: 7 } } }, { analog: null }, {}]) values.reported(value);
-  for (let i = 0; i < 5000; ++i) values.reported({ digital: { [i]: 1 }, analog: { [i]: 1 } });
-  assert.equal(values.levels.size, 256);
-  assert.equal(values.analog.size, 256);
+  assert.deepEqual(values.state_of(pins[2]), { mode: "input", text: "", level: undefined, told: false }, "what nobody uses floats, and says nothing");
 });

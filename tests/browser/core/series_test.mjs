@@ -5,19 +5,15 @@ import { kMaxNumbers, numbers_of, Series, thinned, ticks } from "../../../gatewa
 
 const one = (value) => [{ key: "a", name: "a", value }];
 
-test("Numbers_AreFoundInEveryShapeOfAnEvent", () => {
-  const cm = { fields: [{ name: "distance", unit: "cm" }] };
-  assert.deepEqual(numbers_of("distance", [42, 118], cm, "sensor").map(({ name, value, unit }) => [name, value, unit]),
-    [["sensor 0", 42, "cm"], ["sensor 1", 118, "cm"]]);
-  assert.deepEqual(numbers_of("distance", [42], cm, "sensor").map(({ name }) => name), ["distance"]);
-  assert.deepEqual(numbers_of("encoders", [{ pulse: 3000, count: 11 }, { pulse: 1, count: 2 }], { fields: [{ name: "pulse", unit: "us" }] }, "encoder")
-    .map(({ key, name, value, unit }) => [key, name, value, unit]),
-  [["0.pulse", "encoder 0 pulse", 3000, "us"], ["0.count", "encoder 0 count", 11, undefined], ["1.pulse", "encoder 1 pulse", 1, "us"], ["1.count", "encoder 1 count", 2, undefined]]);
-  assert.deepEqual(numbers_of("acceleration", { x: 1, y: -2 }, undefined).map(({ name, value }) => [name, value]), [["x", 1], ["y", -2]]);
-  assert.deepEqual(numbers_of("analog", { 0: 320 }, { fields: [{ name: "value", max: 1023 }] }).map(({ key, name, value, max }) => [key, name, value, max]), [["0", "0", 320, 1023]]);
-  assert.deepEqual(numbers_of("count", 16, undefined).map(({ value }) => value), [16]);
-  assert.deepEqual(numbers_of("text", "hello", undefined), []);
-  assert.deepEqual(numbers_of("nothing", null, undefined), []);
+test("Numbers_AreFoundInEveryShapeOfAReport", () => {
+  const found = (name, value) => numbers_of(name, value).map((each) => [each.key, each.name, each.value]);
+  assert.deepEqual(found("distance", [42, 118]), [["0", "distance 0", 42], ["1", "distance 1", 118]]);
+  assert.deepEqual(found("distance", [42]), [["0", "distance", 42]]);
+  assert.deepEqual(found("wheel", [{ pulse: 3000, count: 11 }, { count: 2 }]), [["0.pulse", "wheel 0 pulse", 3000], ["0.count", "wheel 0 count", 11], ["1.count", "wheel 1 count", 2]]);
+  assert.deepEqual(found("acceleration", { x: 1, y: -2 }), [["x", "x", 1], ["y", "y", -2]]);
+  assert.deepEqual(found("count", 16), [["count", "count", 16]]);
+  assert.deepEqual(found("text", "hello"), []);
+  assert.deepEqual(found("nothing", null), []);
 });
 
 test("MorePointsThanFit_DropsTheOldest", () => {

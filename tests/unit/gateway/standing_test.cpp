@@ -88,6 +88,41 @@ TEST_F(StandingTest, Ids_ChooseAndAreChecked) {
     EXPECT_THAT(wrong->detail(), HasSubstr("did you mean"));
 }
 
+TEST_F(StandingTest, Past_IsOfNumbersThatWereReported_TheNewestFirst) {
+    list();
+    for (const auto* cm : {"41", "42", "43"})
+        bus("asip/uno1/distance/out", std::string(R"({"distance":[)") + cm + "]}");
+    EXPECT_FALSE(get("/api/boards/uno1/values")->body().contains("past"));
+    const auto past = get("/api/boards/uno1/values?past=2")->body()["past"];
+    ASSERT_EQ(past.size(), 1u) << past;
+    ASSERT_EQ(past["distance/0"].size(), 2u);
+    EXPECT_EQ(past["distance/0"][0][1], 43);
+    EXPECT_EQ(past["distance/0"][1][1], 42);
+    EXPECT_EQ(get("/api/boards/uno1/values?past=601")->status(), 400);
+}
+
+TEST_F(StandingTest, PutOfAValue_IsTheCommandThatSetsIt) {
+    list();
+    settle();
+    const auto put = ask("PUT", "/api/boards/uno1/values", R"({"servo/0/angle":90})");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_[0].topic, "asip/uno1/servo/in");
+    EXPECT_EQ(json::parse(published_[0].payload)["write"], json({0, 90}));
+    answer(R"({"status":"ok","proof":"fence"})");
+    EXPECT_EQ(put->status(), 204);
+    const auto refused = [&](const char* body) {
+        return ask("PUT", "/api/boards/uno1/values", body)->status();
+    };
+    EXPECT_EQ(refused(R"({"servo/7/angle":90})"), 404);
+    EXPECT_EQ(refused(R"({"servo/0/angle,distance/0":90})"), 404);
+    EXPECT_EQ(refused(R"({"":90})"), 404);
+    EXPECT_EQ(refused(R"({"servo/0/angle":181})"), 400);
+    EXPECT_EQ(refused(R"({"distance/0":5})"), 400);
+    EXPECT_EQ(refused(R"({"servo/0/angle":1,"distance/0":5})"), 400);
+    EXPECT_EQ(refused("7"), 400);
+    EXPECT_EQ(published_.size(), 1u) << "nothing of it was sent";
+}
+
 TEST_F(StandingTest, ReportedValue_CountsOverWhatTheAgentSays_UntilARestart) {
     list();
     values({{"distance/0", {{"value", 1}, {"how", "reported"}, {"age", 9}}}});

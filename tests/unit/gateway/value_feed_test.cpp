@@ -61,6 +61,22 @@ TEST_F(ValueFeedTest, Begin_LastValueThenSnapshotEndThenEachNewOne) {
     EXPECT_THAT(read(feed), ElementsAre());
 }
 
+TEST_F(ValueFeedTest, EmptyPattern_IsAnyService_AndAFeedThatEndedHearsNothing) {
+    distances(1, 1);
+    const auto any = [&] {
+        auto options = one();
+        options.service.clear();
+        return std::make_unique<ValueFeed>(values_, std::move(options));
+    };
+    auto feed = any();
+    report("servo", R"({"servo":[90]})");
+    EXPECT_THAT(read(*feed),
+                ElementsAre(R"(value 1 {"distance":[1]})", "snapshot-end 0", R"(value 1 {"servo":[90]})"));
+    feed.reset();
+    report("servo", R"({"servo":[91]})");  // the sanitizers see a feed that is still called
+    EXPECT_EQ(read(*any()).size(), 3u);
+}
+
 TEST_F(ValueFeedTest, NothingHeardYet_SnapshotIsEmptyAndTheFirstValueComes) {
     ValueFeed feed(values_, one());
     EXPECT_THAT(read(feed), ElementsAre("snapshot-end 0"));
