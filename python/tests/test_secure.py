@@ -77,6 +77,7 @@ class Secured(unittest.TestCase):
         desk.distance.report(100, timeout=20)
         with desk.distance.stream(hz=10, timeout=20) as values:
             self.assertEqual(next(values), [42, 0])
+        self.assertEqual(desk["servo/0/angle"].read(timeout=20), 90)
         desk.pin(13).mode("output", timeout=20)
         with desk.io.hold(write=[13, 1], seconds=2):
             pass
@@ -86,6 +87,8 @@ class Secured(unittest.TestCase):
     def test_a_viewer_reads_and_its_commands_do_nothing(self):
         bus = self.connect("bob")
         desk = bus.board("desk", timeout=60)
+        self.assertIn("servo/0/angle", [one.id for one in desk.properties])
+        desk["distance/0"].read(timeout=20)
         with self.assertRaises(asip.Error) as raised:
             desk.servo.write(0, 10, timeout=2)
         if hasattr(mqtt, "CallbackAPIVersion"):
