@@ -3,6 +3,8 @@
 
 const { whenThere, withBus } = require('../lib/node');
 
+const MODES = { __proto__: null, 3: 'output', 4: 'analog', 5: 'pwm' };
+
 module.exports = (RED) => {
   RED.nodes.registerType('asip-pin-in', function AsipPinIn(config) {
     RED.nodes.createNode(this, config);
@@ -20,9 +22,14 @@ module.exports = (RED) => {
         const shown = event === 'digital' ? Boolean(value) !== Boolean(config.invert) : value;
         this.send({ topic: `${config.board}/pin/${pin}`, payload: shown, retained: first });
       });
-      // The mode is set again each time the board comes back: a board that restarted has forgotten it.
+      // The mode is set again each time the board comes back: a board that restarted has forgotten it. An output stays one.
       const noMode = whenThere(bus, config.board, () => {
-        bus.command(config.board, 'io', { mode: [pin, mode] }).catch((error) => this.error(error.message, {}));
+        const pins = bus.boards.get(config.board).description.pins ?? {};
+        const number = event === 'analog' ? Number(Object.entries(pins.analog ?? {}).find(([, channel]) => channel === pin)?.[0] ?? NaN) : pin;
+        const present = MODES[pins.modes?.[number]];
+        if (Number.isNaN(number)) this.error(`${config.board} has no analog channel ${pin}`, {});
+        else if (present === 'output' || present === 'pwm') this.warn(`pin ${number} of ${config.board} is an output, and stays one: use asip property in`);
+        else if (event !== 'analog' || present !== mode) bus.command(config.board, 'io', { mode: [number, mode] }).catch((error) => this.error(error.message, {}));
       });
       return () => { noValues(); noMode(); };
     });

@@ -59,6 +59,18 @@ test('a property is set by the commands that its board takes', async () => {
   await flow.close();
 });
 
+test('a node that reads a pin changes no output, and finds an analog channel', async () => {
+  const flow = new Flow();
+  await flow.start([{ id: 'lamp', type: 'asip-pin-in', board: 'desk', pin: '3' }, { id: 'dimmed', type: 'asip-pin-in', board: 'desk', pin: '4' }, { id: 'button', type: 'asip-pin-in', board: 'desk', pin: '2' },
+    { id: 'knob', type: 'asip-pin-in', board: 'desk', pin: '0', mode: 'analog' }, { id: 'other', type: 'asip-pin-in', board: 'desk', pin: '1', mode: 'analog' },
+    { id: 'none', type: 'asip-pin-in', board: 'desk', pin: '9', mode: 'analog' }]);
+  flow.broker.tell('asip/servicebus/desk/$description', { board: 'desk', session: 's', seq: 1, lease: 60, state: { is: 'online' }, services: [{ name: 'io', model: 'io@1' }],
+    pins: { modes: '66035114', analog: { 6: 1, 7: 0 } } });
+  assert.deepEqual(flow.broker.sent.map(([, { mode }]) => mode), [[2, 'input-pullup'], [6, 'analog']]);
+  assert.deepEqual(flow.errors.map(([id]) => id), ['lamp', 'dimmed', 'none']);
+  await flow.close();
+});
+
 test('damaged documents are counted, and the next one works; the editor lists what there is', async () => {
   const flow = await flowOf({ id: 'door', type: 'asip-property-in', board: 'desk', property: 'io/2', initial: true });
   for (const topic of ['asip/servicebus/desk/$properties', 'asip/desk/$values']) {

@@ -169,7 +169,7 @@ class Nodes(unittest.TestCase):
         self.addCleanup(browser.close)
         browser.driver.get(f"http://127.0.0.1:{self.port}/admin/")
         eventually(lambda: browser.run("return Boolean(window.RED?.nodes?.node?.('value'))"), "the editor", 60)
-        self.assertEqual(browser.run("return ['value','command','pin-in','pin-out','boards'].filter((one) => !RED.nodes.getType('asip-' + one))"), [])
+        self.assertEqual(browser.run("return ['value','command','pin-in','pin-out','property-in','property-out','boards'].filter((one) => !RED.nodes.getType('asip-' + one))"), [])
         for dialog in ("value", "turn", "button", "lamp", "watch"):
             browser.run("RED.editor.edit(RED.nodes.node(arguments[0]))", dialog)
             eventually(lambda: browser.run("return Boolean(document.querySelector('#node-input-bus'))"), f"the dialog of {dialog}")
