@@ -133,20 +133,19 @@ class BoardPage(PageTest):
         self.assertEqual(main(self.form("io", "Set the level of an output pin")), "Set")
 
     def test_ValuesOfSeveralUnits_HaveAPlotAndAnAxisEach(self):
-        fields = [{"name": name, "type": "number", "unit": unit} for name, unit in (("far", "cm"), ("echo", "us"), ("near", "mm"), ("nearer", "mm"))]
-        model = {"name": "probe", "version": 1, "id": "P", "events": {"p": {"name": "probe", "per": "event", "fields": fields}}}
-        meter = {"board": "meter", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [{"name": "probe", "id": "P", "model": model}]}
+        meter = {"board": "meter", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [{"name": "pressure", "id": "B", "model": "pressure@1"}]}
         with published(self.bus, "asip/servicebus/meter/$description", json.dumps(meter)) as client, published(self.bus, "asip/servicebus/meter/$state", "online"):
             self.open("board/meter")
             plots = lambda: self.browser.run("return [...document.querySelectorAll('asip-plot canvas')].map((each) => each.getAttribute('aria-label'))")
 
             def drawn():
-                client.publish("asip/meter/probe/out", json.dumps({"probe": {"far": 42, "echo": 2400, "near": 420, "nearer": 410}})).wait_for_publish(20)
+                value = {"pressure": {"pressure": 1013, "temperature": 21, "altitude": 90}}
+                client.publish("asip/meter/pressure/out", json.dumps(value)).wait_for_publish(20)
                 return len(plots()) == 3 and all("Nothing yet" not in each for each in plots())
 
             eventually(drawn, "three plots")
-            units = [[unit for unit in ("cm", "µs", "mm") if f"\u00a0{unit}" in each] for each in plots()]
-            self.assertEqual(units, [["cm"], ["µs"], ["mm"]])
+            units = [[unit for unit in ("hPa", "C", "m") if each.endswith(f"\u00a0{unit}")] for each in plots()]
+            self.assertEqual(sorted(units), [["C"], ["hPa"], ["m"]])
 
     def test_NamesAndLabels_AreGivenInThePageAndStandEverywhere(self):
         self.open_board()
