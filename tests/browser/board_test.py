@@ -115,6 +115,29 @@ class BoardPage(PageTest):
         self.browser.run("document.querySelectorAll('asip-board details').forEach((each) => { each.open = false; })")
         self.browser.screenshot("board-page")
 
+    def test_RobotsPage_HasALargeStopAndItsMotorsFirst(self):
+        rover = {"board": "rover2", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [
+            {"name": "motors", "id": "M", "model": "motors@1", "count": 2}, {"name": "encoders", "id": "E", "model": "encoders@1", "count": 2}]}
+        heads = lambda: [head.text for head in self.browser.find("asip-board h2") if head.is_displayed()][:2]
+        height = lambda selector: self.browser.shown(selector).rect["height"]
+        with published(self.bus, "asip/servicebus/rover2/$description", json.dumps(rover)), published(self.bus, "asip/servicebus/rover2/$state", "online"):
+            self.open("board/rover2")
+            eventually(lambda: heads() == ["Controls", "Values"], "motors before values")
+            self.assertGreater(height(".title-row button.stop"), 1.3 * height("header button.stop"))
+        self.open_board()
+        eventually(lambda: heads() == ["Values", "Controls"], "values before servos")
+        self.assertEqual(height(".title-row button.stop"), height("header button.stop"))
+
+    def test_PinMap_ShowsWhatIsInUse_AndNoWordOfTheWireStandsOutsideAdvanced(self):
+        self.open("board/desk")
+        pins = lambda: [each.find_element(By.CLASS_NAME, "pin-name").get_property("textContent") for each in self.browser.find(".pin") if each.is_displayed()]
+        eventually(lambda: set(pins()) >= {"Pin 7", "Pin 9"} and "Pin 0" not in pins() and "Pin A3" not in pins(), "pins in use")
+        words = self.browser.text("asip-board").split()
+        for wire in ("io", "loopback", "complete", "[0,"):
+            self.assertNotIn(wire, words)
+        self.browser.button("All 20 pins").click()
+        eventually(lambda: len(pins()) == 20, "all pins")
+
     def test_MainButton_IsHoldToRunForMotorsAndSetForLampsAndServos(self):
         rover = {"board": "rover", "session": "5f3a9c01", "seq": 1, "lease": 600, "firmware": {"protocol": "0.4", "chip": "ATmega2560"},
                  "services": [{"name": "motors", "id": "M", "model": "motors@1", "count": 2}, {"name": "pixels", "id": "P", "model": "pixels@1"}]}

@@ -81,9 +81,12 @@ class Kiosk(PageTest):
         eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)
         eventually(lambda: "distance" in self.browser.text("main"), "its services")
         eventually(lambda: self.browser.find(".pin:not(.taken)"), "its pins")
+        self.all_pins()
 
     def shows_nothing_that_acts(self):
         """Neither a stop nor a form nor what sets a pin, also not for a moment while the page begins."""
+        eventually(lambda: self.browser.find(".pin:not(.taken)"), "its pins")
+        self.all_pins()
         self.browser.shown(".pin:not(.taken)").click()
         self.browser.shown(".pin-panel")
         self.browser.run("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
@@ -157,6 +160,7 @@ class Kiosk(PageTest):
         self.sign_in(token)
         self.browser.shown("asip-board asip-service", seconds=40)
         eventually(lambda: self.browser.find(".pin:not(.taken)"), "its pins")
+        self.all_pins()
         self.assertNotIn(token, self.browser.driver.current_url)
         self.shows_nothing_that_acts()
         self.browser.run("location.hash = '#/bus'")

@@ -21,6 +21,7 @@ class People(PageTest):
         self.browser.shown("main > *")
         if route.startswith("board/"):
             self.setter("Servo 0 angle")
+            self.all_pins()
             self.browser.shown(".pin:not(.taken)").click()
             self.all_commands()
 

@@ -191,7 +191,12 @@ class PageTest(unittest.TestCase):
 
     def open_board(self, name="desk", anew=False):
         self.open(f"board/{name}", anew)
-        self.browser.shown("asip-board .pin, asip-board asip-command form")
+        self.browser.shown("asip-board .all-pins, asip-board asip-command form")
+        self.all_pins()
+
+    def all_pins(self):
+        """Also those that nobody uses."""
+        self.browser.run("document.querySelector('.all-pins[aria-expanded=false]')?.click()")
 
     def form(self, service, title):
         """The form of a command, also where it is folded away."""

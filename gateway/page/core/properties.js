@@ -42,6 +42,9 @@ export function elements_of(properties) {
   return [...new Set(parts.filter((part) => /^\d+$/.test(part)).map(Number))].sort((a, b) => a - b);
 }
 
+/// Whether something on the board moves: its stop and its controls come first.
+export const moves = (properties) => properties.some((each) => each.advanced && each.kind === "number" && each.service !== "io");
+
 /// Whether one switch or slider says all that can be set; a slider of very many steps does not.
 export function is_simple(property) {
   const range = range_of(property);

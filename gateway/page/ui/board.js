@@ -2,6 +2,7 @@
 // One board: its values, its controls, its pins, what it is, its history.
 import { alive, label_texts } from "../core/catalogue.js";
 import { shown_state } from "../core/firmware.js";
+import { moves } from "../core/properties.js";
 import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
@@ -112,7 +113,10 @@ class Board extends Part {
   }
 
   async load() {
-    this.load_properties();
+    await this.load_properties();
+    const drives = moves(this.properties ?? []);
+    this.classList.toggle("drives", drives);
+    if (drives && this.shown_services.size === 0) this.values.before(this.controls); // a form that is moved later would be built twice
     try {
       this.board = await request(path_of("boards", this.name));
       this.problem.hidden = true;

@@ -57,7 +57,9 @@ class Pins extends Part {
     };
     const rows = board_rows(this.pins).map((row) => h("div", { class: "pin-row" }, row.map((group) => h("div", { class: "pin-group" }, group.map(draw_pin)))));
     this.panel = h("div", { class: "pin-panel", role: "region", "aria-label": "Pin", hidden: true });
-    this.replaceChildren(h("div", { class: this.pins.some((pin) => pin.name) ? "pcb named" : "pcb" }, rows), this.panel);
+    this.map = h("div", { class: "pcb" }, rows);
+    this.all_button = h("button", { class: "all-pins", onclick: () => { this.all = !this.all; this.draw(); } });
+    this.replaceChildren(this.map, this.all_button, this.panel);
     if (this.opened !== undefined && this.cells.has(this.opened)) this.open_panel();
     this.draw();
   }
@@ -80,7 +82,8 @@ class Pins extends Part {
       const { mode, text: value, level, told } = this.values.state_of(pin);
       const taken = pin.owner !== "";
       set_text(text, taken ? pin.owner : value || short[mode] || "");
-      set_class(button, `pin${taken ? " taken" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
+      const idle = pin.number !== this.opened && (pin.owner === "system" || (!taken && !pin.name && !this.values.properties.has(pin.number)));
+      set_class(button, `pin${taken ? " taken" : ""}${idle ? " idle" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
       set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}${told ? " told" : ""}`);
       light.style.opacity = level > 0 ? String(0.35 + 0.65 * level) : "";
       const now = this.standing_of(pin, mode, value && (told ? `set to ${value}` : value));
@@ -89,6 +92,11 @@ class Pins extends Part {
       if (button.title !== title) button.title = title;
       button.setAttribute("aria-expanded", String(pin.number === this.opened));
     }
+    const used = this.map.querySelectorAll(".pin:not(.idle)").length;
+    set_class(this.map, `pcb${this.pins.some((pin) => pin.name) ? " named" : ""}${this.all ? "" : " few"}`);
+    this.map.hidden = used === 0 && !this.all;
+    this.all_button.setAttribute("aria-expanded", String(Boolean(this.all)));
+    set_text(this.all_button, this.all ? "Only pins in use" : `All ${this.pins.length} pins`);
     if (this.opened !== undefined) this.show_panel();
   }
 

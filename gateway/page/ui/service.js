@@ -74,8 +74,8 @@ class Service extends Part {
   title_text() { return this.service.label ?? this.service.title ?? words(this.service.name); }
 
   subtitle() {
-    const { name, count, model, label, title } = this.service;
-    const parts = label && title ? [title, name] : [name];
+    const { count, model, label, title } = this.service;
+    const parts = label && title ? [title] : [];
     if (count > 0) parts.push(plural(count, this.element ?? "element"));
     if (!model) parts.push("no model describes it");
     return parts.join(", ");
@@ -91,6 +91,7 @@ class Service extends Part {
     for (const title of this.titles) {
       set_text(title.firstChild, this.pins ? this.service.label ?? "Pins" : this.title_text());
       set_text(title.lastChild, this.subtitle());
+      title.title = this.service.name;
     }
   }
 
@@ -157,7 +158,7 @@ class Service extends Part {
       const ids = this.listed.map((each) => each.id);
       const { past = {} } = await request(`${path_of("boards", this.board, "values")}?past=${kPast}&ids=${encodeURIComponent(ids.join())}`).catch(() => ({}));
       for (const group of this.groups.values()) group.series = past_series(group.numbers, past);
-      for (const plot of this.plots.querySelectorAll("asip-plot")) plot.shows(this.groups.get(plot.group).series);
+      for (const plot of [this.plots, this.more].flatMap((box) => [...box.querySelectorAll("asip-plot")])) plot.shows(this.groups.get(plot.group).series);
     } else {
       const past = await request(path_of("boards", this.board, "services", this.service.name, "values")).catch(() => undefined);
       for (const item of past?.items ?? []) this.received({ event: "value", ...item });
@@ -215,8 +216,7 @@ class Service extends Part {
     const same = JSON.stringify(listed) === JSON.stringify(this.listed);
     this.listed = listed;
     if (!same) {
-      for (const group of this.groups.values()) group.list?.remove();
-      this.plots.replaceChildren();
+      for (const place of [this.values, this.more, this.plots]) place.replaceChildren();
       this.groups.clear();
       for (const each of listed) {
         const key = `${each.unit ?? ""}${each.advanced && !this.pins ? " more" : ""}`;
@@ -248,7 +248,7 @@ class Service extends Part {
     }
     if (message.event !== "value" || message.value === null || typeof message.value !== "object") return;
     this.on_value?.(message.value);
-    if (this.listed.length > 0) return;
+    if (this.listed.length > 0 || this.pins) return; // what nobody uses floats
     const at = time_of(message.at) ?? Date.now();
     this.left_out += message.left_out ?? 0;
     for (const [name, value] of Object.entries(message.value)) this.value(name, value, at);
@@ -315,7 +315,8 @@ class Service extends Part {
     const label = [this.board, group.name, group.listed && unit_text(group.numbers[0].unit)].filter(Boolean).join(" ");
     const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"));
     plot.group = group.key;
-    this.plots.append(h("details", { open: group.place === this.values }, h("summary", {}, "Plot"), plot));
+    const [box, open] = group.place === this.values ? [this.plots, true] : [group.place, false];
+    box.append(h("details", { open }, h("summary", {}, "Plot"), plot));
   }
 }
 

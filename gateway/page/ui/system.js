@@ -31,7 +31,7 @@ class System extends Part {
     const { broker = {}, mirror = {}, streams = {}, registries = [] } = now; // of a limited token without what is not of its boards
     const cards = [
       card("Broker", broker.connected === false ? ["lost", "not connected"] : ["online", "connected"], [["Address", broker.address], ["Since", since_text(broker.since)]]),
-      card("Gateway", mirror.complete === false ? ["updating", "collecting"] : ["online", "complete"],
+      card("Gateway", mirror.complete === false ? ["updating", "collecting"] : ["online", "up to date"],
         [["Version", now.version], ["Learns from", mirror.registry ? `registry ${mirror.registry}` : mirror.source], ["Boards", mirror.boards ?? boards.catalogue.rows.size],
           ["You are", [now.you?.name, now.you?.role].filter(Boolean).join(", ")], ["Open streams", streams.clients], ["Values left out", streams.left_out]]),
       ...(now.you?.session ? [h("article", { class: "card" }, h("h2", {}, "This browser"), h("button", { onclick: sign_out }, "Sign out"))] : []),

@@ -14,6 +14,16 @@ test("a command is who, what and how it ended", () => {
   assert.equal(row.times, 3);
 });
 
+test("what was asked is words, not the wire", () => {
+  const text = (request, by = "ann") => command(1, request, { by }).text;
+  assert.equal(text('{"write":[0,90]}', "loopback"), "this machine: servo write 0, 90");
+  assert.equal(text('{"stop-all":true}'), "ann: servo stop-all");
+  assert.equal(text('{"write":{"servo":0,"angle":9}}'), "ann: servo write servo 0, angle 9");
+  assert.equal(text('{"labels":{"room":"lab"}}'), "ann: servo names and labels");
+  assert.equal(text('{"set":[[{"pixel":3}]]}'), "ann: servo set …");
+  for (const odd of ["{", "7", "null", "{}", "I,d,13,1"]) assert.equal(text(odd), `ann: servo ${odd}`);
+});
+
 test("equal rows are one, with how often and since when", () => {
   const rows = folded([command(9, "write 0 90"), command(8, "write 0 90"), command(7, "write 0 90", { count: 4 }), command(6, "write 0 10")]);
   assert.deepEqual(rows.map((row) => row.times), [6, 1]);
