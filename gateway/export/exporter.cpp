@@ -306,6 +306,7 @@ void Exporter::become_idle(const std::string& why) {
 
 void Exporter::tick(Time now) {
     now_ = now;
+    seldom_.tick(now);
     if (phase_ == Phase::kIdle && port_.ready() &&
         (options_.enabled ? turn_.may_claim(now) : turn_.may_clear(options_.clear_all, now))) {
         phase_ = Phase::kConnecting;

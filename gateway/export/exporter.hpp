@@ -14,6 +14,7 @@
 #include "gateway/export/dialect.hpp"
 #include "gateway/export/export.hpp"
 #include "gateway/export/retained_scan.hpp"
+#include "gateway/export/seldom.hpp"
 #include "gateway/export/value_pacer.hpp"
 
 namespace asip::gateway::exports {
@@ -119,7 +120,7 @@ class Exporter final : public Export {
     void show(Record& record, std::size_t index, const std::optional<nlohmann::json>& value, Time now);
     Record* record_of(const std::string& id);
     void command(const Dialect::Command& command, const std::string& payload);
-    void failed(const std::string& board, const std::string& sentence);
+    void failed(const std::string& board, const std::string& id, const std::string& sentence);
     void retain(std::string topic, std::string payload, int qos = 1);
     std::string mark() const { return dialect().base() + "/$mark/" + scan_.mark(); }
     std::size_t error_slots() const { return dialect().error_is_retained() ? 1 : 0; }
@@ -129,6 +130,7 @@ class Exporter final : public Export {
     Duration between_;  // states of one property
     Port port_;
     Turn turn_;
+    Seldom seldom_{[this](const std::string& sentence) { port_.log(sentence); }};
     Phase phase_ = Phase::kIdle;
     Random random_;
     Records records_;

@@ -302,24 +302,27 @@ void Exporter::command(const Dialect::Command& which, const std::string& payload
     const auto* property = record == nullptr ? nullptr : record->board->property(which.property);
     if (record == nullptr && dialect().has_neighbours()) return;
     if (property == nullptr) {
-        port_.log(std::string(dialect().title()) + " sets " +
-                  text::printable(which.board + "/" + which.property, kShownBytes) + ", which is not there");
+        const auto what = text::printable(which.board + "/" + which.property, kShownBytes);
+        seldom_.say(what, std::string(dialect().title()) + " sets " + what + ", which is not there", now_);
         return;
     }
     const auto board = record->board->board;
     const auto value = dialect().value_of(*property, payload);
-    if (!value) return failed(board, value.error());
-    if (!record->there) return failed(board, property->name + ": the board is not there");
-    if (!property->refused.empty()) return failed(board, property->refused);
+    if (!value) return failed(board, property->id, value.error());
+    if (!record->there) return failed(board, property->id, property->name + ": the board is not there");
+    if (!property->refused.empty()) return failed(board, property->id, property->refused);
     if (property->kind != Kind::kButton) publish_target(*record, *property, payload);
     for (const auto& request : requests_for(*property, *value))
-        port_.command(board, request, [this, board, name = property->name](const std::string& fault) {
-            if (!fault.empty()) failed(board, name + ": " + fault);
-        });
+        port_.command(board, request,
+                      [this, board, id = property->id, name = property->name](const std::string& fault) {
+                          if (!fault.empty()) failed(board, id, name + ": " + fault);
+                      });
 }
 
-void Exporter::failed(const std::string& board, const std::string& sentence) {
-    port_.log("board " + board + ": a command of " + std::string(dialect().title()) + " failed: " + sentence);
+void Exporter::failed(const std::string& board, const std::string& id, const std::string& sentence) {
+    seldom_.say(
+        board + "/" + id,
+        "board " + board + ": a command of " + std::string(dialect().title()) + " failed: " + sentence, now_);
     const auto found = records_.find(board);
     if (phase_ != Phase::kActive || found == records_.end() || dialect().read_only()) return;
     auto text = dialect().error_text(sentence);

@@ -266,7 +266,9 @@ void SparkplugNode::command(const std::string& name, std::size_t index,
 
 /// The metric stays as it is; its quality says what became of the last command.
 void SparkplugNode::answered(const std::string& name, const std::string& id, const std::string& fault) {
-    if (!fault.empty()) port_.log("board " + name + ": a command of a Sparkplug host failed: " + fault);
+    if (!fault.empty())
+        seldom_.say(name + "/" + id, "board " + name + ": a command of a Sparkplug host failed: " + fault,
+                    now_);
     const auto found = records_.find(name);
     if (phase_ != Phase::kActive || found == records_.end()) return;
     auto& record = found->second;

@@ -12,6 +12,7 @@ constexpr unsigned kNumbers = 256;  // of bdSeq and seq
 constexpr std::string_view kOnline = "online";
 constexpr std::string_view kOffline = "offline";
 constexpr std::size_t kShownTopic = 120;
+constexpr double kClocksDiffer = 60'000;  // in milliseconds
 
 Turn::Holder holder_of_node(const SparkplugNode::Options& options) {
     return {options.gateway, 0, options.host, {options.dialect.group + "/" + options.dialect.edge}};
@@ -210,8 +211,10 @@ void SparkplugNode::host_said(const mqtt::Message& message, Time now) {
             log_seldom(++counters_.bad, "the state of host " + options_.dialect.host + " cannot be read");
         return;
     }
-    if (said->timestamp < host_time_) return;  // of an earlier connection of that host
-    host_time_ = said->timestamp;
+    // Anybody may have retained such a message, and a time of the future would be the latest for ever.
+    const bool has_time = said->timestamp <= static_cast<double>(port_.wall_ms()) + kClocksDiffer;
+    if (has_time && said->timestamp < host_time_) return;  // of an earlier connection of that host
+    if (has_time && !message.retain) host_time_ = said->timestamp;
     if (std::exchange(host_online_, said->online) == said->online) return;
     if (said->online && phase_ == Phase::kWaiting) return births(now);
     if (said->online || phase_ != Phase::kActive) return;
@@ -223,6 +226,7 @@ void SparkplugNode::host_said(const mqtt::Message& message, Time now) {
 
 void SparkplugNode::tick(Time now) {
     now_ = now;
+    seldom_.tick(now);
     if (phase_ == Phase::kIdle && port_.ready() &&
         (options_.enabled ? turn_.may_claim(now) : turn_.may_clear(options_.clear_all, now))) {
         next_bd_seq_ = static_cast<unsigned>((turn_.next_term() - 1) % kNumbers);

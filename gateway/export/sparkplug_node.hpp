@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gateway/export/export.hpp"
+#include "gateway/export/seldom.hpp"
 #include "gateway/export/sparkplug.hpp"
 #include "gateway/export/value_pacer.hpp"
 
@@ -129,6 +130,7 @@ class SparkplugNode final : public Export {
     Duration between_;  // values of one property
     Port port_;
     Turn turn_;
+    Seldom seldom_{[this](const std::string& sentence) { port_.log(sentence); }};
     Phase phase_ = Phase::kIdle;
     unsigned bd_seq_ = 0;       // of this connection
     unsigned next_bd_seq_ = 0;  // of the next: in its will

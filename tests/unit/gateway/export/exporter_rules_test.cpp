@@ -266,6 +266,29 @@ TEST_P(ExporterRules, BoardThatIsForgotten_IsNotPutBack) {
     EXPECT_FALSE(world.retained.contains(topic));
 }
 
+TEST_P(ExporterRules, CommandsThatAreRefused_AreOneLineOfTheLogATopicAndMinute) {
+    show_one_board();
+    auto& gateway = world.start();
+    world.pass(5s);
+    gateway.log.clear();
+    auto nowhere = servo();
+    nowhere.replace(nowhere.rfind("servo"), 5, "other");
+    for (int i = 0; i < 1000; ++i) {
+        world.publish(servo() + "/set", "nonsense");
+        world.publish(nowhere + "/set", "1");
+        if (i % 100 == 0) world.step();
+    }
+    EXPECT_EQ(gateway.log.size(), 2u);
+    world.pass(61s);
+    ASSERT_EQ(gateway.log.size(), 4u);
+    EXPECT_NE(gateway.log.back().find("(999 in a minute)"), std::string::npos) << gateway.log.back();
+    world.pass(70s);
+    EXPECT_EQ(gateway.log.size(), 4u);
+    world.publish(servo() + "/set", "nonsense");
+    world.step();
+    EXPECT_EQ(gateway.log.size(), 5u);
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, ExporterRules, testing::ValuesIn(kDialects),
                          [](const auto& row) { return std::string(row.param.name); });
 

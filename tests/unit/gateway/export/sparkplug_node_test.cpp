@@ -477,6 +477,59 @@ TEST_F(SparkplugNodeTest, PrimaryHost_IsWaitedFor_AndLeftWhenItGoes) {
     world.retained.erase("spBv1.0/STATE/scada");
 }
 
+TEST_F(SparkplugNodeTest, StateOfAHostWithATimeOfTheFuture_IsNotTheLatestForEver) {
+    const auto says = [&](bool online, const std::string& time) {
+        world.publish("spBv1.0/STATE/scada",
+                      "{\"online\":"s + (online ? "true" : "false") + ",\"timestamp\":" + time + "}", true);
+        world.pass(3s);
+    };
+    says(false, "9000000000000000");
+    SparkplugNode::Options options;
+    options.dialect.host = "scada";
+    world.start_node(options);
+    world.pass(3s);
+    EXPECT_FALSE(world.view().node_alive);
+    says(true, "1000");
+    EXPECT_TRUE(world.view().node_alive) << "what is retained does not bind it";
+    says(false, "9000000000000000");
+    EXPECT_FALSE(world.view().node_alive);
+    says(true, "2000");
+    EXPECT_TRUE(world.view().node_alive) << "nor does what was said live";
+    says(false, "1999");
+    EXPECT_TRUE(world.view().node_alive);
+    world.retained.erase("spBv1.0/STATE/scada");
+}
+
+TEST_F(SparkplugNodeTest, RetainedStateOfAHost_DoesNotBindWhatItSaysLive) {
+    const auto says = [&](bool online, int time) {
+        world.publish(
+            "spBv1.0/STATE/scada",
+            "{\"online\":"s + (online ? "true" : "false") + ",\"timestamp\":" + std::to_string(time) + "}",
+            true);
+    };
+    says(false, 60'000);  // within what clocks may differ
+    SparkplugNode::Options options;
+    options.dialect.host = "scada";
+    world.start_node(options);
+    world.pass(3s);
+    says(true, 2000);
+    world.pass(3s);
+    EXPECT_TRUE(world.view().node_alive);
+    world.retained.erase("spBv1.0/STATE/scada");
+}
+
+TEST_F(SparkplugNodeTest, CommandsThatFail_AreOneLineOfTheLogAMinute) {
+    auto& gateway = active();
+    gateway.log.clear();
+    for (int i = 0; i < 1000; ++i) {
+        world.set("uno1", "servo/0/angle", whole(90));
+        gateway.answers.back()("no");
+    }
+    EXPECT_LE(gateway.log.size(), 3u);
+    world.pass(61s);
+    EXPECT_THAT(gateway.log.back(), HasSubstr(" in a minute)"));
+}
+
 TEST_F(SparkplugNodeTest, SlowBroker_GetsBirthsInPieces_AndDataOnlyBehindThem) {
     for (int i = 0; i < 200; ++i)
         world.put("b" + std::to_string(i), exported(3));
