@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -109,6 +110,15 @@ json sent_value(const Field& field, const json& value) {
 std::string field_type(const EventModel& event, const Field& field) {
     const auto type = value_type(field);
     return form_of(event) == EventForm::kObject ? fmt::format("std::optional<{}>", type) : type;
+}
+
+/// Whether an element has no value: its sensor did not answer.
+bool lacks_a_number(const json& value) {
+    return value.is_array() && std::any_of(value.begin(), value.end(), [](const json& element) {
+               return element.is_null() ||
+                      (element.is_object() && std::any_of(element.begin(), element.end(),
+                                                          [](const json& one) { return one.is_null(); }));
+           });
 }
 
 std::string cpp_event(const EventModel& event, const json& value) {
@@ -302,11 +312,13 @@ class HeaderView {
                 test["refusal"] = string_literal(without_guess(error));
             tests.push_back(std::move(test));
         }
-        for (const auto& [event, value] : example_events(model_))
+        for (const auto& [event, value] : example_events(model_)) {
+            if (lacks_a_number(value)) continue;  // it is NaN there, which equals nothing
             tests.push_back({{"event",
                               {{"json", string_literal(model::dump_json(json{{event->name, value}}))},
                                {"type", pascal_case(event->name) + "Event"},
                                {"literal", cpp_event(*event, value)}}}});
+        }
         return tests;
     }
 
