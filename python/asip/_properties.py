@@ -73,7 +73,10 @@ class Told(NamedTuple):
             if self.choices:
                 return self.choices["on" if value["on"] else "off"]
             brightness = value.get("brightness", _FULL) if value["on"] else 0
-            return _round(brightness * (_FULL if self.max is None else self.max) / _FULL) if _is_number(brightness) else None
+            if not _is_number(brightness) or not 0 <= brightness <= _FULL:
+                return None
+            level = brightness / _FULL * (_FULL if self.max is None else self.max)
+            return max(1, _round(level)) if brightness > 0 else 0
         if type(value) is bool and self.kind in ("switch", "binary"):
             return self.choices["on" if value else "off"]
         return self.choices.get(value) if isinstance(value, str) and self.kind in ("select", "sensor") else None

@@ -269,8 +269,8 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
         const auto found = tried.find(verb.name);
         ASSERT_NE(found, tried.end()) << verb.name << " is to be tried here";
         expect_harmless_words(found->second);
-        if (show_it.count(verb.name))
-            EXPECT_TRUE(showed_it_.count(verb.name)) << verb.name << " was not put to the test";
+        const bool tested = show_it.count(verb.name) == 0 || showed_it_.count(verb.name) != 0;
+        EXPECT_TRUE(tested) << verb.name << " was not put to the test";
     }
     expect_harmless_words({{"__complete", "bash", "asipctl show "}});
 }

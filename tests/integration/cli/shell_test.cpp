@@ -148,10 +148,10 @@ TEST_P(ShellTest, ValuesStandAboveTheLine_WhichStaysAsItIs) {
     shell->type("servo wri");
     EXPECT_TRUE(shell->edits("desk> servo wri"));
     ASSERT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
-    EXPECT_TRUE(shell->shows("distance 42, 0 cm")) << shell->screen().text();
+    EXPECT_TRUE(shell->shows("distance 42, none cm")) << shell->screen().text();
     EXPECT_TRUE(shell->edits("desk> servo wri")) << shell->screen().text();
     const auto screen = shell->screen();
-    EXPECT_THAT(screen.line(screen.row() - 1), HasSubstr("distance 42, 0 cm"));
+    EXPECT_THAT(screen.line(screen.row() - 1), HasSubstr("distance 42, none cm"));
     EXPECT_EQ(screen.column(), 15U);
     shell->type("te 0 90\n");
     EXPECT_TRUE(sim_.wait_for_output("servo (89|90|91)")) << shell->screen().text();
@@ -173,7 +173,7 @@ TEST_P(ShellTest, ValuesStandAboveTheLine_WhichStaysAsItIs) {
 TEST_P(ShellTest, LinesLongerThanTheTerminal_AndBytesThatAreNoText_AreTakenOrRefused) {
     auto shell = this->shell();
     ASSERT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
-    EXPECT_TRUE(shell->shows("distance 42, 0 cm"));
+    EXPECT_TRUE(shell->shows("distance 42, none cm"));
     const std::string tail(150, 'x');
     shell->type("servo write " + tail);
     EXPECT_TRUE(shell->edits(std::string(150 - 62 - 80, 'x'))) << shell->screen().text();
