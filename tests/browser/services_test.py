@@ -132,7 +132,7 @@ class Services(PageTest):
         for name in ("Distance 0", "Distance 1", "Pin A0"):
             eventually(lambda: value(name), name)  # noqa: B023
         stands = lambda name: self.bus.get("/api/boards/desk/values")["values"][listed()[name]].get("value")
-        eventually(lambda: value("Distance 1").startswith(f"{stands('Distance 1')}\u00a0cm"), "the same value")
+        eventually(lambda: value("Distance 0").startswith(f"{stands('Distance 0')}\u00a0cm"), "the same value")
         self.assertNotIn("Pin A1", self.browser.text(".values-box"), "an input that nobody uses is no value")
 
     def test_DistanceReported_ValueAndPlotMove(self):

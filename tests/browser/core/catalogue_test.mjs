@@ -16,8 +16,8 @@ function catalogue(...boards) {
 }
 
 test("ReasonOfAState_IsSaidAsInEveryProgram", () => {
-  const { reasons } = JSON.parse(readFileSync(new URL("../../vectors/presence.json", import.meta.url)));
-  for (const [reason, words] of Object.entries(reasons)) assert.equal(reason_text(reason), words);
+  const { states } = JSON.parse(readFileSync(new URL("../../vectors/reasons.json", import.meta.url)));
+  for (const [reason, words] of Object.entries(states)) assert.equal(reason_text(reason), words);
 });
 
 test("Names_AreSortedAsPeopleCount", () => {

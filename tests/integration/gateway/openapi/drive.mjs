@@ -38,6 +38,8 @@ function send(method, path, { headers = {}, body } = {}) {
 const upgrade = { Upgrade: "websocket", Connection: "Upgrade", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==" };
 const write = "/api/boards/uno1/services/servo/commands/write";
 const post = (path, body = {}, headers = {}) => () => send("POST", path, { body, headers });
+const values = "/api/boards/uno1/values";
+const turned = (degrees) => ({ "servo/0/angle": degrees });
 const angle = "/things/uno1/properties/servo-0-angle";
 const put = (path, body, headers = {}) => () => send("PUT", path, { body, headers });
 const get = (path, headers = {}) => () => send("GET", path, { headers });
@@ -179,6 +181,11 @@ const cases = {
     getThing: { 200: get("/things/uno1"), 404: get("/things/none") },
     readProperties: { 200: get("/things/uno1/properties"), 404: get("/things/none/properties") },
     readProperty: { 200: get("/things/uno1/properties/board-state"), 404: get("/things/uno1/properties/none") },
+    putBoardValue: {
+      204: put(values, turned(90)), 400: put(values, turned(900)), 404: put(values, { none: 1 }),
+      409: async () => { await put(values, turned(10), key("turned"))(); return put(values, turned(11), key("turned"))(); },
+      503: put("/api/boards/lost/values", turned(90)), 504: put("/api/boards/frozen/values?deadline_ms=50", turned(90)),
+    },
     writeProperty: {
       204: put(angle, 90), 400: put(angle, 900), 404: put("/things/uno1/properties/none", 1),
       409: async () => { await put(angle, 10, key("set"))(); return put(angle, 11, key("set"))(); },
@@ -197,6 +204,7 @@ const cases = {
     makeCode: { 429: () => flood("/api/codes", {}) },
     useWidget: { 429: () => flood("/api/dashboards/lab/widgets/turn", { value: 90 }) },
     writeProperty: { 429: () => flood(angle, 90, "PUT") },
+    putBoardValue: { 429: () => flood(values, turned(90), "PUT") },
   },
   // The registry is stopped, and one client may keep 256 kB.
   stalled: {
@@ -231,6 +239,7 @@ const cases = {
     streamBoardValues: { 503: get("/api/boards/uno1/values/stream") },
     getReady: { 503: get("/readyz") },
     writeProperty: { 503: put(angle, 90) },
+    putBoardValue: { 503: put(values, turned(90)) },
     observeProperty: { 503: get("/things/uno1/properties/distance-0/stream") },
     streamThings: { 503: get("/events") },
     streamThingsOfType: { 503: get("/events/thing_created") },
@@ -240,7 +249,7 @@ const cases = {
 
 // What no board here does: api_things_test.cpp and tests/box bring it about. What a second editor or a gateway that has just begun
 // meets: api_dashboards_test.cpp.
-const elsewhere = { loadBoard: [200], writeProperty: [422], useWidget: [422], invokeAction: [204, 409, 422, 429, 503, 504],
+const elsewhere = { loadBoard: [200], writeProperty: [422], putBoardValue: [422], useWidget: [422], invokeAction: [204, 409, 422, 429, 503, 504],
   getDashboard: [503], putDashboard: [409], deleteDashboard: [409], makeLink: [409], deleteLink: [409] };
 
 const document = JSON.parse((await send("GET", "/api/openapi.json")).text);
