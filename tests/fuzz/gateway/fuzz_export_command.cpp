@@ -94,7 +94,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(HomeAssistant(HomeAssistant::Options{}), board, topic, payload);
     check(Homie(Homie::Options{}), board, topic, payload);
     check(WebOfThings(WebOfThings::Options{}), board, topic, payload);
-    Turn lease({"gateway", 0, "host", "homeassistant"}, [] { return std::uint64_t{1}; });
+    Turn lease({"gateway", 0, "host", {"homeassistant"}}, [] { return std::uint64_t{1}; });
     lease.subscribed({});
     lease.said(payload, true, {});
     lease.state(payload, {});

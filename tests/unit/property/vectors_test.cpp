@@ -79,8 +79,9 @@ class PropertyVectors : public testing::Test {
                  const std::function<json(const Property&, const json&)>& of) {
         EXPECT_GT(vectors_.at(name).size(), 8U);
         for (auto& each : vectors_.at(name)) {
-            const auto found = std::find_if(properties_.begin(), properties_.end(),
-                                            [&](const auto& one) { return one.id == each.at("id"); });
+            const auto found = std::find_if(properties_.begin(), properties_.end(), [&](const auto& one) {
+                return one.id == each.at("id").get<std::string>();
+            });
             const auto is = of(found == properties_.end() ? Property() : *found, each.at("value"));
             if (std::getenv("ASIP_WRITE_VECTORS") != nullptr) each[member] = is;
             EXPECT_EQ(is, each.value(member, json())) << each;
