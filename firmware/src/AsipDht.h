@@ -9,7 +9,7 @@
 //
 // These sensors measure after they have answered, so what they tell is as old as the question before it. One
 // that was not asked for five seconds is asked twice, and only the second answer counts: it comes two seconds
-// later. The pins need an interrupt (docs/protocol.md says which do); one that has none is not used.
+// later. The pins need an interrupt (docs/sensors.md says which have one); one that has none is not used.
 #pragma once
 
 #include "Asip.h"
