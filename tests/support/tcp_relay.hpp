@@ -20,7 +20,8 @@ class TcpRelay {
     std::uint16_t port() const;
     /// Nothing passes, either way, and no connection is closed.
     void cut();
-    /// From now on nothing passes to the clients that `which` names by their first bytes; what they send does.
+    /// From now on nothing passes to the clients that `which` names by their first bytes; what they send
+    /// does.
     void cut_answers(Swallows which);
     /// What waited passes.
     void restore();

@@ -104,8 +104,7 @@ TEST(ExampleLamp, PythonWithPlainMqtt_SwitchesTheLedByTheButton) {
 }
 
 TEST(Examples, ShownInTheDocumentation_AreTheOnesThatAreTested) {
-    EXPECT_NE(text_of("docs/plain-mqtt.md").find(text_of("examples/plain_mqtt.py")),
-              std::string::npos);
+    EXPECT_NE(text_of("docs/plain-mqtt.md").find(text_of("examples/plain_mqtt.py")), std::string::npos);
 }
 
 }  // namespace

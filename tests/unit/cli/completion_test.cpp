@@ -220,7 +220,8 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
 /// tests/docs runs what stands there.
 TEST(Verbs, Each_IsShownByACommandOfThePagesThatAreRun) {
     std::string commands;
-    for (const char* page : {"README.md", "docs/start-develop.md", "docs/asipctl.md", "docs/tls-and-access.md"}) {
+    for (const char* page :
+         {"README.md", "docs/start-develop.md", "docs/asipctl.md", "docs/tls-and-access.md"}) {
         std::ifstream file(std::string(ASIP_TEST_SOURCE "/") + page);
         ASSERT_TRUE(file) << page;
         for (std::string line; std::getline(file, line);)
