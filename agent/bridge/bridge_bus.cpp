@@ -95,7 +95,8 @@ bool Bridge::obeys(const Stop& stop) const {
 }
 
 void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
-    if (!stop.retained && !obeys(stop)) {
+    const bool obeyed = obeys(stop);
+    if (!obeyed && !stop.retained) {
         const auto reply =
             bus::Reply::refused(std::string(bus::kRefusedDeadline),
                                 "the board was resumed after this stop was sent; stop it again");
@@ -105,13 +106,12 @@ void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
     }
     session::Actions actions;
     safety_.on_stop(stop, now, actions, out);
-    if (stop.latch && !stop.retained &&
-        latch_.stop(stop.reply().by, stop.why, text::iso_time(text::wall_now()))) {
+    if (stop.latch && obeyed && latch_.stop(stop.reply().by, stop.why, text::iso_time(text::wall_now()))) {
         out.keep_stop = latch_.stopped();
         show_stop(now, out);
     }
     perform(actions, now, out);
-    out.stopped = !stop.retained;
+    out.stopped = obeyed;
 }
 
 void Bridge::refuse_waiting(Time now, Effects& out) {

@@ -64,7 +64,8 @@ struct DemandMessage {
     std::string payload;
     bool retained = false;
 };
-/// The broker keeps what an agent of before said of what was set on this board: nobody reads it any more.
+/// A topic `set` on which an agent of an earlier build left what was set on this board; no program reads it
+/// any more.
 struct OldSet {
     std::string topic;
 };

@@ -26,6 +26,7 @@ class Inbox {
     bool empty() const { return entries_.empty(); }
     bool full() const { return entries_.size() >= kMaxMessages || bytes_ >= kMaxBytes; }
     std::size_t size() const { return entries_.size(); }
+
     /// A message arrives, and takes its turn. Returns what is to be handled now.
     std::optional<Inbound> arrive(Inbound message) {
         ++arrived_;
@@ -58,6 +59,7 @@ class Inbox {
         Entry entry = std::move(entries_.front());
         entries_.pop_front();
         bytes_ -= entry.bytes;
+        if (caught_ > 0) --caught_;
         if (auto* command = std::get_if<Command>(&entry.message)) command->stopped = entry.stopped;
         return std::move(entry.message);
     }
@@ -67,11 +69,14 @@ class Inbox {
     template <class SentBehind>
     std::size_t stop(SentBehind&& sent_behind) {
         std::size_t caught = 0;
-        for (auto& entry : entries_) {
-            if (entry.stopped || sent_behind(std::as_const(entry.message))) continue;
-            entry.stopped = true;
+        for (auto entry = entries_.begin() + static_cast<std::ptrdiff_t>(caught_); entry != entries_.end();
+             ++entry) {
+            if (entry->stopped || sent_behind(std::as_const(entry->message))) continue;
+            entry->stopped = true;
             ++caught;
         }
+        while (caught_ < entries_.size() && entries_[caught_].stopped)
+            ++caught_;
         return caught;
     }
 
@@ -83,6 +88,7 @@ class Inbox {
     };
     std::deque<Entry> entries_;
     std::size_t bytes_ = 0;
+    std::size_t caught_ = 0;   // so many of the oldest; a flood of stops does not look at them again
     std::size_t arrived_ = 0;  // since the last turn
     bool asked_ = false;       // for a turn
 };

@@ -30,7 +30,7 @@ StopLine::StopLine(boost::asio::io_context& io, mqtt::Options options) {
     handlers.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
         for (const auto& entry : entries())
             if (entry->topic == filter)
-                entry->handlers.on_changed(false, "the broker refuses " + filter + ": " + reason);
+                entry->handlers.on_heard(false, "the broker refuses " + filter + ": " + reason);
     };
     client_ = std::make_shared<mqtt::Client>(io, std::move(options), std::move(handlers));
     client_->start();
@@ -45,12 +45,12 @@ std::vector<std::shared_ptr<StopLine::Entry>> StopLine::entries() {
 
 void StopLine::tell(bool heard, const std::string& why) {
     for (const auto& entry : entries())
-        if (std::exchange(entry->heard, heard) != heard || !heard) entry->handlers.on_changed(heard, why);
+        entry->handlers.on_heard(heard, why);
 }
 
 StopLine::Listening StopLine::listen(std::string topic, Handlers handlers) {
     std::erase_if(entries_, [](const auto& entry) { return entry.expired(); });
-    auto* const entry = new Entry{std::move(topic), std::move(handlers), false};
+    auto* const entry = new Entry{std::move(topic), std::move(handlers)};
     std::shared_ptr<Entry> held(entry, [client = std::weak_ptr(client_)](const Entry* ended) {
         if (const auto connection = client.lock()) connection->unsubscribe(ended->topic);
         delete ended;

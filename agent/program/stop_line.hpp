@@ -21,8 +21,8 @@ class StopLine {
     /// What a board is told.
     struct Handlers {
         std::function<void(const mqtt::Message&)> on_stop;
-        /// Whether stops for this board arrive now has changed. `why` they do not, for a person.
-        std::function<void(bool heard, const std::string& why)> on_changed;
+        /// Stops for this board arrive, or do not: `why`, for a person. Called for each attempt to connect.
+        std::function<void(bool heard, const std::string& why)> on_heard;
     };
     /// Stops of one board arrive while it lives. It may outlive the line.
     class [[nodiscard]] Listening {
@@ -48,7 +48,6 @@ class StopLine {
     struct Entry {
         std::string topic;
         Handlers handlers;
-        bool heard = false;
     };
     void tell(bool heard, const std::string& why);
     /// Those that are left, for each handler may end some.

@@ -12,7 +12,7 @@ void Access::asked(const std::string& topic, bool silent) {
 
 void Access::disconnected(const mqtt::ConnectionFailure& why) {
     why_lost_ = why.text;
-    // Of a message that is not acknowledged brokers do not tell that they denied it: Mosquitto 2.0.11 closes
+    // Brokers do not say that they denied a message which they do not acknowledge: Mosquitto 2.0.11 closes
     // the connection. One end may be that of the broker itself.
     denies_ = why.after_sending > 1 && !last_topic_.empty();
     if (why.after_sending > 0 && !last_topic_.empty()) cut_off_by_ = last_topic_;

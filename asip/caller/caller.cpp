@@ -120,12 +120,7 @@ Caller::Call Caller::command(Command command, Done done, Time now) {
 }
 
 void Caller::answered(const std::shared_ptr<Call::Entry>& call, const mqtt::Message& message) {
-    auto reply = bus::parse_reply(message.payload);
-    if (!reply) {
-        reply = bus::Reply::timeout();
-        reply->error = "the answer cannot be read";
-    }
-    finish(call, *reply);
+    finish(call, bus::read_answer(message.payload));
 }
 
 // Its place among those that are due is found empty later.

@@ -32,7 +32,7 @@ struct Command {
     int qos = 1;
     bool plain = false;  ///< for a board that takes part by names only: it reads lines, and no JSON
     bool lasts = false;  ///< the broker may deliver it behind its deadline, which the agent is not told
-    std::string by{};    ///< who asks, for histories; empty: not said
+    std::string by{};    ///< the user, for histories; empty: not said
     /// Said where nothing answers: "no answer to S,W,0,90 within 300 ms".
     std::string silence{};
 };

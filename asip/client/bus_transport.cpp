@@ -9,6 +9,7 @@
 
 #include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/request_envelope.hpp"
+#include "asip/caller/client_port.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/property/documents.hpp"
@@ -20,7 +21,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr PendingCalls::Id kOpening = 0;
-// Whoever waits for a call is told by the caller, in time.
+// The Caller ends each call in time: no other limit is needed.
 constexpr auto kForever = std::chrono::hours(24);
 // Closing tells boards that nothing is wanted of them any more.
 constexpr auto kLeaveTime = std::chrono::milliseconds(500);
@@ -39,11 +40,6 @@ Expected<mqtt::Options> mqtt_options(const Address& address, const Options& opti
     mqtt.cert_file = options.certificate;
     mqtt.key_file = options.key;
     return mqtt;
-}
-
-/// "servo" of servo/0/angle.
-std::string_view service_of(std::string_view property) {
-    return property.substr(0, property.find('/'));
 }
 
 Error error_of(const bus::Reply& reply) {
@@ -121,16 +117,7 @@ Expected<void> BusTransport::make_client() {
         if (alive.lock()) caller_->denied(topic, reason);
     };
     client_ = std::make_unique<mqtt::Client>(io_, std::move(*mqtt), std::move(handlers));
-    caller::Caller::Port port;
-    port.publish = [this](mqtt::Message message) {
-        return client_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
-    };
-    port.subscribe = [this](const std::string& filter, mqtt::SubscribeOptions options) {
-        client_->subscribe(filter, options);
-    };
-    port.unsubscribe = [this](const std::string& filter) { client_->unsubscribe(filter); };
-    port.v5 = [this] { return client_->v5(); };
-    port.unacknowledged = [this] { return client_->counters().unacknowledged; };
+    auto port = caller::port_of(*client_);
     port.changed = [this](const std::string& board, const mqtt::Message*) {
         changed_ = changed_ || board == address_.board;
     };
@@ -287,7 +274,7 @@ void BusTransport::take(const mqtt::Message& message) {
 nlohmann::json BusTransport::values(const std::string& service) const {
     auto result = Json::object();
     for (const auto& [id, value] : values_)
-        if (service_of(id) == service) result[id] = value;
+        if (property::service_of(id) == service) result[id] = value;
     return result;
 }
 
@@ -304,9 +291,9 @@ void BusTransport::take_values(const mqtt::Message& message) {
     std::set<std::string> changed;
     for (const auto& [id, value] : now)
         if (const auto before = values_.find(id); before == values_.end() || before->second != value)
-            changed.emplace(service_of(id));
+            changed.emplace(property::service_of(id));
     for (const auto& [id, value] : values_)
-        if (!now.contains(id)) changed.emplace(service_of(id));
+        if (!now.contains(id)) changed.emplace(property::service_of(id));
     values_ = std::move(now);
     const std::weak_ptr<bool> alive(alive_);
     for (const auto& service : changed)

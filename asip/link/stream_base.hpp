@@ -122,7 +122,7 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
         if (!handlers_.on_closed) return;
         const bool hung_up =
             error == boost::asio::error::eof || error == boost::asio::error::connection_reset;
-        // Also of what was written and nobody took.
+        // TCP says so, too, of a peer that never takes the bytes that were written to it.
         const auto kind = error == boost::asio::error::timed_out ? StreamError::Kind::kUnreachable
                                                                  : StreamError::Kind::kClosed;
         handlers_.on_closed(

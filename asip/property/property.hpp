@@ -92,6 +92,11 @@ std::string_view access_of(const Property& property);
 /// As JSON: a whole number without a point, as boards take it.
 nlohmann::json json_number(double value);
 
+/// The service of the property with this id: "servo" of servo/0/angle.
+inline std::string_view service_of(std::string_view id) {
+    return id.substr(0, id.find('/'));
+}
+
 /// The id as other systems take it, which allow `a-z0-9-` alone: "servo-0-angle". Two ids never give the
 /// same.
 std::string plain_id(std::string_view id);

@@ -161,6 +161,14 @@ std::optional<json> light_of(const Property& property, std::optional<double> lev
     return value;
 }
 
+json value_of_control(const Property& property, const json& wanted) {
+    if (property.kind != Kind::kLight) return wanted;
+    if (wanted.is_boolean()) return {{"on", wanted}};
+    if (!wanted.is_number()) return wanted;
+    if (wanted == 0) return {{"on", false}};
+    return {{"on", true}, {"brightness", wanted}};
+}
+
 std::vector<Request> requests_for(const Property& property, const json& value) {
     std::vector<Request> result;
     if (property.before) result.push_back(request_of(*property.before, {}));

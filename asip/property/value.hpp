@@ -29,6 +29,10 @@ std::optional<nlohmann::json> value_in(const Property& property, const nlohmann:
 std::optional<nlohmann::json> light_of(const Property& property, std::optional<double> level,
                                        std::optional<double> color);
 
+/// What a switch or a slider asks for, as a value of the property; of a light it is whether it is on, or its
+/// brightness.
+nlohmann::json value_of_control(const Property& property, const nlohmann::json& wanted);
+
 /// A command as it goes to a service: {"write":[0,90]}.
 struct Request {
     std::string service;

@@ -45,11 +45,11 @@ std::string who_asks(const Environment& environment);
 int exit_status(const bus::Reply& reply);
 /// What is printed for a success: `ok`, or what the board answered (a raw line as it came, JSON otherwise).
 std::string answer_text(const bus::Reply& reply);
-/// Why it failed, in a table that has the status beside it; and as a failure of the command; `where` stands
-/// before it: `desk: `.
+/// Why it failed, for a table that has the status beside it.
 std::string why_not(const bus::Reply& reply);
 /// The same as a line of its own, with what to try.
 std::string note_of(const std::string& board, const bus::Reply& reply);
+/// The same as the failure of asipctl; `where` stands before it: `desk: `.
 Failure failure_of(const bus::Reply& reply, const std::string& where);
 
 /// The answer to a command that the user did not wait for.

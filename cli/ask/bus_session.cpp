@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "asip/caller/client_port.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/failure.hpp"
@@ -53,20 +54,10 @@ struct BusSession::State {
     }
 
     caller::Caller::Port port() {
-        caller::Caller::Port result;
-        result.publish = [this](mqtt::Message message) {
-            return client.publish(std::move(message), mqtt::Priority::kReply) !=
-                   mqtt::PublishResult::kRefused;
-        };
-        result.subscribe = [this](const std::string& filter, mqtt::SubscribeOptions options) {
-            client.subscribe(filter, options);
-        };
-        result.unsubscribe = [this](const std::string& filter) { client.unsubscribe(filter); };
-        result.v5 = [this] { return client.v5(); };
+        auto result = caller::port_of(client);
         result.changed = [this](const std::string& board, const mqtt::Message* said) {
             if (board_said) board_said(board, said);
         };
-        result.unacknowledged = [this] { return client.counters().unacknowledged; };
         return result;
     }
 

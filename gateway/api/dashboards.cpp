@@ -150,7 +150,7 @@ void use(Call& call, const Widget& widget) {
                                        {{"reason", "board-not-there"}}));
     for (const auto& each : found->board->properties)
         if (each.id == widget.property)
-            return set_property(call, *found, each, Widget::value_for(each, *value));
+            return set_property(call, *found, each, property::value_of_control(each, *value));
     send_problem(call, 404, "board " + widget.board + " has no property " + widget.property + " now");
 }
 

@@ -6,6 +6,7 @@
 
 #include "asip/bus/pattern.hpp"
 #include "asip/model/json.hpp"
+#include "asip/property/property.hpp"
 
 namespace asip::gateway::api {
 namespace {
@@ -26,8 +27,7 @@ void limit_names(const Rights& rights, const std::string& board, json& object) {
         if (!object.contains(pointer) || !object[pointer].is_object()) continue;
         auto& named = object[pointer];
         for (auto it = named.begin(); it != named.end();)
-            it = rights.sees_service(board, it.key().substr(0, it.key().find('/'))) ? std::next(it)
-                                                                                    : named.erase(it);
+            it = rights.sees_service(board, property::service_of(it.key())) ? std::next(it) : named.erase(it);
     }
 }
 

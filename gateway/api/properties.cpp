@@ -9,7 +9,6 @@
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/api/streams.hpp"
-#include "gateway/dashboard/dashboard.hpp"
 
 namespace asip::gateway::api {
 namespace {
@@ -105,7 +104,8 @@ void put_board_values(Call& call) {
     if (!board) return;
     for (const auto& each : board->found.board->properties)
         if (each.id == id)
-            return set_property(call, board->found, each, Widget::value_for(each, body->begin().value()));
+            return set_property(call, board->found, each,
+                                property::value_of_control(each, body->begin().value()));
     send_problem(call, 404, "board " + call.board() + " has no property \"" + text::printable(id) + "\"");
 }
 

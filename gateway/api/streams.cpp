@@ -131,13 +131,14 @@ PropertyFeed::Options feed_options(const Reader& reader, const std::string& boar
     return options;
 }
 
-/// Of these properties alone, and the reports of nothing else are demanded.
+/// A feed of these properties alone; it demands the reports of their services and of no other.
 PropertyFeed::Options only(const Reader& reader, const std::string& board, std::set<std::string> ids,
                            double hz, const std::function<bool(const std::string& service)>& allowed) {
     auto feed = feed_options(reader, board, "*", hz);
     std::set<std::string, std::less<>> services;
     for (const auto& id : ids)
-        if (auto service = id.substr(0, id.find('/')); allowed(service)) services.insert(std::move(service));
+        if (std::string service(property::service_of(id)); allowed(service))
+            services.insert(std::move(service));
     auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
     for (const auto& service : services)
         wants->push_back(reader.gateway.demander().want(board, service, hz));

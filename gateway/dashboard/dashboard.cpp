@@ -11,14 +11,6 @@
 namespace asip::gateway {
 using nlohmann::json;
 
-json Widget::value_for(const property::Property& of, const json& value) {
-    if (of.kind != property::Kind::kLight) return value;
-    if (value.is_boolean()) return {{"on", value}};
-    if (!value.is_number()) return value;
-    if (value == 0) return {{"on", false}};
-    return {{"on", true}, {"brightness", value}};
-}
-
 const Widget* Dashboard::widget(std::string_view id) const {
     const auto found =
         std::find_if(widgets.begin(), widgets.end(), [&](const auto& each) { return each.id == id; });

@@ -26,10 +26,7 @@ struct Widget {
     /// It sends commands.
     bool sends() const { return kind == Kind::kSwitch || kind == Kind::kSlider; }
     /// That has the property.
-    std::string_view service() const { return std::string_view(property).substr(0, property.find('/')); }
-    /// What a switch or a slider asks for, as a value of the property; of a light it is whether it is on, or
-    /// its brightness.
-    static nlohmann::json value_for(const property::Property& of, const nlohmann::json& value);
+    std::string_view service() const { return property::service_of(property); }
 };
 
 /// A link that shows a dashboard to its holder. Of its token only the hash is kept.

@@ -37,7 +37,8 @@ std::vector<std::pair<std::string, property::ButtonAct>> new_acts(
 
 }  // namespace
 
-/// Of two sessions that of the description counts, else the later one; of one session the later document.
+/// A document of the session in the description counts, else that of the later session; within one session
+/// the later document.
 bool Standing::may_replace(const property::DocumentHead& old, const property::DocumentHead& head,
                            const std::string& board, std::string_view session) {
     if (head.board != board) {

@@ -120,7 +120,7 @@ class Standing {
     return true;
   }
 
-  // Of two sessions that of the description, else the later one; of one session the later document.
+  // A document of the session in the description counts, else that of the later session; within one session the later document.
   counts(what, { session, seq }, holder) {
     const old = this.heads[what];
     const isGood = session === old.session ? seq >= old.seq // else its description may be on its way

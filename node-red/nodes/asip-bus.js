@@ -36,7 +36,7 @@ module.exports = (RED) => {
   const services = (bus, query) => bus.boards.get(query.board)?.description.services || [];
   RED.httpAdmin.get('/asip/:bus/boards', may, list((bus) => [...bus.boards.all.values()].map((board) => ({ name: board.name, there: isThere(board) }))));
   RED.httpAdmin.get('/asip/:bus/services', may, list((bus, query) => services(bus, query).map((one) => ({ name: one.name, title: one.title || '' }))));
-  // Of a board that no node looks at yet the list comes a moment later.
+  // The list of a board that no node looks at yet comes a moment later.
   const properties = (bus, board) => [...(bus.standings.get(board)?.properties.values() ?? [])].map((one) => ({ id: one.id, name: one.name, access: one.access }));
   RED.httpAdmin.get('/asip/:bus/properties', may, (request, response) => {
     const { bus } = RED.nodes.getNode(request.params.bus) ?? {};

@@ -75,8 +75,10 @@ class Told(NamedTuple):
             brightness = value.get("brightness", _FULL) if value["on"] else 0
             if not _is_number(brightness) or not 0 <= brightness <= _FULL:
                 return None
-            level = brightness / _FULL * (_FULL if self.max is None else self.max)
-            return max(1, _round(level)) if brightness > 0 else 0
+            level = brightness * (_FULL if self.max is None else self.max) / _FULL
+            if not math.isfinite(level):
+                return None
+            return max(1, math.floor(level + 0.5)) if brightness > 0 else 0  # what is on stays on
         if type(value) is bool and self.kind in ("switch", "binary"):
             return self.choices["on" if value else "off"]
         return self.choices.get(value) if isinstance(value, str) and self.kind in ("select", "sensor") else None
@@ -97,8 +99,7 @@ class Told(NamedTuple):
         if "color" in self.calls and (not on or "color" in value or not dims) and (on or not dims):
             made.append(self._request("color", value.get("color", 0xFFFFFF) if on else 0))
         if dims:
-            level = self.wire(value)  # what is on stays on
-            made.append(self._request("write", level if self.choices or not on or value.get("brightness", 1) == 0 else max(1, level)))
+            made.append(self._request("write", self.wire(value)))
         return made
 
 
@@ -166,7 +167,7 @@ class Standing:
         return pins
 
     def _counts(self, what: str, session: str, place: tuple[int, int], holder: str) -> bool:
-        """Of two sessions that of the description, else the later one; of one session the later document."""
+        """A document of the session in the description counts, else that of the later session; within one session the later document."""
         old, newest = self._heads[what]
         if session == old:
             good = place >= newest
@@ -184,10 +185,6 @@ def _need(true: Any, what: str) -> None:
 
 def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and math.isfinite(value)
-
-
-def _round(value: float) -> int:
-    return math.floor(value + 0.5)
 
 
 def _head(document: dict[str, Any], board: str) -> tuple[str, int]:

@@ -54,6 +54,13 @@ bool may_have_been_executed(const Reply& reply) {
     return reply.status == S::kTimeout && reply.reason != kTimeoutNoValue;
 }
 
+Reply read_answer(std::string_view payload) {
+    if (auto reply = parse_reply(payload)) return std::move(*reply);
+    auto none = Reply::timeout();
+    none.error = "the answer cannot be read";
+    return none;
+}
+
 std::string why_of(const Reply& reply) {
     std::string why = reply.error;
     if (why.empty()) why = words_of(reply.status, reply.reason);

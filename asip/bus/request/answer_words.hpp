@@ -10,10 +10,11 @@
 /// tests/vectors/answers.json binds them.
 namespace asip::bus {
 
-/// Behind each sentence about a command of which nobody can know whether the board executed it.
+/// Ends each sentence about a command that the board may have executed or not.
 inline constexpr std::string_view kMayHaveBeenExecuted = "; it may or may not have been executed";
 
-/// Whether nobody can know it: each timeout but one whose value alone is missing.
+/// Whether the board may have executed the command or not: so behind every timeout, but for one that lacks
+/// the value alone.
 bool may_have_been_executed(const Reply& reply);
 
 /// One sentence without its full stop; empty for a success. What the answer says itself (`error`) comes
@@ -22,9 +23,8 @@ std::string sentence_of(const Reply& reply);
 /// The same where the status stands beside it already.
 std::string why_of(const Reply& reply);
 
-/// The sentence for what came as an answer and is none.
-inline constexpr std::string_view kUnreadableAnswer =
-    "the answer cannot be read; it may or may not have been executed";
+/// What came as an answer; where it is none, an answer that says so.
+Reply read_answer(std::string_view payload);
 
 /// A status with a reason, and what it means.
 struct AnswerWords {

@@ -28,8 +28,8 @@ struct Members {
     bool has_deadline = false;
 };
 
-/// Of a JSON object, as they are written, but for those that a request has of its asker. Nothing: it is none.
-/// Building a tree of them would cost more than all the rest of a request.
+/// The members of a JSON object as they are written, but for those that the asker gives a request. Nothing:
+/// the payload is no object. Building a tree of them would cost more than all the rest of a request.
 std::optional<Members> members_of(std::string_view payload, bool clock) {
     JsonScanner scanner(payload);
     if (!scanner.enter_object()) return std::nullopt;

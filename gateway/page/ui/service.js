@@ -256,7 +256,7 @@ class Service extends Part {
     this.refresh();
   }
 
-  /// Of a service without properties, as it stands in its report.
+  /// The values of a service without properties, as they stand in its report.
   value(name, value, at) {
     let group = this.groups.get(name);
     if (!group) {
@@ -320,7 +320,7 @@ class Service extends Part {
   }
 }
 
-/// Of properties with the same unit, from what the gateway keeps: id -> [[time, number]], the newest first.
+/// The plot of properties with the same unit, from what the gateway keeps: id -> [[time, number]], the newest first.
 function past_series(numbers, past) {
   const at_times = new Map();
   for (const number of numbers) for (const [time, value] of past[number.key] ?? []) {

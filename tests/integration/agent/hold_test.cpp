@@ -34,6 +34,13 @@ class HoldOfMotor : public testing::Test {
                                      "--takeover", "--no-step-up", "--log-level", "debug"});
     }
     bool online() { return wait_state(probe, "online", kDeadline, "robot"); }
+    /// With an agent that reaches the broker through `relay`.
+    bool online_through(const TcpRelay& relay) {
+        agent->signal(SIGKILL);
+        agent->wait_exit();
+        start_agent("127.0.0.1:" + std::to_string(relay.port()));
+        return online();
+    }
     /// asipctl holds the motor, as a person would.
     std::unique_ptr<ChildProcess> hold(const std::string& time = "500ms") {
         std::unique_ptr<ChildProcess> sender;
@@ -224,11 +231,8 @@ TEST_F(HoldOfMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
 
 // The broker has more for the agent than the agent takes: what others send to the board lies in the way.
 TEST_F(HoldOfMotor, NothingElseReachesTheAgent_StopStillDoes) {
-    agent->signal(SIGKILL);
-    agent->wait_exit();
     TcpRelay relay(broker.port());
-    start_agent("127.0.0.1:" + std::to_string(relay.port()));
-    ASSERT_TRUE(online()) << agent->errors();
+    ASSERT_TRUE(online_through(relay)) << agent->errors();
     const auto sender = hold("30s");
     relay.cut_answers([](std::string_view first) { return first.find("-stops") == std::string_view::npos; });
     const auto reply = probe.request("asip/robot/$stop", "{}");
@@ -238,11 +242,8 @@ TEST_F(HoldOfMotor, NothingElseReachesTheAgent_StopStillDoes) {
 }
 
 TEST_F(HoldOfMotor, StopsDoNotArrive_BoardIsNotOnlineUntilTheyDo) {
-    agent->signal(SIGKILL);
-    agent->wait_exit();
     TcpRelay relay(broker.port());
-    start_agent("127.0.0.1:" + std::to_string(relay.port()));
-    ASSERT_TRUE(online()) << agent->errors();
+    ASSERT_TRUE(online_through(relay)) << agent->errors();
     relay.cut_answers([](std::string_view first) { return first.find("-stops") != std::string_view::npos; });
     EXPECT_TRUE(wait_state(probe, "lost", 60s, "robot")) << agent->errors();
     EXPECT_THAT(agent->errors(), HasSubstr("stops do not arrive: the board is not online until they do"));

@@ -72,11 +72,11 @@ TEST(Dashboard, OfALight_SwitchAndSliderSetTheirPart) {
     const auto made = widget(R"({"kind":"switch","board":"a","property":"io/13"})");
     EXPECT_EQ(made.service(), "io");
     property::Property lamp;
-    EXPECT_EQ(made.value_for(lamp, true), json(true));
+    EXPECT_EQ(property::value_of_control(lamp, true), json(true));
     lamp.kind = property::Kind::kLight;
-    EXPECT_EQ(made.value_for(lamp, true), (json{{"on", true}}));
-    EXPECT_EQ(made.value_for(lamp, 0), (json{{"on", false}}));
-    EXPECT_EQ(made.value_for(lamp, 128), (json{{"on", true}, {"brightness", 128}}));
+    EXPECT_EQ(property::value_of_control(lamp, true), (json{{"on", true}}));
+    EXPECT_EQ(property::value_of_control(lamp, 0), (json{{"on", false}}));
+    EXPECT_EQ(property::value_of_control(lamp, 128), (json{{"on", true}, {"brightness", 128}}));
 }
 
 /// Its messages go to a broker that keeps them, and sends them to all.

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "asip/model/model_set.hpp"
+#include "board_of_all.hpp"
 #include "export_world.hpp"
 #include "gateway/export/home_assistant.hpp"
 
@@ -171,19 +172,8 @@ void expect_taken(const ExportedBoard& board) {
 }
 
 TEST(HomeAssistantOf2024, TakesEachStandardService) {
-    model::Description description;
-    description.board = "uno1";
-    for (const auto& model : model::ModelSet::standard().all()) {
-        model::ServiceInfo info;
-        info.name = model->name;
-        info.id = model->id;
-        description.services.push_back(info);
-    }
-    description.pins.capabilities = "1111111111111111";
-    description.pins.owners = "------------------";
-    description.pins.modes = "000000000000000000";
-    description.pins.analog = {{14, 0}, {15, 1}};
-    description.labels.modes = {{2, 1}, {3, 2}, {4, 3}, {5, 5}, {14, 4}};
+    auto description = description_of_all();
+    description.pins.analog.push_back({15, 1});
     int pin = 6;
     for (const auto* klass :
          {"door", "window", "motion", "occupancy", "moisture", "smoke", "vibration", "button", "plug", "fan"})

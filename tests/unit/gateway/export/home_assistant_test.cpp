@@ -8,6 +8,7 @@
 #include <set>
 
 #include "asip/model/model_set.hpp"
+#include "board_of_all.hpp"
 #include "export_world.hpp"
 
 namespace asip::gateway::exports {
@@ -16,21 +17,9 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// A board with every standard service and pins in each mode.
-model::Description description_of_all() {
-    model::Description description;
-    description.board = "uno1";
-    for (const auto& model : model::ModelSet::standard().all()) {
-        model::ServiceInfo info;
-        info.name = model->name;
-        info.id = model->id;
-        description.services.push_back(info);
-    }
-    description.pins.capabilities = "1111111111111111";
-    description.pins.owners = "------------------";
-    description.pins.modes = "000000000000000000";
-    description.pins.analog = {{14, 0}};
-    description.labels.modes = {{2, 1}, {3, 2}, {4, 3}, {5, 5}, {14, 4}};
+/// With a named pin.
+model::Description named_description() {
+    auto description = description_of_all();
     description.labels.pins[4] = "lamp";
     return description;
 }
@@ -48,7 +37,7 @@ ExportedBoard board_of(const model::Description& description) {
 }
 
 ExportedBoard board_with_all() {
-    return board_of(description_of_all());
+    return board_of(named_description());
 }
 
 json document_of(const HomeAssistant::Options& options = {}) {
@@ -146,7 +135,7 @@ model::Meaning of_class(const std::string& klass) {
 
 /// The component of pin 13 with this meaning.
 json pin_13(const model::Meaning& meaning) {
-    auto description = description_of_all();
+    auto description = named_description();
     description.labels.meanings["io/13"] = meaning;
     return json::parse(HomeAssistant({}).document(board_of(description)))["cmps"]["io-13"];
 }
@@ -174,7 +163,7 @@ TEST(HomeAssistantMeaning, LampThatIsOnlyOnOrOff_HasNoBrightness) {
     EXPECT_EQ(lamp["p"], "light");
     EXPECT_EQ(lamp["sup_clrm"], json::array({"onoff"}));
     EXPECT_FALSE(lamp.contains("brightness"));
-    auto description = description_of_all();
+    auto description = named_description();
     description.labels.meanings["io/13"] = of_class("light");
     const auto board = board_of(description);
     const auto* light = board.property("io-13");
@@ -186,7 +175,7 @@ TEST(HomeAssistantMeaning, LampThatIsOnlyOnOrOff_HasNoBrightness) {
 }
 
 TEST(HomeAssistantMeaning, OfAnAnalogPin_IsItsClassWithItsUnit) {
-    auto description = description_of_all();
+    auto description = named_description();
     auto& meaning = description.labels.meanings["io/14"];
     meaning = of_class("energy");
     meaning.unit = "kWh";
@@ -344,7 +333,7 @@ TEST(HomeAssistantCommand, WhatIsNoValue_IsRefusedInWords) {
 }
 
 TEST(HomeAssistantTest, Button_HasAnEventEntityWithAFrozenId) {
-    auto description = description_of_all();
+    auto description = named_description();
     description.labels.meanings["io/3"].klass = "button";
     description.labels.meanings["io/2"].klass = "door";
     const auto board = board_of(description);
