@@ -141,16 +141,23 @@ std::vector<std::string> CommandLine::arguments_last(std::vector<std::string> wo
     return result;
 }
 
-/// A verb that users of other programs type first, and that has another name here.
+/// A verb that users of other programs type first, or that had a name of its own, and what does it here.
 std::optional<std::string> CommandLine::usual_name(const std::vector<std::string>& words) const {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kNames{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kNames{
         {{"ls", "list"},
          {"devices", "list"},
          {"boards", "list"},
          {"watch", "subscribe"},
          {"rm", "forget"},
-         {"mv", "rename"},
-         {"set", "send"}}};
+         {"mv", "label BOARD name=NAME"},
+         {"rename", "label BOARD name=NAME"},
+         {"set", "send"},
+         {"history", "events BOARD --last 20"},
+         {"logs", "events --logs"},
+         {"models", "model"},
+         {"explain", "model KIND"},
+         {"prune", "forget --leftovers"},
+         {"registries", "doctor --registries"}}};
     const auto read = program::classify(app_, words);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (read[i].kind != program::CommandWord::Kind::kUnknownSubcommand) continue;

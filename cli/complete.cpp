@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <iterator>
 #include <ostream>
 #include <set>
 #include <utility>
@@ -75,7 +76,11 @@ Words verbs(const CLI::App& app) {
 
 Words offered(const CLI::App& app, const std::string& type, const std::string& start, const Words& arguments,
               const NameSources& names) {
-    if (type.find('|') != std::string::npos) return split(type, '|');
+    if (type.find('|') != std::string::npos) {
+        auto words = split(type, '|');
+        if (std::erase(words, "KIND") > 0) std::ranges::copy(names.kinds(), std::back_inserter(words));
+        return words;
+    }
     if (type == "BOARD" || type == "PATTERN") return targets(start, names, {1, 1});
     if (type == "BOARD[/SERVICE]") return targets(start, names, {1, 2});
     if (type == "BOARD/SERVICE") return targets(start, names, {2, 2});

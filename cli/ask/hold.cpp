@@ -92,7 +92,7 @@ int hold_command(Environment& environment, BusSession& session, const BoardComma
     if (command.safe.empty())
         return environment.fail_with(
             {program::kExitUsage, command.target + ": nothing undoes " + command.line +
-                                      ", so --hold does not apply; see asipctl explain"});
+                                      ", so --hold does not apply; see asipctl model KIND"});
     if (hold < bus::kMinHold || hold > bus::kMaxHold)
         return environment.fail_with({program::kExitUsage, "--hold takes 50ms to 60s"});
     return Hold(environment, session, command, hold, output).run(during);

@@ -10,6 +10,7 @@
 #include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
 #include "cli/doctor/findings.hpp"
+#include "cli/doctor/registries.hpp"
 #include "cli/secure/try_out.hpp"
 #include "cli/text/samples.hpp"
 
@@ -205,8 +206,18 @@ namespace {
 
 Run declare_doctor(Declaration& verb) {
     auto options = std::make_shared<DoctorOptions>();
-    verb.output(options->output, {Output::kText}, {"level", "what", "advice"});
-    return [options](Environment& environment) { return run_doctor(*options, environment); };
+    auto registries = std::make_shared<bool>(false);
+    verb.flag("--registries", *registries, "List the registries and what they counted, as they publish it");
+    verb.output(options->output, {Output::kTable, Output::kName},
+                {"level",      "what",     "advice",    "registry", "state",
+                 "version",    "epoch",    "seq",       "at",       "uptime",
+                 "boards",     "services", "conflicts", "messages", "messages_per_second",
+                 "renewals",   "expired",  "refused",   "queries",  "events",
+                 "connections"});
+    return [options, registries](Environment& environment) {
+        return *registries ? list_registries(options->output, environment)
+                           : run_doctor(*options, environment);
+    };
 }
 
 }  // namespace
@@ -215,8 +226,10 @@ Verb doctor_verb() {
     return {
         "doctor", "Find what is wrong with broker, registry, boards and this machine",
         "Each finding names what to do. Exit status: 0 nothing is wrong, 1 something is, 3 the broker is.\n"
-        "Example:\n"
-        "  asipctl doctor --broker pi.local",
+        "Of --registries: 4, there is none.\n"
+        "Examples:\n"
+        "  asipctl doctor --broker pi.local\n"
+        "  asipctl doctor --registries -o json | jq '.[].boards'",
         declare_doctor};
 }
 

@@ -9,6 +9,7 @@
 #include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
 #include "cli/events/change_record.hpp"
+#include "cli/events/log_printer.hpp"
 #include "cli/find/target.hpp"
 #include "cli/text/moment.hpp"
 
@@ -21,11 +22,13 @@ struct EventsOptions {
     std::string pattern = "*";
     std::size_t count = 0;
     std::optional<std::chrono::milliseconds> limit{};
-    std::string since;  ///< how long ago, or a time; empty: from now on
+    std::string since;                  ///< how long ago, or a time; empty: from now on
+    std::optional<std::size_t> last{};  ///< only what a registry has kept
+    bool logs = false;
     OutputOptions output{Output::kTable, {}};
 };
 
-/// More are not asked of a registry at once; `asipctl history` pages further back.
+/// More are not asked of a registry at once.
 constexpr std::size_t kMaxChanges = 100'000;
 
 Outcome<text::WallTime> since_time(const std::string& text) {
@@ -164,33 +167,94 @@ class Follower {
     std::size_t count_ = 0;
 };
 
+void print_changes(const std::vector<bus::HistoryItem>& changes, const OutputOptions& output,
+                   Environment& environment) {
+    RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
+    auto table = change_table();
+    for (const auto& change : changes) {
+        if (output.for_people()) {
+            table.add(change_row(change));
+        } else {
+            records.print(bus::to_json(change));
+        }
+    }
+    if (!output.for_people()) return records.finish();
+    if (table.empty()) return environment.note("nothing is known of it");
+    environment.out << table.render(environment.width, environment.colour) << std::flush;
+}
+
+int print_last(const EventsOptions& options, Environment& environment) {
+    bus::Query query;
+    if (options.pattern != "*") query.board = options.pattern;
+    BusSession session(environment);
+    BoardSource source(environment, session);
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    auto changes = source.history(query, *options.last);
+    if (!changes) return environment.fail_with(changes.error());
+    if (changes->empty() && !query.board.empty()) {
+        const auto names = source.names();
+        const auto is_it = [&](const std::string& name) { return bus::matches_pattern(query.board, name); };
+        if (std::none_of(names.begin(), names.end(), is_it))
+            return environment.fail_with(no_such_board(query.board, names));
+    }
+    // A registry gives the newest first.
+    std::reverse(changes->begin(), changes->end());
+    print_changes(*changes, options.output, environment);
+    return program::kExitOk;
+}
+
+std::string contradiction(const EventsOptions& options) {
+    if (options.last && (*options.last == 0 || *options.last > kMaxChanges))
+        return "--last: a number from 1 to 100000";
+    if (options.last && (options.logs || options.limit || !options.since.empty() || options.count != 0))
+        return "--last goes alone: it prints what a registry has kept, and ends";
+    if (options.logs && !options.since.empty())
+        return "nothing is kept of --logs: --since does not go with it";
+    return {};
+}
+
+int run_events(const EventsOptions& options, Environment& environment) {
+    if (const auto wrong = contradiction(options); !wrong.empty())
+        return environment.fail_with({program::kExitUsage, wrong});
+    if (const auto valid = check_board_pattern(options.pattern, "events"); !valid)
+        return environment.fail_with(valid.error());
+    if (options.logs)
+        return run_logs({options.pattern, options.count, options.limit, options.output}, environment);
+    if (options.last) return print_last(options, environment);
+    const auto since = since_time(options.since);
+    return since ? Follower(options, *since, environment).run() : environment.fail_with(since.error());
+}
+
 Run declare_events(Declaration& verb) {
     auto options = std::make_shared<EventsOptions>();
     verb.argument("PATTERN", options->pattern, "Only boards of this name; * and ? as in a shell",
                   Declaration::Needed::kNo);
     verb.option("-n,--count", "COUNT", options->count, "End after so many; 0: no limit");
-    verb.option("-W,--for", options->limit, "End after this time; status 4 when nothing changed");
+    verb.option("-W,--for", options->limit, "End after this time; status 4 when too few came");
+    verb.option("--last", "COUNT", options->last, "The newest so many that a registry has kept, no new ones");
+    verb.flag("--logs", options->logs,
+              "What boards print for people, their errors, and what their agents log");
     verb.option("--since", "WHEN", options->since,
                 "Begin with what a registry has kept since then: 10m, 12h, or a time in UTC");
-    verb.output(options->output, {Output::kTable}, change_fields());
-    return [options](Environment& environment) {
-        const auto valid = check_board_pattern(options->pattern, "events");
-        if (!valid) return environment.fail_with(valid.error());
-        const auto since = since_time(options->since);
-        return since ? Follower(*options, *since, environment).run() : environment.fail_with(since.error());
-    };
+    auto fields = change_fields();
+    fields.insert(fields.end(), {"time", "source", "level", "text"});
+    verb.output(options->output, {Output::kTable}, fields);
+    return [options](Environment& environment) { return run_events(*options, environment); };
 }
 
 }  // namespace
 
 Verb events_verb() {
     return {
-        "events", "Boards that come, leave and change, as it happens",
-        "From a registry, which says why; without one, what the bus itself shows. For what happened before:\n"
-        "asipctl history.\n"
+        "events", "What boards do: they come, leave, change and log; now, or what a registry kept",
+        "From a registry, which says why; without one, what the bus itself shows. What was before, with the "
+        "user of each\n"
+        "command, is known by a registry with a history: asip-registry --history FILE.\n"
         "Examples:\n"
         "  asipctl events\n"
+        "  asipctl events uno1 --last 20\n"
         "  asipctl events --since 1h -W 0\n"
+        "  asipctl events uno1 --logs\n"
         "  asipctl events 'uno*' -o jsonl\n"
         "  asipctl events -n 1 -W 1m --format '{board} is {state}'",
         declare_events};

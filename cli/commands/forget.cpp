@@ -10,6 +10,7 @@
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/forget_request.hpp"
+#include "cli/ask/lingering.hpp"
 #include "cli/ask/retained.hpp"
 #include "cli/ask/side_by_side.hpp"
 #include "cli/declaration.hpp"
@@ -226,6 +227,15 @@ class Forgetter {
 }  // namespace
 
 int run_forget(const ForgetOptions& options, Environment& environment) {
+    if (options.leftovers && !options.boards.empty())
+        return environment.fail_with({program::kExitUsage, "name boards, or write --leftovers"});
+    if (options.leftovers)
+        return clear_lingering({options.dry_run, options.kinds, options.output}, environment);
+    if (options.boards.empty())
+        return environment.fail_with(
+            {program::kExitUsage, "which boards? --leftovers clears all that is no longer needed"});
+    if (!options.kinds.empty())
+        return environment.fail_with({program::kExitUsage, "--only goes with --leftovers"});
     std::vector<Target> targets;
     for (const auto& board : options.boards) {
         auto target = parse_target(board, true);
@@ -243,10 +253,17 @@ namespace {
 Run declare_forget(Declaration& verb) {
     auto options = std::make_shared<ForgetOptions>();
     verb.arguments("PATTERN", options->boards,
-                   "Names of boards; with * and ? as in a shell: all such boards that are gone");
+                   "Names of boards; with * and ? as in a shell: all such boards that are gone",
+                   Declaration::Needed::kNo);
+    verb.flag("--leftovers", options->leftovers,
+              "Everything retained that is no longer needed, of any board");
+    verb.option(
+        "--only", "boards|commands|orphans|names|documents|registries", options->kinds,
+        "Of --leftovers only these: boards that are gone, retained commands, values of unknown boards, names "
+        "that are not valid, descriptions that cannot be read, registries that are gone");
     verb.flag("--dry-run", options->dry_run, "Only show what would be cleared");
     verb.flag("--force", options->force, "Also boards that seem alive");
-    verb.output(options->output, {Output::kText}, {"topic", "board"});
+    verb.output(options->output, {Output::kTable, Output::kName}, {"topic", "board", "kind", "why"});
     return [options](Environment& environment) { return run_forget(*options, environment); };
 }
 
@@ -262,7 +279,8 @@ Verb forget_verb() {
         "  asipctl forget uno7\n"
         "  asipctl forget uno7 uno8\n"
         "  asipctl forget 'old-*' --dry-run\n"
-        "  asipctl forget 'old-*'",
+        "  asipctl forget 'old-*'\n"
+        "  asipctl forget --leftovers --only commands",
         declare_forget};
 }
 

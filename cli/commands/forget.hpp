@@ -10,6 +10,8 @@ namespace asip::cli {
 
 struct ForgetOptions {
     std::vector<std::string> boards;  ///< names, and patterns of them
+    bool leftovers = false;           ///< in place of boards
+    std::vector<std::string> kinds;   ///< of leftovers
     bool dry_run = false;
     bool force = false;  ///< also boards that seem alive
     OutputOptions output{};

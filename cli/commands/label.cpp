@@ -2,6 +2,7 @@
 #include "cli/commands/label.hpp"
 
 #include <list>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -65,15 +66,36 @@ Expected<void> add_meanings(model::LabelChange& change, const std::string& id,
     return {};
 }
 
+/// Friendly names of pins that are written as find_pin() takes them: `pin.A0=light`; nothing removes a name.
+using PinNames = std::map<std::string, std::optional<std::string>>;
+
+/// Takes those words that name a pin otherwise than by its number.
+PinNames take_pin_names(std::vector<std::string>& words) {
+    static constexpr std::string_view kPin = "pin.";
+    PinNames names;
+    std::erase_if(words, [&names](const std::string& word) {
+        const auto equals = word.find('=');
+        const bool removes = equals == std::string::npos && word.ends_with('-');
+        if (!word.starts_with(kPin) || (equals == std::string::npos && !removes)) return false;
+        const auto end = removes ? word.size() - 1 : equals;
+        auto pin = word.substr(kPin.size(), end - kPin.size());
+        if (pin.find_first_not_of("0123456789") == std::string::npos) return false;
+        names[std::move(pin)] = removes ? std::nullopt : std::optional(word.substr(equals + 1));
+        return true;
+    });
+    return names;
+}
+
 /// One `asipctl label`: shows labels, or asks the agents of the boards to change them.
 class Labeller {
   public:
     Labeller(const LabelOptions& options, Target target, bus::LabelSelector selector,
-             model::LabelChange change, Environment& environment)
+             model::LabelChange change, PinNames pin_names, Environment& environment)
         : options_(options),
           target_(std::move(target)),
           selector_(std::move(selector)),
           change_(std::move(change)),
+          pin_names_(std::move(pin_names)),
           environment_(environment),
           session_(environment),
           source_(environment, session_) {}
@@ -83,9 +105,7 @@ class Labeller {
             return environment_.fail_with(connected.error());
         auto boards = find();
         if (!boards) return environment_.fail_with(boards.error());
-        if (!options_.pin.empty())
-            if (const auto named = name_pin(boards->front()); !named)
-                return environment_.fail_with(named.error());
+        if (const auto named = name_pins(*boards); !named) return environment_.fail_with(named.error());
         return change_.empty() ? show(*boards) : change(*boards);
     }
 
@@ -112,8 +132,8 @@ class Labeller {
 
     Outcome<std::vector<KnownBoard>> find() {
         if (!one_board()) return choose_boards(source_, target_, selector_);
-        auto board =
-            change_.empty() ? source_.board(target_.board) : find_board_with_agent(source_, target_.board);
+        auto board = change_.empty() && pin_names_.empty() ? source_.board(target_.board)
+                                                           : find_board_with_agent(source_, target_.board);
         if (!board) return tl::unexpected(board.error());
         if (!board->description)
             return failure(program::kExitFailure, target_.board + " " + why_none(*board));
@@ -123,13 +143,20 @@ class Labeller {
         return std::vector<KnownBoard>{std::move(*board)};
     }
 
-    Outcome<void> name_pin(const KnownBoard& board) {
-        const auto pin = find_pin(options_.pin, *board.description);
-        if (!pin) return tl::unexpected(pin.error());
-        if (options_.pin_name)
-            if (const auto why = model::explain_friendly_name(*options_.pin_name); !why.empty())
-                return failure(program::kExitUsage, "the name of a pin " + why);
-        change_.pins[*pin] = options_.pin_name;
+    /// Each board has pins and names of pins of its own.
+    Outcome<void> name_pins(const std::vector<KnownBoard>& boards) {
+        for (const auto& [written, name] : pin_names_) {
+            if (!one_board())
+                return failure(program::kExitUsage, "pin." + written +
+                                                        ": of several boards write the "
+                                                        "number, such as pin.13");
+            const auto pin = find_pin(written, *boards.front().description);
+            if (!pin) return tl::unexpected(pin.error());
+            if (name)
+                if (const auto why = model::explain_friendly_name(*name); !why.empty())
+                    return failure(program::kExitUsage, "the name of a pin " + why);
+            change_.pins[*pin] = name;
+        }
         return {};
     }
 
@@ -276,6 +303,7 @@ class Labeller {
     const Target target_;
     const bus::LabelSelector selector_;
     model::LabelChange change_;
+    const PinNames pin_names_;
     Environment& environment_;
     BusSession session_;
     BoardSource source_;
@@ -307,13 +335,14 @@ int run_label(LabelOptions options, Environment& environment) {
     if (!options.words.empty() && target->service.find_first_of("*?") != std::string::npos)
         return environment.fail_with({program::kExitUsage, "'" + target->service + "': name one service"});
     model::LabelChange change;
+    auto pin_names = target->service.empty() ? take_pin_names(options.words) : PinNames();
     if (!property.empty())
         if (const auto added = add_meanings(change, property, std::exchange(options.words, {})); !added)
             return environment.fail_with({program::kExitUsage, added.error()});
     for (const auto& word : options.words)
         if (const auto added = model::add_assignment(change, word, target->service); !added)
             return environment.fail_with({program::kExitUsage, added.error()});
-    return Labeller(options, *target, *selector, change, environment).run();
+    return Labeller(options, *target, *selector, std::move(change), std::move(pin_names), environment).run();
 }
 
 namespace {
@@ -324,12 +353,14 @@ Run declare_label(Declaration& verb) {
                   "Which, or a property (uno1/io/2); with * and ? as in a shell. Without it, or with -l "
                   "alone: every board",
                   Declaration::Needed::kNo);
-    verb.arguments("LABEL", options->words,
-                   "What to set: KEY=VALUE, pin.13=NAME, or name=NAME of a service; of a property "
-                   "what it is: class=door inverted=yes. KEY- removes it. Without any: what there is",
-                   Declaration::Needed::kNo);
+    verb.arguments(
+        "LABEL", options->words,
+        "What to set: KEY=VALUE; name=NAME of a board or service, pin.13=NAME, pin.A0=NAME; of a property "
+        "what it is: class=door inverted=yes. KEY- removes it. Without any: what there is",
+        Declaration::Needed::kNo);
     declare_selector(verb, options->selector);
-    verb.output(options->output, {Output::kTable}, kLabelFields);
+    verb.output(options->output, {Output::kTable},
+                {"board", "labels", "names", "labels_fault", "set_aside", "status", "error", "reason"});
     return [options](Environment& environment) { return run_label(*options, environment); };
 }
 
@@ -347,8 +378,9 @@ Verb label_verb() {
         "  asipctl label uno1 room=lab floor=2\n"
         "  asipctl label uno1 floor-\n"
         "  asipctl label uno1/io/2 class=door inverted=yes\n"
+        "  asipctl label uno1 name=\"Ann's robot\"\n"
         "  asipctl label uno1/servo name=\"left arm\"\n"
-        "  asipctl label uno1 pin.13=\"status lamp\"\n"
+        "  asipctl label uno1 pin.13=\"status lamp\" pin.A0=light\n"
         "  asipctl label 'uno*' room=lab\n"
         "  asipctl label -l room=lab,!shelf shelf=3\n"
         "  asipctl label uno1\n"

@@ -1,182 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <ostream>
+#include <algorithm>
 
-#include "asip/model/example_check.hpp"
-#include "asip/model/reference_page.hpp"
-#include "asip/text/file_text.hpp"
 #include "cli/declaration.hpp"
-#include "cli/environment.hpp"
-#include "cli/generate/clashes.hpp"
-#include "cli/generate/generate.hpp"
-#include "cli/generate/layout.hpp"
+#include "cli/model/kinds.hpp"
+#include "cli/model/make.hpp"
 
 namespace asip::cli {
 namespace {
 
-namespace fs = std::filesystem;
-using generate::GeneratedFile;
-using model::ServiceModel;
-
-constexpr std::size_t kMaxElements = 100;
-
-struct ModelOptions {
-    std::string action;
-    std::string file;
-    std::string output;
-    std::string image;
-    std::optional<std::size_t> elements;
-    bool force = false;
+struct Options {
+    ModelOptions make;
+    OutputOptions output{Output::kTable, {}};
 };
 
-std::size_t elements_of(const ModelOptions& options, const ServiceModel& model) {
-    return options.elements.value_or(generate::elements_in_examples(model));
-}
-
-Outcome<void> write_generated(const fs::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file << text << std::flush;
-    if (!file) return failure(program::kExitFailure, path.string() + ": cannot be written");
-    return {};
-}
-
-/// All or none: nothing is written where a file would be written over that must not.
-Outcome<void> write_all(const std::vector<GeneratedFile>& files, const fs::path& folder,
-                        const ModelOptions& options, Environment& environment) {
-    std::error_code fault;
-    fs::create_directories(folder, fault);
-    if (fault) return failure(program::kExitFailure, folder.string() + ": " + fault.message());
-    if (!options.force) {
-        for (const auto& file : files) {
-            const auto path = folder / file.name;
-            if (!file.own_code && fs::exists(path, fault) && text::file_text(path) != file.text)
-                return failure(
-                    program::kExitFailure,
-                    path.string() + " is there already; --force writes it anew" +
-                        (files.size() > 1 ? " (never the file with your code), --into FOLDER elsewhere"
-                                          : ""));
-        }
-    }
-    for (const auto& file : files) {
-        const auto path = folder / file.name;
-        const bool kept = file.own_code && fs::exists(path, fault);
-        if (!kept && text::file_text(path) != file.text)
-            if (const auto written = write_generated(path, file.text); !written) return written;
-        environment.out << path.lexically_normal().string() << (kept ? " (kept as it is)" : "") << '\n';
-    }
-    environment.out << std::flush;
-    return {};
-}
-
-Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
-    const auto examples = model::examples(model);
-    std::vector<std::string> faults;
-    for (const auto& example : examples)
-        if (const auto checked = check_example(model, example); !checked) faults.push_back(checked.error());
-    const auto wrong_examples = faults.size();
-    auto clashes = generate::find_clashes(model, environment.models());
-    faults.insert(faults.end(), clashes.faults.begin(), clashes.faults.end());
-    environment.out << model.ref() << ", letter " << model.id << ": " << examples.size() - wrong_examples
-                    << " of " << examples.size() << " examples are true\n";
-    auto notes = missing_examples(model);
-    notes.insert(notes.end(), clashes.notes.begin(), clashes.notes.end());
-    const auto made = [&](const char* what, const generate::Files& files) {
-        if (!files) notes.push_back(std::string("no ") + what + " can be made of it: " + files.error());
-    };
-    made("firmware", generate::firmware(model, generate::sketch_name(model), elements_of(options, model)));
-    made("C++ client", generate::cpp_client(model));
-    for (const auto& note : notes)
-        environment.out << "note: " << note << '\n';
-    environment.out << std::flush;
-    std::string all;
-    for (const auto& fault : faults)
-        all += (all.empty() ? "" : "\n") + options.file + ": " + fault;
-    if (!faults.empty()) return failure(program::kExitFailure, all);
-    return {};
-}
-
-Outcome<void> make_firmware(const ServiceModel& model, const ModelOptions& options,
-                            Environment& environment) {
-    const fs::path folder = options.output.empty() ? generate::sketch_name(model) : options.output;
-    const auto name = fs::absolute(folder / "sketch").parent_path().filename().string();
-    constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
-    if (name.empty() || name.size() > 32 || name.find_first_not_of(kAllowed) != std::string::npos)
-        return failure(program::kExitUsage,
-                       "\"" + name + "\" cannot be the name of a sketch: up to 32 letters, digits and _");
-    const auto files = generate::firmware(model, name, elements_of(options, model));
-    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
-    return write_all(*files, folder, options, environment);
-}
-
-Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
-    const auto image = options.image.empty() ? generate::sketch_name(model) + ".elf"
-                                             : fs::absolute(options.image).lexically_normal().string();
-    auto files = generate::simulated_part(model, image, elements_of(options, model));
-    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
-    const fs::path output(options.output);
-    if (!options.output.empty()) files->front().name = output.filename().string();
-    return write_all(*files, options.output.empty() || !output.has_parent_path() ? "." : output.parent_path(),
-                     options, environment);
-}
-
-Outcome<void> make_client(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
-    const auto files = generate::cpp_client(model);
-    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
-    return write_all(*files, options.output.empty() ? "." : options.output, options, environment);
-}
-
-Outcome<void> make_docs(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
-    const auto page = model::reference_page(model);
-    if (options.output.empty()) {
-        environment.out << page << std::flush;
-        return {};
-    }
-    const fs::path output(options.output);
-    return write_all({{output.filename().string(), page}},
-                     output.has_parent_path() ? output.parent_path() : fs::path("."), options, environment);
-}
-
-int run_model(const ModelOptions& options, Environment& environment) {
-    if (options.elements && (*options.elements < 1 || *options.elements > kMaxElements))
-        return environment.fail_with({program::kExitUsage, "--elements: a number from 1 to 100"});
-    const auto model = model::load_service_model(options.file);
-    if (!model) return environment.fail_with({program::kExitFailure, model.error()});
-    const auto action = options.action == "check"      ? check_model
-                        : options.action == "firmware" ? make_firmware
-                        : options.action == "part"     ? make_part
-                        : options.action == "docs"     ? make_docs
-                                                       : make_client;
-    const auto done = action(*model, options, environment);
-    return done ? program::kExitOk : environment.fail_with(done.error());
+int run(const Options& options, Environment& environment) {
+    const auto& action = options.make.action;
+    const bool makes = std::ranges::find(kModelActions, action) != kModelActions.end();
+    if (makes && options.make.file.empty())
+        return environment.fail_with(
+            {program::kExitUsage, "of which model? Write asipctl model " + action + " FILE"});
+    if (makes) return make_of_model(options.make, environment);
+    if (!options.make.file.empty())
+        return environment.fail_with({program::kExitUsage, "\"" + action + "\" makes nothing of a file; " +
+                                                               "check, firmware, part, cpp and docs do"});
+    return action.empty() ? list_kinds(options.output, environment)
+                          : explain_kind(action, options.output, environment);
 }
 
 Run declare_model(Declaration& verb) {
-    auto options = std::make_shared<ModelOptions>();
-    verb.argument("check|firmware|part|cpp|docs", options->action, "What to do");
-    verb.argument("FILE", options->file, "The service model, a JSON file");
-    verb.option("--into", "FILE", options->output,
+    auto options = std::make_shared<Options>();
+    auto& make = options->make;
+    verb.argument("KIND|check|firmware|part|cpp|docs|...", make.action,
+                  "The kind to explain, or what to do with FILE; without it, all kinds are listed",
+                  Declaration::Needed::kNo);
+    verb.argument("FILE", make.file, "A service model, a JSON file", Declaration::Needed::kNo);
+    verb.option("--into", "FILE", make.output,
                 "Where to: a folder for firmware and cpp, a file for part and docs");
-    verb.option("--elements", "COUNT", options->elements,
+    verb.option("--elements", "COUNT", make.elements,
                 "How many elements the board has; default: as many as the examples show");
-    verb.option("--image", "FILE", options->image, "Firmware image that the simulated board runs");
-    verb.flag("--force", options->force,
-              "Write over files that are there, but not over the one with your code");
-    return [options](Environment& environment) { return run_model(*options, environment); };
+    verb.option("--image", "FILE", make.image, "Firmware image that the simulated board runs");
+    verb.flag("--force", make.force, "Write over files that are there, but not over the one with your code");
+    verb.output(
+        options->output, {Output::kTable, Output::kName},
+        {"kind", "version", "letter", "title", "events", "commands", "name", "id", "match", "element"});
+    return [options](Environment& environment) { return run(*options, environment); };
 }
 
 }  // namespace
 
 Verb model_verb() {
-    return {"model", "Checks a service model, and makes firmware, clients and a page of it",
-            "check     its form, its examples, and clashes with the models that are known\n"
+    return {"model",
+            "Kinds of service: lists and explains them, and makes firmware, clients and pages of them",
+            "A model says what a kind of service reports and takes. Built-in ones are known, and those of "
+            "--services. A broker is asked\n"
+            "only for a kind that is not known: a board may bring its own. For the services of one board: "
+            "asipctl show BOARD/SERVICE.\n"
+            "check     a model's form, its examples, and clashes with the models that are known\n"
             "firmware  an Arduino sketch: the class of the service, and a file for your code\n"
             "part      a board for asip-sim that runs the sketch, with a part in the place of the hardware\n"
             "cpp       a client on the C++ library, and tests made of the examples\n"
             "docs      the reference page\n"
-            "No broker is asked. docs/add-a-service.md goes all the way.\n"
+            "docs/add-a-service.md goes all the way.\n"
             "Examples:\n"
+            "  asipctl model\n"
+            "  asipctl model servo\n"
+            "  asipctl model distance -o json | jq .commands\n"
             "  asipctl model check fan.json\n"
             "  asipctl model firmware fan.json --into Fan\n"
             "  asipctl model part fan.json --image build/sketch/uno/firmware/images/Fan.elf && asip-sim "

@@ -212,7 +212,7 @@ Findings check_states(const Observations& seen) {
     for (const auto& [topic, reason] : seen.bad_documents) {
         if (!seen.topics.parse(topic)) continue;  // its name is the fault: check_names
         result.push_back(problem(topic + " cannot be read: " + reason,
-                                 "which program publishes it? Clear it: asipctl prune --only documents"));
+                                 "which program publishes it? Clear it: asipctl forget --leftovers --only documents"));
     }
     return result;
 }
@@ -228,11 +228,11 @@ Findings check_retained(const Observations& seen) {
     if (!commands.empty()) {
         result.push_back(
             problem("retained commands, delivered again at each reconnection: " + some_of(commands),
-                    "asipctl prune --only commands; and publish commands without the retain flag"));
+                    "asipctl forget --leftovers --only commands; and publish commands without the retain flag"));
     }
     if (!orphans.empty()) {
         result.push_back(note("retained values of boards that are not announced: " + some_of(orphans),
-                              "asipctl prune --only orphans"));
+                              "asipctl forget --leftovers --only orphans"));
     }
     return result;
 }
@@ -245,7 +245,7 @@ Findings check_names(const Observations& seen) {
     if (bad.empty()) return {};
     return {problem(
         "announced under names that are not valid, so that they are ignored: " + some_of(bad),
-        "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl prune --only names")};
+        "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl forget --leftovers --only names")};
 }
 
 Findings check_conflicts(const Observations& seen) {
@@ -331,7 +331,7 @@ Findings check_warnings(const Observations& seen) {
         for (const auto& warning : description->warnings)
             result.push_back(problem(std::string(topic->board) + ": " + warning,
                                      "asipctl show " + std::string(topic->board) +
-                                         "; its log: asipctl logs " + std::string(topic->board)));
+                                         "; its log: asipctl events --logs " + std::string(topic->board)));
     }
     return result;
 }

@@ -8,7 +8,7 @@
 
 namespace asip::cli {
 
-/// One change of the catalogue, as `asipctl events` and `asipctl history` print it.
+/// One change of the catalogue, as `asipctl events` prints it.
 bus::HistoryItem change_of(const bus::ChangeEvent& event);
 
 Table change_table();

@@ -9,7 +9,7 @@
 
 namespace asip::cli {
 
-/// One line of `asipctl logs`.
+/// One line of `asipctl events --logs`.
 struct LogLine {
     std::string board;
     std::string source;  ///< `board`, `SERVICE`, or `agent`

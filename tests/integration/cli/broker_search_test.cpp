@@ -100,7 +100,7 @@ responder
 ! $asipctl list --broker 127.0.0.1:1883
 ! ASIP_BROKER=127.0.0.1 $asipctl list
 ! $asipctl list --user ann --password secret
-$asipctl models -o name >/dev/null
+$asipctl model -o name >/dev/null
 broker 127.0.0.1 1883
 $asipctl list --from-bus -o name
 )");

@@ -66,7 +66,7 @@ TEST(WrongUse, MoreThanACommandTakes_IsToldWithWhatItTakes) {
     const auto third = asipctl({"flash", "uno1", "uno2", "new.hex"});
     EXPECT_EQ(third.status, 2);
     EXPECT_THAT(third.errors, HasSubstr("flash takes BOARD FILE; \"new.hex\" is one too many"));
-    EXPECT_THAT(asipctl({"models", "more"}).errors, HasSubstr("models takes no arguments; \"more\""));
+    EXPECT_THAT(asipctl({"doctor", "more"}).errors, HasSubstr("doctor takes no arguments; \"more\""));
     const auto flash = asipctl({"flash", "uno1,uno2", "new.hex", "--no-mdns"});
     EXPECT_EQ(flash.status, 2);
 }
@@ -246,11 +246,12 @@ TEST_F(BusTest, Prune_ClearsWhatLingersAndNothingElse) {
     announce("dead", "lost");
     probe_.publish("asip/uno1/servo/in", "W,0,90", true);
     probe_.publish("asip/notes/of/somebody", "keep", true);
-    const auto dry = asipctl({"prune", "--dry-run", "-o", "name"});
+    const auto dry = asipctl({"forget", "--leftovers", "--dry-run", "-o", "name"});
     EXPECT_EQ(dry.output,
               "asip/servicebus/dead/$description\nasip/servicebus/dead/$state\nasip/uno1/servo/in\n");
-    EXPECT_EQ(asipctl({"prune", "--only", "commands", "-o", "name"}).output, "asip/uno1/servo/in\n");
-    EXPECT_EQ(asipctl({"prune"}).status, 0);
+    EXPECT_EQ(asipctl({"forget", "--leftovers", "--only", "commands", "-o", "name"}).output,
+              "asip/uno1/servo/in\n");
+    EXPECT_EQ(asipctl({"forget", "--leftovers"}).status, 0);
     BusProbe late(broker_.port());
     EXPECT_TRUE(late.wait_for("asip/notes/of/somebody", "keep"));
     EXPECT_TRUE(late.wait_for("asip/servicebus/uno1/$state", "online"));
@@ -263,8 +264,8 @@ TEST_F(BusTest, UnreadableDescription_IsClearedByWhatTheDoctorAdvises) {
     probe_.publish("asip/servicebus/broken/$state", "online", true);
     const auto doctor = asipctl({"doctor", "--timeout", "1s"});
     EXPECT_THAT(doctor.output, HasSubstr("asip/servicebus/broken/$description cannot be read"));
-    EXPECT_THAT(doctor.output, HasSubstr("asipctl prune --only documents"));
-    EXPECT_EQ(asipctl({"prune", "--only", "documents", "-o", "name"}).output,
+    EXPECT_THAT(doctor.output, HasSubstr("asipctl forget --leftovers --only documents"));
+    EXPECT_EQ(asipctl({"forget", "--leftovers", "--only", "documents", "-o", "name"}).output,
               "asip/servicebus/broken/$description\n");
     EXPECT_THAT(asipctl({"doctor", "--timeout", "1s"}).output, Not(HasSubstr("cannot be read")));
 }
@@ -281,7 +282,7 @@ TEST_F(BusTest, Doctor_NamesEachFaultAndWhatToDo) {
     EXPECT_THAT(doctor.output,
                 HasSubstr("retained commands, delivered again at each reconnection: asip/ghost/in"));
     EXPECT_THAT(doctor.output, HasSubstr("a b"));
-    EXPECT_THAT(doctor.output, HasSubstr("-> asipctl prune --only commands"));
+    EXPECT_THAT(doctor.output, HasSubstr("-> asipctl forget --leftovers --only commands"));
 }
 
 TEST(Doctor, BrokerWithoutTcpNodelay_IsNoticed) {

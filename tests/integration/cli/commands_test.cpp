@@ -238,10 +238,10 @@ TEST_F(SendTest, ModelThatOnlyABoardCarries_IsExplained) {
                                       "fields":[{"name":"celsius","type":"integer","unit":"C"}]}}}}]})",
                    true);
     ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    const auto explained = asipctl({"explain", "thermo"});
+    const auto explained = asipctl({"model", "thermo"});
     EXPECT_EQ(explained.status, 0) << explained.errors;
     EXPECT_THAT(explained.output, HasSubstr("How warm"));
-    const auto unknown = asipctl({"explain", "nothing"});
+    const auto unknown = asipctl({"model", "nothing"});
     EXPECT_EQ(unknown.status, 1);
     EXPECT_THAT(unknown.errors, HasSubstr("no board on the bus brings one"));
 }

@@ -53,7 +53,7 @@ TEST_F(ContextsTest, WrongUse_IsRefusedWithWhatToWrite) {
 }
 
 TEST_F(ContextsTest, Registries_AreShownWithWhatTheyCounted) {
-    EXPECT_EQ(asipctl({"registries"}).status, 4);
+    EXPECT_EQ(asipctl({"doctor", "--registries"}).status, 4);
     announce("uno1");
     ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
     ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$stats"));
@@ -61,12 +61,12 @@ TEST_F(ContextsTest, Registries_AreShownWithWhatTheyCounted) {
     probe_.publish("asip/registry/bad/$stats", "[1", true);
     probe_.publish("asip/registry/odd/$stats", R"({"boards":7,"services":[],"uptime":"x"})", true);
     ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    const auto table = asipctl({"registries"});
+    const auto table = asipctl({"doctor", "--registries"});
     EXPECT_EQ(table.status, 0) << table.errors;
     EXPECT_THAT(table.output, HasSubstr("REGISTRY"));
     EXPECT_THAT(table.output, HasSubstr("r1        online"));
     EXPECT_THAT(table.output, HasSubstr("old       lost"));
-    const auto records = nlohmann::json::parse(asipctl({"registries", "-o", "json"}).output);
+    const auto records = nlohmann::json::parse(asipctl({"doctor", "--registries", "-o", "json"}).output);
     const auto r1 = std::ranges::find_if(records, [](const auto& one) { return one["registry"] == "r1"; });
     ASSERT_NE(r1, records.end());
     EXPECT_TRUE((*r1)["queries"].is_number());

@@ -121,9 +121,9 @@ TEST_P(EveryBoardTest, IsReadAndFollowed) {
     EXPECT_EQ(json({"list", "services", "--unit", "cm"})["name"], "distance");
     EXPECT_EQ(json({"show", "desk/distance"})["board"], "desk");
     EXPECT_EQ(json({"top", "desk", "-n", "1", "--no-ping"})["board"], "desk");
-    EXPECT_EQ(json({"history", "desk"})["board"], "desk");
+    EXPECT_EQ(json({"events", "desk", "--last", "20"})["board"], "desk");
     EXPECT_EQ(json({"events", "desk", "--since", "1h", "-n", "1"})["board"], "desk");
-    EXPECT_EQ(json({"registries"})["registry"], "r1");
+    EXPECT_EQ(json({"doctor", "--registries"})["registry"], "r1");
     const auto again = folder_.file("again.jsonl");
     EXPECT_EQ(json({"record", again, "desk/distance", "-n", "5"})["messages"], 5);
     const auto line = asipctl({"subscribe", "desk/distance", "-n", "1", "--format", "{data.distance.0}"});
@@ -133,7 +133,8 @@ TEST_P(EveryBoardTest, IsReadAndFollowed) {
 }
 
 TEST_P(EveryBoardTest, ItsErrorsAreLogged) {
-    ChildProcess logs(program({"logs", "desk", "-n", "1", "-W", "20s", "-o", "jsonl"}), environment());
+    ChildProcess logs(program({"events", "--logs", "desk", "-n", "1", "-W", "20s", "-o", "jsonl"}),
+                      environment());
     EXPECT_TRUE(wait_until([&] {
         if (!recorded()) fail_once();
         return !logs.running();

@@ -74,7 +74,7 @@ TEST_F(ForgedRegistryTest, PagesWithoutAnEnd_AreRefused) {
                  {{"list", "-o", "json"}, R"("find":"boards",)", R"({"board":"uno1","state":"online"})"},
                  {{"list", "-o", "jsonl"}, R"("find":"boards",)", R"({"board":"uno1","state":"online"})"},
                  {{"list", "services"}, R"("find":"services",)", service},
-                 {{"history", "--all", "-n", "1000"}, R"("find":"history",)", change},
+                 {{"events", "--last", "1000"}, R"("find":"history",)", change},
                  {{"events", "--since", "7d"}, R"("find":"history",)", change}};
     for (const auto& one : cases) {
         const auto repeated = [&](int) { return page_with(one.find + R"("cursor":"c",)", one.item); };
@@ -98,7 +98,7 @@ TEST_F(ForgedRegistryTest, LongRefusal_IsCutShort) {
         return R"({"registry":"r1","refused":"invalid","error":"no )" + std::string(200'000, 'x') + "\"}";
     };
     for (const Words& words : {Words{"list"}, Words{"list", "-o", "jsonl"}, Words{"list", "services"},
-                               Words{"history", "--all"}}) {
+                               Words{"events", "--last", "20"}}) {
         const auto ended = answered_by(page, words);
         EXPECT_EQ(ended.status, 1) << testing::PrintToString(words);
         EXPECT_THAT(ended.errors, HasSubstr("no xxx"));
@@ -166,7 +166,7 @@ TEST_F(ForgedRegistryTest, NumbersBeyondAllMeasure_AreShownAsSuch) {
                    R"("queries":-1e308,"events":1e308,"refused":{"x":1e308}})",
                    true);
     ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    const auto registries = asipctl({"registries"});
+    const auto registries = asipctl({"doctor", "--registries"});
     EXPECT_THAT(registries.output, HasSubstr("over 100 years"));
     EXPECT_THAT(registries.output, HasSubstr("1000000000000000000"));
     EXPECT_THAT(registries.output, Not(HasSubstr("-9223372036854775808")));

@@ -83,8 +83,9 @@ std::string hostile_description() {
 }
 
 bool is_endless(const std::vector<std::string>& words) {
-    const std::set<std::string> follow{"subscribe", "record", "logs"};
-    return follow.count(words.front()) != 0 || std::count(words.begin(), words.end(), "--watch") != 0;
+    const std::set<std::string> follow{"subscribe", "record"};
+    const auto has = [&words](const char* word) { return std::count(words.begin(), words.end(), word) != 0; };
+    return follow.contains(words.front()) || has("--watch") || has("--logs");
 }
 
 /// What answers each request with the same hostile text.
@@ -229,8 +230,12 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
           {"send", "evil/servo", "write", "0", "90", "-o", "json"}}},
         {"resume", {{"resume", "evil"}, {"resume", "--all"}}},
         {"stop", {{"stop", "evil"}, {"stop", "--all"}, {"stop", "evil", "--once", "-o", "json"}}},
-        {"label", {{"label", "evil"}, {"label", "evil", "room=lab"}, {"label"}}},
-        {"rename", {{"rename", "evil", "x"}, {"rename", "evil", "13", "lamp"}}},
+        {"label",
+         {{"label", "evil"},
+          {"label", "evil", "room=lab"},
+          {"label", "evil", "name=x"},
+          {"label", "evil", "pin.D13=lamp"},
+          {"label"}}},
         {"pin",
          {{"pin", "evil"}, {"pin", "evil", "13"}, {"pin", "evil", "13", "high"}, {"pin", "*", "13", "high"}}},
         {"shell", {{"shell", "evil"}}},
@@ -244,25 +249,38 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
         {"replay", {{"replay", recording}}},
         {"release", {{"release", "evil"}, {"release", "evil", "--back"}}},
         {"flash", {{"flash", "evil"}, {"flash", "evil", image}}},
-        {"events", {{"events", "-W", "300ms"}, {"events", "-W", "300ms", "-o", "jsonl"}}},
-        {"history", {{"history", "evil"}, {"history", "--all"}}},
-        {"logs", {{"logs"}, {"logs", "-o", "json"}}},
-        {"models", {{"models"}}},
-        {"model", {{"model", "check", model}, {"model", "docs", model}}},
+        {"events",
+         {{"events", "-W", "300ms"},
+          {"events", "-W", "300ms", "-o", "jsonl"},
+          {"events", "evil", "--last", "20"},
+          {"events", "--last", "20"},
+          {"events", "--logs"},
+          {"events", "--logs", "-o", "json"}}},
+        {"model",
+         {{"model"},
+          {"model", "check", model},
+          {"model", "docs", model},
+          {"model", "evilkind"},
+          {"model", "evilkind", "-o", "json"}}},
         {"open", {{"open", "--gateway", address, "--print"}, {"open", "x404", "--gateway", address}}},
-        {"explain", {{"explain", "evilkind"}, {"explain", "evilkind", "-o", "json"}}},
-        {"doctor", {{"doctor"}, {"doctor", "-o", "json"}}},
-        {"forget", {{"forget", "evil", "--dry-run"}, {"forget", "torn", "--dry-run"}}},
-        {"prune", {{"prune", "--dry-run"}, {"prune", "--dry-run", "-o", "name"}}},
-        {"registries", {{"registries"}, {"registries", "-o", "name"}}},
+        {"doctor",
+         {{"doctor"},
+          {"doctor", "-o", "json"},
+          {"doctor", "--registries"},
+          {"doctor", "--registries", "-o", "name"}}},
+        {"forget",
+         {{"forget", "evil", "--dry-run"},
+          {"forget", "torn", "--dry-run"},
+          {"forget", "--leftovers", "--dry-run"},
+          {"forget", "--leftovers", "--dry-run", "-o", "name"}}},
         {"context", {{"context"}, {"context", "add", kEvil, address}}},
         {"secure", {{"secure", "show", "--dir", folder_.path().string()}}},
         {"completion", {{"completion", "bash"}}},
         {"help", {{"help", kEvil}}},
     };
-    const std::set<std::string> show_it{"list",  "show", "get",     "subscribe", "send",
-                                        "label", "pin",  "ping",    "record",    "release",
-                                        "logs",  "open", "explain", "doctor",    "flash"};
+    const std::set<std::string> show_it{"list",   "show", "get",   "subscribe", "send",
+                                        "label",  "pin",  "ping",  "record",    "release",
+                                        "events", "open", "model", "doctor",    "flash"};
     std::size_t number = 0;
     for (const auto& verb : cli::all_verbs()) {
         if (number++ % kParts != GetParam()) continue;

@@ -27,15 +27,20 @@ TEST(OddArguments, AreNamedWithoutTheirControlCharactersAndCut) {
     EXPECT_EQ(escape.status, 2);
     EXPECT_THAT(escape.errors, HasSubstr("\\x1b[31mboards"));
     EXPECT_TRUE(showable(escape.errors)) << text::printable(escape.errors, 1000);
-    const auto huge = run({ASIP_PROGRAMS "/asipctl", "models", std::string(100'000, 'x')});
+    const auto huge = run({ASIP_PROGRAMS "/asipctl", "doctor", std::string(100'000, 'x')});
     EXPECT_EQ(huge.status, 2);
     EXPECT_LT(huge.errors.size(), 5000u);
 }
 
 TEST(OddArguments, PatternThatNoBoardCanMatch_IsRefusedBeforeAnythingIsAsked) {
-    for (const char* verb : {"events", "logs", "top", "history"}) {
+    for (const char* verb : {"events", "events --logs", "top", "events --last=1"}) {
         for (const char* pattern : {" ", "#", "+", "\x1b[31mX", "\xff", "a\n", "uno1/servo", "$state"}) {
-            const auto refused = run({ASIP_PROGRAMS "/asipctl", verb, pattern, "--broker", "127.0.0.1:1"});
+            const std::string words = verb;
+            const auto blank = words.find(' ');
+            std::vector<std::string> command{ASIP_PROGRAMS "/asipctl", words.substr(0, blank), pattern,
+                                             "--broker", "127.0.0.1:1"};
+            if (blank != std::string::npos) command.push_back(words.substr(blank + 1));
+            const auto refused = run(command);
             EXPECT_EQ(refused.status, 2) << verb << " " << text::printable(pattern) << refused.errors;
             EXPECT_TRUE(showable(refused.errors)) << verb;
         }
@@ -44,7 +49,7 @@ TEST(OddArguments, PatternThatNoBoardCanMatch_IsRefusedBeforeAnythingIsAsked) {
 
 TEST_F(BusTest, StandardFilesThatAreClosed_AreNoConnection) {
     const std::string programs = ASIP_PROGRAMS;
-    for (const Words& words : std::vector<Words>{{"asipctl", "logs"},
+    for (const Words& words : std::vector<Words>{{"asipctl", "events", "--logs"},
                                                  {"asip-registry", "--id", "r1"},
                                                  {"asip-agent", "--tcp", "127.0.0.1:1", "--name", "uno1"}}) {
         const auto& program = words.front();
@@ -89,7 +94,7 @@ TEST_F(BusTest, TerminalThatKnowsNoEscapes_GetsNone) {
 TEST_F(BusTest, TerminalThatIsClosed_EndsInOrderWhateverRuns) {
     announce("uno1");
     const TempDir folder;
-    for (const Words& words : {Words{"subscribe", "uno1", "--changes"}, Words{"logs", "uno1"},
+    for (const Words& words : {Words{"subscribe", "uno1", "--changes"}, Words{"events", "--logs", "uno1"},
                                Words{"record", "-", "uno1"}, Words{"top", "uno1", "--no-ping"}}) {
         ChildProcess child(program(words), environment());
         ASSERT_TRUE(wait_until([&] {
@@ -108,7 +113,7 @@ TEST_F(BusTest, BrokerKilledMeanwhile_WhatFollowsGoesOnWhenItIsBack) {
     const TempDir folder;
     const auto recording = folder.file("all.jsonl");
     ChildProcess subscribe(program({"subscribe", "uno1/distance"}), environment());
-    ChildProcess logs(program({"logs", "uno1"}), environment());
+    ChildProcess logs(program({"events", "--logs", "uno1"}), environment());
     ChildProcess record(program({"record", recording}), environment());
     ChildProcess get(program({"get", "uno1/X", "--watch"}), environment());
     ChildProcess ping(program({"ping", "uno1", "-n", "0", "--timeout", "1s"}), environment());

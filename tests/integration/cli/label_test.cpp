@@ -153,9 +153,9 @@ TEST_F(LabelTest, Registry_ChoosesByThemAndTellsChanges) {
     ASSERT_TRUE(event);
     EXPECT_EQ(json::parse(event->payload)["event"], "description");
     EXPECT_TRUE(wait_until([this] {
-        return asipctl({"history", "desk", "--format", "{what} {by} {request} {status}"})
+        return asipctl({"events", "desk", "--last", "20", "--format", "{what} {by} {request} {status}"})
                    .output.find("command ann {\"labels\":{\"room\":\"lab\"}} ok\n") != std::string::npos;
-    })) << asipctl({"history", "desk"}).output;
+    })) << asipctl({"events", "desk", "--last", "20"}).output;
     const auto wrong = asipctl({"list", "-l", "room in (lab)"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.errors, HasSubstr("write KEY=VALUE"));

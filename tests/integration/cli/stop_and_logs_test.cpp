@@ -250,7 +250,7 @@ TEST_F(BusTest, TopStats_ShowsWhatAgentsPublish) {
 }
 
 TEST_F(BusTest, Logs_ShowLinesOfBoardServiceAndAgent) {
-    ChildProcess child(program({"logs", "uno1", "-o", "jsonl"}), environment());
+    ChildProcess child(program({"events", "--logs", "uno1", "-o", "jsonl"}), environment());
     ASSERT_TRUE(wait_until([&] {
         probe_.publish("asip/uno1/out", "!hello");
         return !child.output().empty();
@@ -278,7 +278,7 @@ TEST_F(BusTest, Logs_ShowLinesOfBoardServiceAndAgent) {
 }
 
 TEST_F(BusTest, LogsForPeople_HoldNoControlCharacters) {
-    ChildProcess child(program({"logs", "uno1", "-n", "1"}), environment());
+    ChildProcess child(program({"events", "--logs", "uno1", "-n", "1"}), environment());
     ASSERT_TRUE(wait_until([&] {
         probe_.publish("asip/uno1/out", "!\x1b[2Jclear");
         return !child.output().empty();

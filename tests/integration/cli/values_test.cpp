@@ -103,8 +103,8 @@ TEST_F(ValuesTest, EventsSince_BeginWithWhatWasKeptAndContinue) {
                           environment());
     ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
     announce("old", "lost");
-    ASSERT_TRUE(
-        wait_until([&] { return asipctl({"history", "old"}).output.find("lost") != std::string::npos; }));
+    ASSERT_TRUE(wait_until(
+        [&] { return asipctl({"events", "old", "--last", "20"}).output.find("lost") != std::string::npos; }));
     ChildProcess events(program({"events", "--since", "1h", "--format", "{board} {what} {state}"}),
                         environment());
     ASSERT_TRUE(events.wait_for_output("^old added")) << events.errors();
@@ -124,19 +124,19 @@ TEST(Models, AreListedAndExplainedWithoutABroker) {
         words.insert(words.begin(), {ASIP_PROGRAMS "/asipctl", "--broker", "127.0.0.1:1"});
         return run(words);
     };
-    const auto models = nlohmann::json::parse(asipctl({"models", "-o", "json"}).output);
+    const auto models = nlohmann::json::parse(asipctl({"model", "-o", "json"}).output);
     const auto distance =
         std::ranges::find_if(models, [](const auto& one) { return one["kind"] == "distance"; });
     ASSERT_NE(distance, models.end());
     EXPECT_EQ((*distance)["letter"], "D");
     EXPECT_THAT((*distance)["commands"].dump(), HasSubstr("measure"));
-    EXPECT_THAT(asipctl({"models", "-o", "name"}).output, HasSubstr("servo\n"));
-    const auto explained = asipctl({"explain", "distance"});
+    EXPECT_THAT(asipctl({"model", "-o", "name"}).output, HasSubstr("servo\n"));
+    const auto explained = asipctl({"model", "distance"});
     EXPECT_EQ(explained.status, 0);
     EXPECT_THAT(explained.output, HasSubstr("distance 0..400 cm"));
     EXPECT_THAT(explained.output, HasSubstr("@D,e,2,{42,118}"));
-    EXPECT_EQ(asipctl({"explain", "servo", "--format", "{id}"}).output, "S\n");
-    const auto unknown = asipctl({"explain", "srevo"});
+    EXPECT_EQ(asipctl({"model", "servo", "--format", "{id}"}).output, "S\n");
+    const auto unknown = asipctl({"model", "srevo"});
     EXPECT_EQ(unknown.status, 1);
     EXPECT_THAT(unknown.errors, HasSubstr("did you mean \"servo\""));
 }
@@ -146,7 +146,7 @@ TEST(Models, OfAFolder_AreKnownToo) {
     folder.write("fan.json",
                  R"({"name":"fan","version":1,"id":"F","title":"Fan","events":{},)"
                  R"("commands":{"speed":{"tag":"W","args":[{"name":"percent","type":"integer"}]}}})");
-    const auto models = run({ASIP_PROGRAMS "/asipctl", "models", "--services", folder.path(), "-o", "name"});
+    const auto models = run({ASIP_PROGRAMS "/asipctl", "model", "--services", folder.path(), "-o", "name"});
     EXPECT_THAT(models.output, HasSubstr("fan\n")) << models.errors;
 }
 

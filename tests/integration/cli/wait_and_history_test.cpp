@@ -153,25 +153,28 @@ TEST_F(ChangesTest, RegistryWithAHistory_IsFollowedAndAsked) {
     }));
     EXPECT_EQ(events.wait_exit(), 0) << events.errors();
     EXPECT_EQ(nlohmann::json::parse(events.output())["board"], "uno1");
-    const auto history = asipctl({"history", "uno1", "-n", "1000", "-o", "json"});
+    const auto history = asipctl({"events", "uno1", "--last", "1000", "-o", "json"});
     ASSERT_EQ(history.status, 0) << history.errors;
     const auto changes = nlohmann::json::parse(history.output);
     ASSERT_FALSE(changes.empty());
     EXPECT_EQ(changes[0]["what"], "added") << "the oldest first";
-    EXPECT_THAT(asipctl({"history", "--all", "-n", "1"}).output, HasSubstr("BOARD"));
-    const auto unknown = asipctl({"history", "uno2"});
+    EXPECT_THAT(asipctl({"events", "--last", "1"}).output, HasSubstr("BOARD"));
+    const auto unknown = asipctl({"events", "uno2", "--last", "20"});
     EXPECT_EQ(unknown.status, 4);
     EXPECT_THAT(unknown.errors, HasSubstr("no board 'uno2' on this bus (did you mean \"uno1\"?)"));
-    EXPECT_EQ(asipctl({"history", "x*"}).status, 4);
+    EXPECT_EQ(asipctl({"events", "x*", "--last", "20"}).status, 4);
 }
 
 TEST_F(ChangesTest, RegistryWithoutAHistory_ReportsThat) {
-    EXPECT_EQ(asipctl({"history", "uno1"}).status, 4) << "there is no registry at all";
+    EXPECT_EQ(asipctl({"events", "uno1", "--last", "20"}).status, 4) << "there is no registry at all";
     const auto child = registry();
-    const auto history = asipctl({"history", "uno1"});
+    const auto history = asipctl({"events", "uno1", "--last", "20"});
     EXPECT_EQ(history.status, 1);
     EXPECT_THAT(history.errors, HasSubstr("history"));
-    EXPECT_EQ(asipctl({"history"}).status, 2);
+    for (const Words& words :
+         {Words{"events", "--last", "0"}, Words{"events", "--last", "9", "--since", "1h"},
+          Words{"events", "--last", "9", "--logs"}, Words{"events", "--logs", "--since", "1h"}})
+        EXPECT_EQ(asipctl(words).status, 2) << testing::PrintToString(words);
 }
 
 /// Answers `measure` as an agent does.

@@ -109,7 +109,7 @@ TEST_F(KeptBus, RevokedOperator_ItsRetainedCommandsAreNamedAndPruneKnowsThem) {
     EXPECT_NE(revoked.output.find("the broker keeps 5 commands; eve may have left them"), std::string::npos)
         << revoked.output;
     const auto prune = [&](const Words& more) {
-        return run(Words{ASIP_TEST_ASIPCTL, "prune", "-o", "name"} + more + as("admin"));
+        return run(Words{ASIP_TEST_ASIPCTL, "forget", "--leftovers", "-o", "name"} + more + as("admin"));
     };
     std::string names;
     for (const auto& topic : left)

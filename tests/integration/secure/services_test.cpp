@@ -55,7 +55,8 @@ TEST_F(ServicesOnSecuredBus, Labels_AreSetByOperatorsAndReadByViewers) {
     const auto read = label("bob", {"uno", "--format", "{labels.room}"});
     EXPECT_EQ(read.output, "lab\n") << read.errors;
     EXPECT_TRUE(wait_until([&] {
-        return run(Words{ASIP_TEST_ASIPCTL, "history", "uno", "--format", "{what} {by}"} + as("bob"))
+        return run(Words{ASIP_TEST_ASIPCTL, "events", "uno", "--last", "20", "--format", "{what} {by}"} +
+                   as("bob"))
                    .output.find("command ann\n") != std::string::npos;
     })) << registry.errors();
 }

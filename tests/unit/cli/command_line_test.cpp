@@ -27,7 +27,7 @@ TEST(CommandLine, DurationsOfEachUnit_AreReadEverywhere) {
         {"500ms", 500ms}, {"7d", std::chrono::hours(7 * 24)}, {"1.5", 1500ms}};
     for (const auto& [text, expected] : durations) {
         CommandLine line(all_verbs());
-        ASSERT_EQ(line.parse({"--timeout", text, "models"}), std::nullopt) << text;
+        ASSERT_EQ(line.parse({"--timeout", text, "model"}), std::nullopt) << text;
         std::istringstream in;
         std::ostringstream out, err;
         Environment environment{in, out, err};
@@ -51,7 +51,14 @@ TEST(CommandLine, NamesOfOtherPrograms_AreAnsweredWithOurs_AndOthersInOneLine) {
     EXPECT_THAT(told({"--from-bus", "ls"}), HasSubstr("try asipctl list\n"));
     EXPECT_THAT(told({"devices"}), HasSubstr("try asipctl list\n"));
     EXPECT_THAT(told({"rm", "uno1"}), HasSubstr("try asipctl forget\n"));
-    EXPECT_THAT(told({"mv", "uno1"}), HasSubstr("try asipctl rename\n"));
+    EXPECT_THAT(told({"mv", "uno1"}), HasSubstr("try asipctl label BOARD name=NAME\n"));
+    EXPECT_THAT(told({"rename", "uno1", "x"}), HasSubstr("try asipctl label BOARD name=NAME\n"));
+    EXPECT_THAT(told({"history", "uno1"}), HasSubstr("try asipctl events BOARD --last 20\n"));
+    EXPECT_THAT(told({"logs"}), HasSubstr("try asipctl events --logs\n"));
+    EXPECT_THAT(told({"models"}), HasSubstr("try asipctl model\n"));
+    EXPECT_THAT(told({"explain", "servo"}), HasSubstr("try asipctl model KIND\n"));
+    EXPECT_THAT(told({"prune"}), HasSubstr("try asipctl forget --leftovers\n"));
+    EXPECT_THAT(told({"registries"}), HasSubstr("try asipctl doctor --registries\n"));
     EXPECT_EQ(told({"zzzzzzzz"}), "asipctl: there is no command \"zzzzzzzz\"\nTry asipctl --help\n");
 }
 

@@ -58,7 +58,7 @@ TEST_F(CompletionTest, EachDeclaredEnumeration_IsOfferedAndNoFiles) {
     EXPECT_THAT(after("list --state lost,o"), ElementsAre("lost,offline", "lost,online"));
     EXPECT_THAT(after("list -o json"), ElementsAre("json", "jsonl"));
     EXPECT_THAT(after("list -o json "), ElementsAre("boards", "services"));
-    EXPECT_THAT(after("prune --only r"), ElementsAre("registries"));
+    EXPECT_THAT(after("forget --only r"), ElementsAre("registries"));
     EXPECT_THAT(after("completion "), ElementsAre("bash", "fish", "zsh"));
     EXPECT_THAT(after("secure re"), ElementsAre("renew", "revoke"));
     EXPECT_THAT(after("secure add b"), ElementsAre("board", "broker"));

@@ -74,7 +74,7 @@ TEST_F(ShellWordsTest, AVerbFirst_IsForTheBoard) {
     EXPECT_EQ(expanded("subscribe -n 3"), "subscribe desk -n 3");
     EXPECT_EQ(expanded("show"), "show desk");
     EXPECT_EQ(expanded("wait --for online"), "wait desk --for online");
-    EXPECT_EQ(expanded("history"), "history desk");
+    EXPECT_EQ(expanded("events"), "events desk");
     EXPECT_EQ(expanded("ping -n 1"), "ping desk -n 1");
     EXPECT_EQ(expanded("stop"), "stop desk");
     EXPECT_EQ(expanded("stop --all"), "stop --all");
@@ -82,11 +82,11 @@ TEST_F(ShellWordsTest, AVerbFirst_IsForTheBoard) {
 
 TEST_F(ShellWordsTest, WhatIsOfNoBoard_AndTheBoardItself_Stay) {
     EXPECT_EQ(expanded("list -o json"), "list -o json");
-    EXPECT_EQ(expanded("explain servo"), "explain servo");
+    EXPECT_EQ(expanded("model servo"), "model servo");
     EXPECT_EQ(expanded("--help"), "--help");
     EXPECT_EQ(expanded("show desk/servo"), "show desk/servo");
     EXPECT_EQ(expanded("pin desk 13"), "pin desk 13");
-    EXPECT_EQ(expanded("history lamp"), "history lamp");
+    EXPECT_EQ(expanded("events lamp"), "events lamp");
     EXPECT_EQ(expanded(""), "");
 }
 
@@ -104,7 +104,7 @@ TEST_F(ShellWordsTest, Completion_OffersWhatTheBoardHas) {
     EXPECT_THAT(completed("dis"), ElementsAre("distance"));
     EXPECT_THAT(completed("s"), Contains("servo"));
     EXPECT_THAT(completed("s"), Contains("subscribe"));
-    EXPECT_THAT(completed("ex"), ElementsAre("exit", "explain"));
+    EXPECT_THAT(completed("ex"), ElementsAre("exit"));
     EXPECT_THAT(completed("distance "), ElementsAre("measure", "report"));
     EXPECT_THAT(completed("distance m"), ElementsAre("measure"));
     EXPECT_THAT(completed("get dist"), ElementsAre("distance", "distance/"));

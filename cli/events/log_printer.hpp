@@ -10,14 +10,14 @@
 
 namespace asip::cli {
 
-struct LogsOptions {
+struct LogOptions {
     std::string pattern = "*";  ///< of boards
     std::size_t count = 0;      ///< end after so many; 0: no limit
     std::optional<std::chrono::milliseconds> limit{};
     OutputOptions output{};
 };
 
-/// `asipctl logs`: what boards print for people, errors, and what their agents report, as it comes.
-int run_logs(const LogsOptions& options, Environment& environment);
+/// `asipctl events --logs`: what boards print for people, errors, and what their agents report, as it comes.
+int run_logs(const LogOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands/logs.hpp"
+#include "cli/events/log_printer.hpp"
 
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -7,7 +7,6 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/ask/bus_session.hpp"
-#include "cli/declaration.hpp"
 #include "cli/events/log_line.hpp"
 #include "cli/find/target.hpp"
 #include "cli/text/table.hpp"
@@ -23,7 +22,7 @@ Colour colour_of(const std::string& level) {
 
 class LogPrinter {
   public:
-    LogPrinter(const LogsOptions& options, Environment& environment)
+    LogPrinter(const LogOptions& options, Environment& environment)
         : options_(options),
           environment_(environment),
           records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
@@ -48,7 +47,7 @@ class LogPrinter {
     std::size_t count() const { return count_; }
 
   private:
-    const LogsOptions& options_;
+    const LogOptions& options_;
     Environment& environment_;
     RecordPrinter records_;
     std::size_t count_ = 0;
@@ -56,8 +55,8 @@ class LogPrinter {
 
 }  // namespace
 
-int run_logs(const LogsOptions& options, Environment& environment) {
-    if (const auto valid = check_board_pattern(options.pattern, "logs"); !valid)
+int run_logs(const LogOptions& options, Environment& environment) {
+    if (const auto valid = check_board_pattern(options.pattern, "events"); !valid)
         return environment.fail_with(valid.error());
     BusSession session(environment);
     session.tell_refused_subscriptions();
@@ -77,31 +76,6 @@ int run_logs(const LogsOptions& options, Environment& environment) {
                           std::min(end, Clock::now() + std::chrono::hours(1)));
     const bool too_few = options.limit && !session.stopped() && printer.count() < options.count;
     return too_few ? program::kExitNoAnswer : program::kExitOk;
-}
-
-namespace {
-
-Run declare_logs(Declaration& verb) {
-    auto options = std::make_shared<LogsOptions>();
-    verb.argument("PATTERN", options->pattern, "Only boards of this name; * and ? as in a shell",
-                  Declaration::Needed::kNo);
-    verb.option("-n,--count", "COUNT", options->count, "End after so many lines; 0: no limit");
-    verb.option("-W,--for", options->limit, "End after this time; status 4 when less than -n came");
-    verb.output(options->output, {Output::kText}, {"time", "board", "source", "level", "text"});
-    return [options](Environment& environment) { return run_logs(*options, environment); };
-}
-
-}  // namespace
-
-Verb logs_verb() {
-    return {"logs", "What boards and their agents report to people, as it comes",
-            "Lines that a sketch prints with ! at their beginning, errors of boards, commands that failed "
-            "without anybody waiting for an answer, and what agents log.\n"
-            "Examples:\n"
-            "  asipctl logs uno1\n"
-            "  asipctl logs 'uno*' -o jsonl\n"
-            "  asipctl logs -W 10s",
-            declare_logs};
 }
 
 }  // namespace asip::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands/prune.hpp"
+#include "cli/ask/lingering.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -9,7 +9,6 @@
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/forget_request.hpp"
 #include "cli/ask/retained.hpp"
-#include "cli/declaration.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/words.hpp"
 
@@ -69,7 +68,7 @@ int forget_boards(Environment& environment, BusSession& session, BoardSource& so
 
 }  // namespace
 
-int run_prune(const PruneOptions& options, Environment& environment) {
+int clear_lingering(const LingeringOptions& options, Environment& environment) {
     BusSession session(environment);
     BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
@@ -94,26 +93,6 @@ int run_prune(const PruneOptions& options, Environment& environment) {
         return environment.fail_with(cleared.error());
     environment.note("cleared " + counted(topics.size(), "retained topic"));
     return status;
-}
-
-namespace {
-
-Run declare_prune(Declaration& verb) {
-    auto options = std::make_shared<PruneOptions>();
-    verb.flag("--dry-run", options->dry_run, "Only show what would be cleared");
-    verb.option(
-        "--only", "boards|commands|orphans|names|documents|registries", options->kinds,
-        "Only these: boards that are gone, retained commands, values of unknown boards, names that are not "
-        "valid, descriptions that cannot be read, registries that are gone");
-    verb.output(options->output, {Output::kTable, Output::kName}, {"topic", "kind", "board", "why"});
-    return [options](Environment& environment) { return run_prune(*options, environment); };
-}
-
-}  // namespace
-
-Verb prune_verb() {
-    return {"prune", "Clear everything retained that is no longer needed",
-            "Examples:\n  asipctl prune --dry-run\n  asipctl prune --only commands", declare_prune};
 }
 
 }  // namespace asip::cli

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "cli/doctor/registries.hpp"
+
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -7,7 +9,6 @@
 #include "asip/text/duration.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/commands/list.hpp"
-#include "cli/declaration.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -63,7 +64,9 @@ void take(SeenRegistries& registries, const bus::Topics& topics, const mqtt::Mes
         registry.stats = std::move(*document);
 }
 
-int run_registries(const OutputOptions& output, Environment& environment) {
+}  // namespace
+
+int list_registries(const OutputOptions& output, Environment& environment) {
     BusSession session(environment);
     SeenRegistries registries;
     const auto keep = [&](const mqtt::Message& message) { take(registries, environment.topics, message); };
@@ -101,26 +104,6 @@ int run_registries(const OutputOptions& output, Environment& environment) {
     if (!registries.empty()) return program::kExitOk;
     return environment.fail_with(
         session.unanswered("no registry has ever run on this bus; start asip-registry"));
-}
-
-Run declare_registries(Declaration& verb) {
-    auto output = std::make_shared<OutputOptions>(OutputOptions{Output::kTable, {}});
-    verb.output(*output, {Output::kTable, Output::kName},
-                {"registry", "state", "version", "epoch", "seq", "at", "uptime", "boards", "services",
-                 "conflicts", "messages", "messages_per_second", "renewals", "expired", "refused", "queries",
-                 "events", "connections"});
-    return [output](Environment& environment) { return run_registries(*output, environment); };
-}
-
-}  // namespace
-
-Verb registries_verb() {
-    return {"registries", "Registries on the bus, with what they counted",
-            "As they publish it every few seconds. Exit status 4: there is none.\n"
-            "Examples:\n"
-            "  asipctl registries\n"
-            "  asipctl registries -o json | jq '.[].boards'",
-            declare_registries};
 }
 
 }  // namespace asip::cli
