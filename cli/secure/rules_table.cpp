@@ -20,6 +20,14 @@ std::string rights_text(const Rights& rights) {
     return text.empty() ? "-" : text;
 }
 
+/// Memory, processor and disk, in this order; what costs nothing is left out.
+std::string costs_text(const TopicRule& rule) {
+    std::string text;
+    for (const auto* cost : {&rule.memory, &rule.processor, &rule.disk})
+        if (*cost != "-") text.append(text.empty() ? "" : "; ").append(*cost);
+    return text;
+}
+
 }  // namespace
 
 std::string rules_table() {
@@ -29,7 +37,7 @@ std::string rules_table() {
         const auto cells = rights_text(rule.board) + " | " + rights_text(rule.viewer) + " | " +
                            rights_text(rule.commander) + " | " + rights_text(rule.of(Role::kGateway)) +
                            " | " + rights_text(rule.home_assistant) + " | " + rights_text(rule.registry) +
-                           " | " + rule.memory + " | " + rule.processor + " | " + rule.disk;
+                           " | " + costs_text(rule);
         const auto row =
             std::find_if(rows.begin(), rows.end(), [&](const auto& each) { return each.second == cells; });
         if (row == rows.end())
@@ -38,9 +46,8 @@ std::string rules_table() {
             row->first += ", `" + rule.topic + "`";
     }
     std::string text =
-        "| topic | board | viewer | operator | gateway | Home Assistant | registry | memory | processor | "
-        "disk |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+        "| topic | board | viewer | operator | gateway | Home Assistant | registry | costs |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
     for (const auto& [topics, cells] : rows)
         text.append("| ").append(topics).append(" | ").append(cells).append(" |\n");
     return text;
