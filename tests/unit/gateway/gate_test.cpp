@@ -337,7 +337,7 @@ TEST_F(GateTest, LogInsOfOneName_EndItsOldestAndNobodyElses) {
         log_in("hall", std::chrono::milliseconds(i + 1));
     EXPECT_FALSE(gate.logins().session(first, at(1s).time)) << "its oldest";
     EXPECT_TRUE(gate.logins().session(second, at(1s).time));
-    for (int i = 0; i < 40'000; ++i)
+    for (int i = 0; i < 2000; ++i)
         log_in("hall", 2s);
     EXPECT_TRUE(gate.logins().session(anna, at(3s).time));
     EXPECT_EQ(gate.logins().sessions(), Logins::kMaxSessions + 1);
