@@ -16,11 +16,11 @@ constexpr int kV311NotAuthorised = 5;
 
 /// What may be wrong with a password that a broker does not take: " (...)", or nothing.
 std::string hint_at(const std::string& password) {
-    constexpr std::string_view kBlanks = " \t\r\n";
+    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
     if (password.empty()) return {};
-    if (kBlanks.find(password.back()) != std::string_view::npos) return " (the password ends with a blank)";
-    if (kBlanks.find(password.front()) != std::string_view::npos)
-        return " (the password begins with a blank)";
+    if (password.find_first_of("\r\n") != std::string::npos) return " (the password has a line end)";
+    if (blank(password.back())) return " (the password ends with a blank)";
+    if (blank(password.front())) return " (the password begins with a blank)";
     if (mosquitto_validate_utf8(password.data(), static_cast<int>(password.size())) != MOSQ_ERR_SUCCESS)
         return " (the password is no UTF-8: was it written as Latin-1?)";
     return {};

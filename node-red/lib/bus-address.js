@@ -30,4 +30,13 @@ function addressOf(broker, secure) {
   return `${tls ? 'mqtts' : 'mqtt'}://${parts[2]}:${parts[3] || (tls ? 8883 : 1883)}`;
 }
 
-module.exports = { addressOf, readCredentials };
+// What may be wrong with a password that a broker refuses; tests/vectors/passwords.json binds it to the C++ client.
+function passwordHint(password) {
+  if (!password) return '';
+  if (/[\r\n]/.test(password)) return ' (the password has a line end)';
+  if (/[ \t]$/.test(password)) return ' (the password ends with a blank)';
+  if (/^[ \t]/.test(password)) return ' (the password begins with a blank)';
+  return password.includes('\uFFFD') ? ' (the password is no UTF-8: was it written as Latin-1?)' : '';
+}
+
+module.exports = { addressOf, passwordHint, readCredentials };

@@ -8,7 +8,7 @@ const { EventEmitter } = require('node:events');
 const { createRequire } = require('node:module');
 const { AsipError, Clocks, errorOf, makeRequest, makeTopics, readObject, validBoard, validName } = require('./protocol');
 const { Boards, isThere, words } = require('./boards');
-const { addressOf } = require('./bus-address');
+const { addressOf, passwordHint } = require('./bus-address');
 const { Models, askerOf } = require('./models');
 const { VersionChoice } = require('./mqtt-version');
 const { Standings } = require('./properties');
@@ -18,6 +18,7 @@ const GRACE_SECONDS = 0.5; // for an answer behind the deadline that the agent k
 const HELLO_SECONDS = 5;
 const ANSWER_SECONDS = 5; // a broker that did not answer by then may know no MQTT 5, or hang
 const MAX_OPEN = 4096;
+const BAD_CREDENTIALS = [4, 5, 134, 135]; // of a CONNACK: "bad user or password" and "not authorised", of 3.1.1 and of 5
 
 // npm links a folder without installing what it needs: then Node-RED's own copy does.
 function connectOf() {
@@ -113,7 +114,7 @@ class Bus extends EventEmitter {
       // A code is that of a CONNACK (those of 3.1.1 are below 128), or a word of the network; without one a packet was none of this version.
       if (v5 && (error.code === undefined || error.code === 132 || error.code < 128)) attempt.how = 'version';
       else if (error.code !== 'ECONNRESET') attempt.how = 'other';
-      attempt.why = error.message;
+      attempt.why = error.message + (BAD_CREDENTIALS.includes(error.code) ? passwordHint(this.options.password) : '');
       link.end(true);
     });
     link.on('close', () => {

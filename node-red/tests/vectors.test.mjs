@@ -11,7 +11,7 @@ const protocol = require('../lib/protocol.js');
 const { Boards, WORDS } = require('../lib/boards.js');
 const { Standing, UNKNOWN, requestsFor, textOf } = require('../lib/properties.js');
 const { Bus } = require('../lib/bus.js');
-const { addressOf } = require('../lib/bus-address.js');
+const { addressOf, passwordHint } = require('../lib/bus-address.js');
 const { VersionChoice } = require('../lib/mqtt-version.js');
 const { Models, askerOf, commandsOf, unitOf } = require('../lib/models.js');
 const json = (path) => JSON.parse(readFileSync(new URL(path, import.meta.url)));
@@ -123,6 +123,11 @@ test('versions of MQTT', () => {
       assert.deepEqual([choice.v5 ? 5 : 4, choice.suspected], [then, same], `${about}: ${ended}`);
     }
   }
+});
+
+test('hints at refused passwords', () => {
+  for (const { about, hex, hint } of json('../../tests/vectors/passwords.json').passwords) assert.equal(passwordHint(Buffer.from(hex, 'hex').toString()), hint, about);
+  assert.equal(passwordHint(undefined), '');
 });
 
 test('models are the standard ones', () => {

@@ -17,11 +17,12 @@ from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
 from . import _wait
-from .settings import Broker, Settings
+from .settings import Broker, Settings, password_hint
 
 KEEPALIVE_SECONDS = 10
 # MQTT 5 limits what a broker may have under way to us: without it one of QoS 1 messages beyond that waits unseen.
 _MAX_PACKET_BYTES = 2 << 20
+_BAD_CREDENTIALS = (4, 5, 134, 135)  # of a CONNACK: "bad user or password" and "not authorised", of 3.1.1 and of 5
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 
 
@@ -77,13 +78,14 @@ class Link:
         client.max_queued_messages_set(0)
         client.max_inflight_messages_set(1000)
         if settings.user is not None:
-            client.username_pw_set(settings.user, settings.password)
+            client.username_pw_set(settings.user, settings.password_bytes)
         if broker.tls:
             context = ssl.create_default_context(cafile=settings.ca, cadata=settings.ca_text)
             if settings.certificate:
                 context.load_cert_chain(settings.certificate, settings.key)
             client.tls_set_context(context)
         self._broker = broker
+        self._hint = password_hint(settings.password_bytes)
 
     def start(self) -> None:
         """Connects; OSError or ValueError where there is no way to the broker."""
@@ -174,8 +176,10 @@ class Link:
         if reason == 0:
             self._on_up(self._v5)
             return
-        text = str(reason)
         number = getattr(reason, "value", reason)
+        text = mqtt.connack_string(reason) if isinstance(reason, int) else str(reason)  # a number is one of 3.1.1
+        if number in _BAD_CREDENTIALS:
+            text += self._hint
         version = self._v5 and number in (1, 132) or "protocol version" in text.lower()
         self._ended(f"the broker refuses us: {text}", "version" if version else "other")
 

@@ -70,6 +70,11 @@ class Settings(NamedTuple):
         return f"<settings of {self.source}: {where}, user {self.user or 'none'}, {'TLS' if self.ca or self.ca_text else 'no TLS'}, topics {self.root}/...>"
 
     @property
+    def password_bytes(self) -> bytes | None:
+        """As the broker gets it: also where a file, or the environment, has it in another encoding than UTF-8."""
+        return None if self.password is None else self.password.encode("utf-8", "surrogateescape")
+
+    @property
     def is_default(self) -> bool:
         """Nothing says where the bus is, and there are no credentials: they are for the broker that they were made for."""
         return self.source == DEFAULT and self.user is None and self.password is None and self.certificate is None and self.ca is None
@@ -79,10 +84,34 @@ class Settings(NamedTuple):
         return self._replace(brokers=tuple(one._replace(tls=secure if one.tls is None else one.tls) for one in self.brokers))
 
 
+def password_hint(password: bytes | None) -> str:
+    """What may be wrong with a password that a broker refuses. tests/vectors/passwords.json binds it to the C++ client."""
+    if not password:
+        return ""
+    if b"\n" in password or b"\r" in password:
+        return " (the password has a line end)"
+    for byte, verb in ((password[-1:], "ends"), (password[:1], "begins")):
+        if byte in b" \t":
+            return f" (the password {verb} with a blank)"
+    try:
+        password.decode()
+    except UnicodeDecodeError:
+        return " (the password is no UTF-8: was it written as Latin-1?)"
+    return ""
+
+
+def _text(path: str) -> str:
+    """Bytes that are no UTF-8 stay what they are: a password may have them."""
+    with open(path, encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
+        text = file.read(1 << 20)
+    if "\0" in text:
+        raise errors.Invalid(f"{path} is no plain text: save it as UTF-8")
+    return text
+
+
 def _lines(path: str) -> tuple[dict[str, str], str]:
     """Lines `NAME = VALUE`, and the text of all certificates. Quotes around a value are taken off."""
-    with open(path, encoding="utf-8-sig") as file:
-        text = file.read()
+    text = _text(path)
     found: dict[str, str] = {}
     inside = False
     for number, raw in enumerate(text.splitlines(), 1):
@@ -116,15 +145,21 @@ def _brokers(text: str) -> tuple[Broker, ...]:
 
 
 def _first_line(path: str) -> str:
-    with open(path, encoding="utf-8") as file:
-        return file.readline().rstrip("\r\n")
+    return _text(path).split("\n", 1)[0].rstrip("\r")
+
+
+def _password(path: str) -> str:
+    found = _first_line(path)
+    if not found:
+        raise errors.Invalid(f"the password file {path} has no password in its first line")
+    return found
 
 
 def _of_options(values: Mapping[str, str], source: str) -> Settings:
     """`values`: names of asipctl's options without the dashes."""
     if values.get("credentials"):
         return _of_credentials(values["credentials"])
-    password = values.get("password") or (_first_line(values["password-file"]) if values.get("password-file") else None)
+    password = values.get("password") or (_password(values["password-file"]) if values.get("password-file") else None)
     return Settings(_brokers(values.get("broker") or "127.0.0.1"), values.get("user") or None, password, values.get("ca") or None,
                     certificate=values.get("cert") or None, key=values.get("key") or None, root=values.get("topic-root") or "asip", source=source)
 

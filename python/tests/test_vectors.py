@@ -5,7 +5,7 @@ import json
 import pathlib
 import unittest
 
-from asip import _brokers, _clock, _entry, _envelope, _properties, _topics, errors
+from asip import _brokers, _clock, _entry, _envelope, _properties, _topics, errors, settings
 
 
 def vectors(name):
@@ -70,6 +70,11 @@ class Vectors(unittest.TestCase):
                 else:
                     choice.failed(attempt["ended"], choice.v5)
                 self.assertEqual((5 if choice.v5 else 4, choice.suspected), (attempt["then"], attempt["same"]), (broker["about"], attempt))
+
+    def test_hints_at_refused_passwords(self):
+        for vector in vectors("passwords")["passwords"]:
+            self.assertEqual(settings.password_hint(bytes.fromhex(vector["hex"])), vector["hint"], vector["about"])
+        self.assertEqual(settings.password_hint(None), "")
 
     def test_sentences_of_answers(self):
         told = vectors("answers")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bus of the nodes with a real MQTT.js, and TCP ports that do what each test says: brokers that know MQTT 3.1.1 alone, packets that are
 none, and moments at which a flow ends."""
+import re
 import subprocess
 import sys
 import threading
@@ -14,7 +15,7 @@ from scripted_broker import CONNACK, PUBLISH, ScriptedBroker, good  # noqa: E402
 # With Node-RED's own MQTT.js, as where npm linked the folder of the nodes.
 PROGRAM = f"""
 const {{ Bus }} = require({str(ROOT / "node-red" / "lib" / "bus.js")!r});
-const bus = new Bus({{ brokers: process.argv[2] }});
+const bus = new Bus({{ brokers: process.argv[2], user: 'ann', password: process.argv[3] }});
 for (const event of ['connected', 'disconnected', 'fault']) bus.on(event, (what) => console.log(event, what ?? ''));
 bus.start();
 process.stdin.on('data', () => bus.close(() => {{ console.log('closed'); process.exit(0); }}));
@@ -38,12 +39,12 @@ def refuses_with(*body):
 
 
 class Brokers(unittest.TestCase):
-    def start(self, *brokers):
+    def start(self, *brokers, password="secret"):
         for broker in brokers:
             self.addCleanup(broker.close)
         file = BUILD / "node-red" / "bus_of_a_test.cjs"
         file.write_text(PROGRAM)
-        program = subprocess.Popen(["node", file, ",".join(f"127.0.0.1:{broker.port}" for broker in brokers)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        program = subprocess.Popen(["node", file, ",".join(f"127.0.0.1:{broker.port}" for broker in brokers), password], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, text=True)
         self.addCleanup(lambda: (program.kill(), program.communicate()))
         return program
@@ -55,7 +56,7 @@ class Brokers(unittest.TestCase):
             lines.append(line)
             if line.startswith(word):
                 patience.cancel()
-                return
+                return line
         self.fail(f"it ended: {''.join(lines)}")
 
     def end(self, program):
@@ -70,6 +71,15 @@ class Brokers(unittest.TestCase):
                 program = self.start(broker)
                 self.until(program, "connected")
                 self.assertEqual((broker.versions, broker.faults), (versions, []))
+                self.end(program)
+
+    def test_refused_password_has_a_hint(self):
+        for name, body, password, hint in (("of 5", (0, 134, 0), "secret ", "the password ends with a blank"), ("not authorised", (0, 135, 0), "secret\n", "the password has a line end"),
+                                           ("of 3.1.1", (0, 4), "\ufffdl", "the password is no UTF-8: was it written as Latin-1?"), ("of 3.1.1, not authorised", (0, 5), " secret", "the password begins with a blank")):
+            with self.subTest(name):
+                broker = ScriptedBroker(refuses_with(*body))
+                program = self.start(broker, password=password)
+                self.assertRegex(self.until(program, "disconnected"), re.escape(f"({hint})"))
                 self.end(program)
 
     def test_next_broker_of_the_list_serves_where_one_is_silent_or_gone(self):
