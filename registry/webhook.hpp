@@ -8,6 +8,7 @@
 #include "asip/expected.hpp"
 #include "asip/time.hpp"
 #include "registry/webhook_address.hpp"
+#include "registry/webhook_answer.hpp"
 
 namespace asip::registry {
 
@@ -15,14 +16,9 @@ namespace asip::registry {
 /// certificates that the system trusts.
 class Webhook {
   public:
-    enum class Result {
-        kDelivered,
-        kFailed,   ///< it may be taken later
-        kRefused,  ///< it will not be taken: a status of the 400s, or another address (300s)
-    };
-    /// `wait`: for so long at least the receiver wants nothing more; at most kMaxWait.
+    using Result = WebhookResult;
+    /// `wait`: as a verdict has it.
     using Done = std::function<void(Result, const std::string& why, Duration wait)>;
-    static constexpr Duration kMaxWait = std::chrono::hours(1);
 
     static constexpr Duration kLimit = std::chrono::seconds(10);  ///< for all of one message
 

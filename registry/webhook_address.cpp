@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/webhook_address.hpp"
 
+#include <openssl/evp.h>
+
 #include <algorithm>
 #include <charconv>
-#include <optional>
-#include <string_view>
 
 namespace asip::registry {
 
-namespace {
-
-/// %40 as @; nothing where what follows a % is no number.
-std::optional<std::string> decoded(std::string_view text) {
+std::optional<std::string> percent_decoded(std::string_view text) {
     std::string result;
     for (std::size_t i = 0; i < text.size(); ++i) {
         if (text[i] != '%') {
@@ -28,7 +25,13 @@ std::optional<std::string> decoded(std::string_view text) {
     return result;
 }
 
-}  // namespace
+std::string basic(const std::string& user) {
+    std::string text(4 * ((user.size() + 2) / 3) + 1, '\0');
+    text.resize(static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                                                         reinterpret_cast<const unsigned char*>(user.data()),
+                                                         static_cast<int>(user.size()))));
+    return text;
+}
 
 Expected<WebhookAddress> parse_webhook(const std::string& given) {
     std::string url = given, user;
@@ -36,7 +39,7 @@ Expected<WebhookAddress> parse_webhook(const std::string& given) {
     auto path = scheme == std::string::npos ? scheme : url.find_first_of("/?#", scheme + 3);
     const auto at = scheme == std::string::npos ? scheme : url.substr(0, path).rfind('@');
     if (at != std::string::npos) {
-        const auto name = decoded(std::string_view(url).substr(scheme + 3, at - scheme - 3));
+        const auto name = percent_decoded(std::string_view(url).substr(scheme + 3, at - scheme - 3));
         if (!name || name->find(':') == std::string::npos)
             return fail("before the host NAME:PASSWORD@ is expected; other characters are written as %XX");
         user = *name;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "asip/expected.hpp"
 #include "asip/text/http_address.hpp"
@@ -13,6 +15,10 @@ struct WebhookAddress {
     std::string target;        ///< path and query: "/hook?key=1"
     std::string user;          ///< NAME:PASSWORD, sent by Basic; empty: none
 };
+/// %40 as @; nothing where what follows a % is no number.
+std::optional<std::string> percent_decoded(std::string_view text);
+/// As the head Authorization has it behind its first word.
+std::string basic(const std::string& user);
 /// Fails with a sentence that has nothing of what may be secret.
 Expected<WebhookAddress> parse_webhook(const std::string& url);
 

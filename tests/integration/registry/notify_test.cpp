@@ -127,6 +127,18 @@ TEST_F(NotifyTest, ReceiverThatRefuses_IsLoggedAndTheNextMessageGoesOut) {
     ASSERT_TRUE(hook->wait_for_output("b1 is lost"));
 }
 
+TEST_F(NotifyTest, ReceiverThatAnswersAtLengthAndNeverCloses_HasAnswered) {
+    const auto hook = receiver({"--raw", "HTTP/1.1 102 Processing\n\nHTTP/1.1 200 OK\n\n"});
+    start_registry("http://127.0.0.1:" + port_ + "/");
+    announce(0, 2);
+    say(0, 1, "lost");
+    ASSERT_TRUE(hook->wait_for_output("b0 is lost")) << registry_->errors();
+    say(1, 2, "lost");
+    ASSERT_TRUE(hook->wait_for_output("b1 is lost")) << registry_->errors();
+    EXPECT_EQ(bodies(*hook).size(), 2u) << "each once";
+    EXPECT_THAT(registry_->errors(), ::testing::Not(HasSubstr("no notice")));
+}
+
 TEST_F(NotifyTest, ReceiverThatMoved_IsNeverFollowedAndItsWordsAreLoggedOnce) {
     const auto hook = receiver({"--answers", "308,204", "--words", "moved,", "--head",
                                 "Location: https://new.example/other?key=new"});
