@@ -24,9 +24,8 @@ const char* why_unanswered(const session::NoAnswer& none, bool tcp) {
                      "frames "
                      "lines otherwise (HOST:PORT/frames, HOST:PORT/lines)?"
                    : " takes the connection and does not answer: is an ASIP board behind it, does it serve "
-                     "another client already, or does it want frames, as the bridge of the Java programs "
-                     "does "
-                     "(HOST:PORT/frames)?";
+                     "another client already, or does it frame lines otherwise (HOST:PORT/frames for the "
+                     "bridge of the Java programs, HOST:PORT/lines)?";
     if (none.heard_bytes)
         return " sends bytes, but they are not ASIP at 57600 baud or any rate that a board steps up to: is "
                "it "

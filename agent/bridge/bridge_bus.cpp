@@ -21,9 +21,12 @@ std::string error_line(char service, char tag, protocol::ErrorCode code) {
 
 /// As the board itself answers to what is no request: under the letter that it begins with.
 std::string error_to_no_request(std::string_view line, const session::Identity& board) {
-    const char first = line.empty() || line.front() <= ' ' || line.front() > '~' ? '?' : line.front();
+    const auto shown = [line](std::size_t at) {
+        return at < line.size() && line[at] > ' ' && line[at] <= '~' ? line[at] : '?';
+    };
+    const char first = shown(0);
     const bool known = first == '#' || board.find_service(first) != nullptr;
-    return error_line(first, '?',
+    return error_line(first, known && shown(1) == ',' ? shown(2) : '?',
                       known ? protocol::ErrorCode::kUnknownRequest : protocol::ErrorCode::kInvalidService);
 }
 
@@ -162,7 +165,9 @@ void Bridge::on_message(const OldSet& old, Time, Effects& out) {
 }
 
 void Bridge::on_message(const Announcement& announcement, Time now, Effects& out) {
-    announcer_->on_message(announcement.message, now, out);
+    const auto& message = announcement.message;
+    announcer_->on_message(message, now, out);
+    if (message.payload.empty() && message.topic != board_.topics.probe()) values_.emptied(now);
     yield_name(out);
 }
 

@@ -138,16 +138,26 @@ void BoardValues::connected(Time now) {
     due_ = now;
 }
 
+void BoardValues::emptied(Time now) {
+    if (!again_) again_ = now + kBetweenNumbers;
+}
+
 void BoardValues::hurry(Time now) {
     due_ = now;
 }
 
 std::optional<Time> BoardValues::next_deadline() const {
-    const auto contacts = known_.next_deadline();
-    return due_ && contacts ? std::min(*due_, *contacts) : due_ ? due_ : contacts;
+    std::optional<Time> first;
+    for (const auto& each : {due_, again_, known_.next_deadline()})
+        if (each && (!first || *each < *first)) first = each;
+    return first;
 }
 
 void BoardValues::publish(const std::string& session, Time now, Effects& out) {
+    if (again_ && now >= *again_) {
+        again_.reset();
+        connected(now);
+    }
     if (!due_ || now < *due_) return;
     due_.reset();
     if (std::exchange(list_changed_, false)) {

@@ -64,6 +64,9 @@ class BoardValues {
     /// The description is this one now.
     void describe(const model::Description& description, Time now);
     void connected(Time now);
+    /// Somebody empties what the broker keeps of this board, a topic at a time: all of it is told again a
+    /// second later.
+    void emptied(Time now);
     /// What is due later is due now.
     void hurry(Time now);
     /// To be called only where the bus is there, and the name ours. `session`: of the announcements.
@@ -101,6 +104,7 @@ class BoardValues {
     bool list_changed_ = true;
     bool values_changed_ = true;
     std::optional<Time> due_;
+    std::optional<Time> again_;
     std::optional<Time> published_at_;
 };
 

@@ -10,10 +10,21 @@
 
 namespace asip::agent {
 
+const session::ServiceTable::Entry* Context::service_of(const protocol::Event& event) const {
+    const auto* service = board_.services.find(event.service);
+    if (event.service != 'M' || service == nullptr || !service->model || service->model->event(event.tag))
+        return service;
+    // For a client that asks the motors for encoders, as robots of 2017 have it, steps come by M in place of
+    // E.
+    const auto* encoders = board_.services.find('E');
+    const bool theirs = encoders != nullptr && encoders->model && encoders->model->event(event.tag);
+    return theirs ? encoders : service;
+}
+
 std::optional<Context::Decoded> Context::decode(const protocol::ParsedLine& line) const {
     if (!line.is_event()) return std::nullopt;
     const auto event = line.event();
-    const auto* service = board_.services.find(event.service);
+    const auto* service = service_of(event);
     if (service == nullptr) return std::nullopt;
     if (!service->model) return Decoded{service->name, model::raw_event(event)};
     const auto& identity = board_.session.identity();

@@ -46,6 +46,8 @@ class Context {
     const std::string& warning() const { return warning_; }
 
   private:
+    /// Whose values the event holds.
+    const session::ServiceTable::Entry* service_of(const protocol::Event& event) const;
     void undecoded(const std::string& service, std::string_view line, const std::string& why, Effects& out);
 
     /// A line that was damaged once is not worth a warning.

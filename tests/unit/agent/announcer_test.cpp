@@ -11,6 +11,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 const std::string kState = "asip/servicebus/uno1/$state";
 const std::string kDescription = "asip/servicebus/uno1/$description";
@@ -169,6 +170,28 @@ TEST(Announcer, OwnDescriptionEmptiedOrSpoilt_IsThereAgainAtOnce) {
         for (const auto& each : bench.published)
             EXPECT_TRUE(each.message.topic != kDescription || each.message.retain);
     }
+}
+
+// As by a program that empties all below a topic, which takes its time.
+TEST(Announcer, AllThatIsRetainedEmptied_IsThereAgainASecondLater) {
+    BridgeBench bench;
+    bench.go_online();
+    for (const auto& emptied : {kState, kDescription}) {
+        bench.pass(5s);
+        bench.published.clear();
+        for (int i = 0; i < 20; ++i) {
+            bench.hear(emptied, "");
+            bench.pass(10ms);
+        }
+        EXPECT_THAT(bench.on("asip/servicebus/uno1/$properties"), IsEmpty()) << "it would be emptied, too";
+        bench.pass(1s);
+        EXPECT_THAT(bench.on("asip/servicebus/uno1/$properties"), SizeIs(1));
+        EXPECT_THAT(bench.on("asip/uno1/$values"), SizeIs(1));
+    }
+    bench.published.clear();
+    bench.hear("asip/servicebus/$probe", "");
+    bench.pass(2s);
+    EXPECT_THAT(bench.on("asip/servicebus/uno1/$properties"), IsEmpty()) << "a question who is there";
 }
 
 TEST(Announcer, StateThatIsRetainedBehindOurs_IsPutRight) {

@@ -100,6 +100,11 @@ TEST_F(OnlineBridge, WhatIsNoRequest_IsAnsweredUnderItsLetterAsByTheBoard) {
                                                           {"Zx", "~Z,?,1{INVALID_SERVICE}"},
                                                           {"#?", "~#,?,2{UNKNOWN_REQUEST}"},
                                                           {"Sx", "~S,?,2{UNKNOWN_REQUEST}"},
+                                                          {"Sx,W", "~S,?,2{UNKNOWN_REQUEST}"},
+                                                          {"S,", "~S,?,2{UNKNOWN_REQUEST}"},
+                                                          {"S,ab", "~S,a,2{UNKNOWN_REQUEST}"},
+                                                          {"S,\xe4", "~S,?,2{UNKNOWN_REQUEST}"},
+                                                          {"s,W,0,9", "~s,?,1{INVALID_SERVICE}"},
                                                           {"\xc3\xa4,?", "~?,?,1{INVALID_SERVICE}"}}) {
         bench.lines_for_one.clear();
         bench.client_says(line, 1);

@@ -37,7 +37,7 @@ TEST(NoAnswer, BehindTcp_IsToldInWordsOfTcp) {
         }
         ASSERT_TRUE(bench.fatal);
         EXPECT_THAT(bench.fatal->text, HasSubstr("pi:6789"));
-        EXPECT_THAT(bench.fatal->text, HasSubstr("HOST:PORT/frames"));
+        EXPECT_THAT(bench.fatal->text, AllOf(HasSubstr("HOST:PORT/frames"), HasSubstr("HOST:PORT/lines")));
         EXPECT_THAT(bench.fatal->text, HasSubstr(bytes.empty() ? "does not answer" : "sends bytes"));
         EXPECT_THAT(bench.fatal->text, testing::Not(testing::AnyOf(HasSubstr("baud"), HasSubstr("fuser"))));
     }

@@ -44,6 +44,25 @@ TEST_F(Undecoded, ReportThatDoesNotFit_IsCountedAndLoggedOnceAService) {
     EXPECT_THAT(warnings(), IsEmpty());
 }
 
+// AsipMotors.h: each step is reported once, by M or by E.
+TEST_F(Undecoded, EncodersReportedByTheMotors_AreThoseOfTheEncoders) {
+    bench.board.services = "IME";
+    bench.board.replies["#,N"] = "@#,N,3,{I:ASIP core IO,M:Motors,E:Encoders}";
+    bench.say(bench.board.banner());
+    bench.pass(5s);
+    bench.published.clear();
+    for (int i = 0; i < 10; ++i)
+        bench.say("@M,e,2,{3000:11,3100:-2}\n");
+    EXPECT_THAT(bench.on("asip/uno1/out"), Contains("@M,e,2,{3000:11,3100:-2}"));
+    const auto values = bench.on("asip/uno1/encoders/out");
+    ASSERT_EQ(values.size(), 10u);
+    EXPECT_EQ(values[0], R"({"encoders":[{"count":11,"pulse":3000},{"count":-2,"pulse":3100}]})");
+    EXPECT_EQ(counted(), 0u);
+    EXPECT_THAT(warnings(), testing::Not(Contains(HasSubstr("do not fit"))));
+    bench.say("@M,x,1,{1}\n");
+    EXPECT_EQ(counted(), 1u) << "what neither has";
+}
+
 TEST_F(Undecoded, Often_IsAWarning) {
     for (int i = 0; i < 10; ++i)
         bench.say("@D,e,1,{abc}\n");
