@@ -21,15 +21,20 @@ void ignore_log(avr_t*, int, const char*, va_list) {}
 
 void sleep_takes_no_time(avr_t*, avr_cycle_count_t) {}
 
-/// simavr writes wherever the stack pointer shows, beyond the end of the chip's memory, too.
-void make_room_for_every_stack(avr_t& avr) {
-    constexpr std::size_t kAddresses = 0x10000;
-    const std::size_t size = avr.ramend + std::size_t{1};
-    if (size >= kAddresses) return;
-    auto* const data = static_cast<std::uint8_t*>(std::calloc(kAddresses, 1));
-    if (data == nullptr) throw std::bad_alloc();
-    std::memcpy(data, avr.data, size);
-    std::free(std::exchange(avr.data, data));
+/// A longer copy, with zeros behind `size`: what the system keeps no memory for until it is written.
+void make_room(std::uint8_t*& memory, std::size_t size, std::size_t addresses) {
+    if (size >= addresses) return;
+    auto* const longer = static_cast<std::uint8_t*>(std::calloc(addresses, 1));
+    if (longer == nullptr) throw std::bad_alloc();
+    std::memcpy(longer, memory, size);
+    std::free(std::exchange(memory, longer));
+}
+
+/// simavr writes wherever the stack pointer shows, and reads wherever RAMPZ and Z do (ELPM), beyond the end
+/// of the chip's memory, too.
+void make_room_for_every_address(avr_t& avr) {
+    make_room(avr.data, avr.ramend + std::size_t{1}, 0x10000);
+    make_room(avr.flash, avr.flashend + std::size_t{1}, 0x1000000);
 }
 
 void interrupt_entered(avr_irq_t*, std::uint32_t running, void* param) {
@@ -46,7 +51,7 @@ Expected<std::unique_ptr<Chip>> Chip::create(const BoardKind& kind, std::uint32_
     avr_t* avr = avr_make_mcu_by_name(kind.chip.c_str());
     if (avr == nullptr) return fail(fmt::format("simavr does not know the chip {}", kind.chip));
     avr_init(avr);
-    make_room_for_every_stack(*avr);
+    make_room_for_every_address(*avr);
     std::unique_ptr<Chip> chip(new Chip(avr));
     if (auto fits = check_chip(image, kind, avr->flashend + std::size_t{1}); !fits) return fail(fits.error());
     avr->frequency = frequency;

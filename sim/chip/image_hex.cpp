@@ -45,8 +45,7 @@ Expected<Image> parse_hex(const std::vector<std::uint8_t>& bytes, const std::str
         const auto end = text.find('\n');
         auto record_text = text.substr(0, end);
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-        while (!record_text.empty() && (record_text.back() == '\r' || record_text.back() == ' '))
-            record_text.remove_suffix(1);
+        record_text = record_text.substr(0, record_text.find_last_not_of("\r\t ") + 1);
         if (record_text.empty()) continue;
 
         std::optional<std::vector<std::uint8_t>> record;

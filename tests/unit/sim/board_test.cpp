@@ -242,7 +242,7 @@ std::string hex_of(const std::vector<unsigned>& bytes) {
             text += fmt::format("{:02X}", bytes[i]);
             sum += bytes[i];
         }
-        text += fmt::format("{:02X}\r\n", -sum & 0xff);
+        text += fmt::format("{:02X} \t\r\n", -sum & 0xff);
     }
     return text + ":00000001FF\r\n";
 }
@@ -280,6 +280,21 @@ TEST(Board, StackBeyondTheMemory_HarmsNothing) {
     auto config = Monitor::config();
     config.image = folder / "stack.hex";
     for (int i = 0; i < 20; ++i) {
+        auto board = Board::create(config);
+        ASSERT_TRUE(board) << board.error();
+        (*board)->run_for(std::chrono::milliseconds(4));
+    }
+}
+
+// The same of a pointer into flash: ELPM at 0xffffff, for ever.
+TEST(Board, FlashReadBeyondItsEnd_HarmsNothing) {
+    TemporaryFolder folder;
+    write_file(folder / "far.hex", hex_of({0x0f, 0xef, 0x00, 0x2e, 0x0b, 0xbf, 0xef, 0xef, 0xff, 0xef, 0xd8,
+                                           0x95, 0xf9, 0xcf, 0, 0}));
+    for (const char* kind : {"uno", "mega", "leonardo"}) {
+        auto config = Monitor::config();
+        config.board = kind;
+        config.image = folder / "far.hex";
         auto board = Board::create(config);
         ASSERT_TRUE(board) << board.error();
         (*board)->run_for(std::chrono::milliseconds(4));
