@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clients as their authors published them on PyPI, unmodified, against simulated boards with our firmware and with ASIP 0.4: on the
-serial port, on an agent's TCP port, over MQTT. A driver chooses the port, and makes up for what a pseudo-terminal lacks (DTR) and
-for imports that the packages have wrong; what is sent and read is theirs."""
+"""Clients as their authors published them on PyPI, unmodified, against simulated boards with our firmware, also without its
+extensions (not with ASIP 0.4 itself, which is no part of this project): on the serial port, on an agent's TCP port, over MQTT. A
+driver chooses the port, and makes up for what a pseudo-terminal lacks (DTR) and for imports that the packages have wrong; what is
+sent and read is theirs."""
 
 import json
 import os
@@ -92,6 +93,30 @@ class PublishedClients(unittest.TestCase):
         done = subprocess.run([PYTHON, "-B", "-c", code, *map(str, arguments)], capture_output=True, text=True, timeout=seconds)
         self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-3000:])
         return done.stdout
+
+    # What of docs/protocol.md's list of the clients' own faults is about modules.
+    def test_modules_that_do_not_start_do_so_as_the_page_says(self):
+        code = """
+import pathlib, runpy, sys, python_asip_client
+folder = pathlib.Path(python_asip_client.__file__).parent
+sys.path += [str(folder / one) for one in sys.argv[2:]]
+try:
+    runpy.run_path(str(folder / sys.argv[1]), run_name="loaded")
+except ModuleNotFoundError as fault:
+    print("missing", fault.name)
+except SystemExit:
+    pass
+"""
+        page = (ROOT / "docs" / "protocol.md").read_text()
+        row = next(line for line in page.splitlines() if line.startswith("| modules of python-asip-client"))
+        self.assertIn("`PYTHONPATH` with the folders `python_asip_client` and `python_asip_client/boards`", row)
+        for module, missing, still in (("boards/mqtt_board.py", "asip_client", None), ("mqtt_mirto_robot.py", "mqtt_board", None),
+                                       ("examples/SimpleBlink.py", "serial_board", None), ("examples/LightSwitch.py", "serial_board", None),
+                                       ("examples/example_apps/SimpleWeatherStation.py", "simple_serial_board", "simple_serial_board")):
+            with self.subTest(module):
+                self.assertEqual(self.run_client(code, module).strip(), f"missing {missing}")
+                self.assertEqual("missing" in self.run_client(code, module, ".", "boards"), still is not None)
+                self.assertTrue(f"`{missing}`" in row or still, row)
 
     BLINK = """
 from python_asip_client.boards.{module} import {board}
