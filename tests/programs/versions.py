@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The file VERSION is what programs, packages, images, libraries and the HTTP API say: versions.py ROOT BIN"""
+"""The file VERSION is what programs, packages, images, libraries and the HTTP API say, and images of others have a version: versions.py ROOT BIN"""
 import os
 import re
 import subprocess
@@ -35,5 +35,9 @@ for program in PROGRAMS:
     found = re.search(PATTERN, output)
     said[program] = found and found[1]
 faults = [f"{name}: {found}, but VERSION says {version}" for name, found in said.items() if found != version]
+# What others make is of one version, and not of whatever is there on the day.
+for image in re.findall(r"^\s*image: (.*/.*)$", text("compose.yaml"), re.M):
+    if not re.search(r":v?\d+\.\d+\.\d+$", image):
+        faults.append(f"compose.yaml: {image} names no version")
 print("\n".join(faults + [f"{len(said)} places, {len(faults)} faults"]))
 sys.exit(1 if faults else 0)
