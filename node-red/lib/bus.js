@@ -290,7 +290,7 @@ class Bus extends EventEmitter {
     if (!levels) return;
     if (topic === this.topics.own()) this.onReady();
     else if (levels[0] === 'reply') this.onReply(topic, payload);
-    else if (this.standings.take(topic, payload)) return;
+    else if (this.standings.take(topic, payload, packet.retain)) return;
     else if (levels[0] === 'servicebus' && levels.length === 3) {
       const expiry = packet.properties?.messageExpiryInterval;
       this.changed(levels[2] === '$state' ? this.boards.onState(levels[1], payload, packet.retain, expiry, now())

@@ -6,6 +6,7 @@
 const { isObject, readObject, validBoard, validName } = require('./protocol');
 
 const VERSION = 1;
+const EVENTS = ['press', 'release', 'hold', 'double']; // what is done with a button
 const KINDS = ['sensor', 'binary', 'switch', 'number', 'light', 'button', 'text', 'select'];
 const MAX_PROPERTIES = 256;
 const FULL = 255; // brightness
@@ -36,17 +37,17 @@ function readCall(call) {
 function readProperty(one) {
   need(isObject(one), 'property');
   const told = { calls: {} };
-  for (const name of ['id', 'name', 'service', 'kind', 'type', 'access', 'unit', 'quantity', 'read']) {
+  for (const name of ['id', 'name', 'service', 'kind', 'type', 'access', 'unit', 'quantity', 'read', 'refused']) {
     told[name] = own(one, name, '');
     need(isShort(told[name]), name);
   }
-  for (const name of ['min', 'max', 'step']) {
+  for (const name of ['min', 'max', 'step', 'none']) {
     if (Object.hasOwn(one, name)) told[name] = one[name];
     need(told[name] === undefined || isNumber(told[name]), name);
   }
   const choices = own(one, 'choices', []);
   Object.assign(told, { maxLength: own(one, 'max_length', 0), meaning: own(one, 'meaning', {}), isWhole: told.type === 'integer' || own(one, 'whole') === true });
-  need(told.id && validName(told.service) && KINDS.includes(told.kind), 'id, service or kind');
+  need(`${told.id}/`.startsWith(`${told.service}/`) && validName(told.service) && KINDS.includes(told.kind), 'id, service or kind');
   need(isWhole(told.maxLength, 256) && (told.maxLength > 0 || told.kind !== 'text'), 'max_length');
   need(Array.isArray(choices) && choices.length <= 64 && choices.every((pair) => Array.isArray(pair) && pair.length === 2 && typeof pair[0] === 'string' && isNumber(pair[1])), 'choices');
   told.choices = new Map(choices);
@@ -74,9 +75,14 @@ function readValue(one, now) {
   const age = own(one, 'age', 0);
   const how = own(one, 'how', '');
   const why = own(one, 'unknown', '');
+  const events = own(one, 'events', []);
   const isKnown = ['reported', 'answered', 'set'].includes(how);
   need(isNumber(age) && age >= 0 && age <= 1e10 && typeof how === 'string' && typeof why === 'string' && (!isKnown || Object.hasOwn(one, 'value')), 'value');
-  return { value: isKnown ? one.value : undefined, how: isKnown ? how : '', why: isKnown ? '' : why in UNKNOWN ? why : 'never', since: now - age };
+  need(Array.isArray(events) && events.length <= 64 && events.every((each) => Array.isArray(each) && each.length === 2 && isWhole(each[0]) && typeof each[1] === 'string'), 'events');
+  return {
+    value: isKnown ? one.value : undefined, how: isKnown ? how : '', why: isKnown ? '' : why in UNKNOWN ? why : 'never', since: now - age,
+    events: events.filter(([, word]) => EVENTS.includes(word)),
+  };
 }
 
 function readValues(document, now) {
@@ -95,10 +101,13 @@ function readHead(document, board) {
   need(isWhole(own(document, 'seq')), 'seq');
 }
 
+const NONE = { session: '', seq: -1 }; // no document came
+
 // The list and the values of one board, of the documents that come. Throws TypeError for what is none.
 class Standing {
   constructor() {
-    Object.assign(this, { properties: new Map(), values: new Map(), isListed: false, heads: { list: { session: '', seq: -1 }, values: { session: '', seq: -1 } } });
+    Object.assign(this, { properties: new Map(), values: new Map(), isListed: false, heads: { list: NONE, values: NONE }, lastAct: { session: '', number: 0 } });
+    this.acts = []; // what was done with buttons by the values that came last: [id, word], each once
   }
 
   // `holder`: the session of the board's description. Whether it counts; an empty one clears.
@@ -108,16 +117,28 @@ class Standing {
     const properties = readList(payload.length ? own(document, 'properties') : []);
     if (payload.length && !this.counts('list', document, holder)) return false;
     Object.assign(this, { properties, isListed: payload.length > 0 });
+    if (!payload.length) this.heads.list = NONE;
     return true;
   }
 
-  takeValues(payload, board, holder, now) {
+  // `stored`: the broker kept it; what was done with a button is of an earlier time.
+  takeValues(payload, board, holder, now, stored = false) {
+    this.acts = [];
     const document = payload.length ? readObject(payload) : { values: {} };
     if (payload.length) readHead(document, board);
     const values = readValues(document, now);
     if (payload.length && !this.counts('values', document, holder)) return false;
     this.values = values;
+    if (!payload.length) this.heads.values = NONE;
+    else this.takeActs(document.session, stored);
     return true;
+  }
+
+  takeActs(session, stored) {
+    const last = session === this.lastAct.session ? this.lastAct.number : 0;
+    const fresh = [...this.values].flatMap(([id, { events }]) => events.map(([number, word]) => [number, id, word])).filter(([number]) => number > last).sort(([a], [b]) => a - b);
+    this.lastAct = { session, number: fresh.at(-1)?.[0] ?? last };
+    if (!stored) this.acts = fresh.map(([, id, word]) => [id, word]);
   }
 
   // A document of the session in the description counts, else that of the later session; within one session the later document.
@@ -189,14 +210,14 @@ class Standings {
 
   get(board) { return this.all.get(board)?.standing; }
 
-  // Calls `look(standing)` now and after each change; returns a function that ends it.
+  // Calls `look(standing, acts)` now and after each change; returns a function that ends it.
   watch(board, look) {
     const watched = this.all.get(board) ?? { standing: new Standing(), looks: new Set() };
     const isNew = !this.all.has(board);
     this.all.set(board, watched);
     watched.looks.add(look);
     if (isNew && this.bus.link?.connected) this.bus.link.subscribe([this.bus.topics.properties(board), this.bus.topics.values(board)], { qos: 1 });
-    setImmediate(() => watched.looks.has(look) && this.bus.guard(`what is known of ${board}`, () => look(watched.standing)));
+    setImmediate(() => watched.looks.has(look) && this.bus.guard(`what is known of ${board}`, () => look(watched.standing, [])));
     return () => {
       watched.looks.delete(look);
       if (watched.looks.size || this.all.get(board) !== watched) return;
@@ -206,14 +227,15 @@ class Standings {
   }
 
   // Takes a message; false: it is none of these.
-  take(topic, payload) {
+  take(topic, payload, stored) {
     for (const [board, { standing, looks }] of this.all) {
       const isList = topic === this.bus.topics.properties(board);
       if (!isList && topic !== this.bus.topics.values(board)) continue;
       const known = this.bus.boards.get(board);
       const holder = known?.described ? known.session : '';
-      const counts = isList ? standing.takeList(payload, board, holder) : standing.takeValues(payload, board, holder, this.now());
-      if (counts) for (const look of [...looks]) this.bus.guard(`what is known of ${board}`, () => look(standing));
+      const counts = isList ? standing.takeList(payload, board, holder) : standing.takeValues(payload, board, holder, this.now(), stored);
+      const acts = counts && !isList ? standing.acts : [];
+      if (counts) for (const look of [...looks]) this.bus.guard(`what is known of ${board}`, () => look(standing, acts));
       return true;
     }
     return false;

@@ -11,17 +11,19 @@ module.exports = (RED) => {
     let shown; // what was sent last
     let noReports;
     withBus(RED, this, config, (bus) => {
-      const noLooks = bus.standings.watch(config.board, (standing) => {
+      const noLooks = bus.standings.watch(config.board, (standing, acts) => {
         const told = standing.properties.get(config.property);
         const value = standing.values.get(config.property);
         if (!told || !value || !value.how) return;
         if (told.read && !noReports) noReports = bus.onValue(config.board, told.service, Number(config.hz) > 0 ? Number(config.hz) : 1, () => {});
+        const topic = `${config.board}/${config.property}`;
+        for (const [id, word] of acts) if (id === config.property) this.send([null, { topic, payload: word }]);
         if (shown && isDeepStrictEqual(shown.value, value.value)) return;
         const first = shown === undefined;
         shown = value;
         if (first && !config.initial) return;
         this.send({
-          topic: `${config.board}/${config.property}`, payload: structuredClone(value.value), text: textOf(told, value.value), unit: told.unit || undefined,
+          topic, payload: structuredClone(value.value), text: textOf(told, value.value), unit: told.unit || undefined,
           how: value.how, retained: first,
         });
       });

@@ -22,6 +22,7 @@ module.exports = (RED) => {
       if (!standing?.isListed) return done(new Error(`${config.board}: its agent has told no properties; one of an older version never does: update asip-agent there`));
       const told = standing.properties.get(config.property);
       if (!told) return done(new Error(`${config.board} has no property ${config.property}; it has ${[...standing.properties.keys()].slice(0, 12).join(', ') || 'none'}`));
+      if (told.refused) return done(new Error(`${config.board}/${config.property}: ${told.refused}`));
       const requests = requestsFor(told, structuredClone(valueOf(told, msg.payload)));
       if (!requests.length) {
         const why = told.access === 'read' ? 'it cannot be set' : `payload ${inspect(msg.payload, { depth: 1 }).slice(0, 100)} is no value of it`;

@@ -21,7 +21,7 @@ export class Broker extends EventEmitter {
     else this.sent.push([topic, JSON.parse(text)]);
   }
 
-  tell(topic, content) { this.emit('message', topic, Buffer.from(typeof content === 'string' ? content : JSON.stringify(content)), { retain: false }); }
+  tell(topic, content, retain = false) { this.emit('message', topic, Buffer.from(typeof content === 'string' ? content : JSON.stringify(content)), { retain }); }
 
   end(_force, _options, done) { setImmediate(() => { this.emit('close'); done?.(); }); }
 }
@@ -34,7 +34,7 @@ class Node extends EventEmitter {
 
   status(shown) { this.shown = shown; }
 
-  send(messages) { for (const msg of [messages].flat()) if (msg) this.flow.sent.push([this.config.id, msg]); }
+  send(messages) { for (const [output, msg] of [messages].flat().entries()) if (msg) this.flow.sent.push([this.config.id, msg, output]); }
 
   error(text) { this.flow.errors.push([this.config.id, text]); }
 

@@ -12,7 +12,7 @@ async function flowOf(...configs) {
   const flow = new Flow();
   await flow.start(configs);
   flow.broker.tell('asip/servicebus/desk/$description', { board: 'desk', session: list.session, seq: 1, lease: 60, state: { is: 'online' }, on_demand: {}, services: [{ name: 'io', model: 'io@1' }] });
-  flow.stands = (seq, values) => flow.broker.tell('asip/desk/$values', { version: 1, board: 'desk', session: list.session, seq, values });
+  flow.stands = (seq, values, retain) => flow.broker.tell('asip/desk/$values', { version: 1, board: 'desk', session: list.session, seq, values }, retain);
   flow.answers = async (answer = { status: 'ok', proof: 'fence' }) => {
     for (const [, request] of flow.broker.sent.splice(0)) if (request.id) flow.broker.tell(request.reply_to, { id: request.id, ...answer });
     await soon();
@@ -33,9 +33,26 @@ test('a property that changes is told once, with its words, and what is not know
   await flow.close();
 });
 
+test('what is done with a button is told once at the second output, and no echo is a value', async () => {
+  const flow = await flowOf({ id: 'button', type: 'asip-property-in', board: 'desk', property: 'io/5', initial: true }, { id: 'far', type: 'asip-property-in', board: 'desk', property: 'distance/0' });
+  flow.broker.tell('asip/servicebus/desk/$properties', list);
+  const stands = (seq, value, events, retain) => flow.stands(seq, { 'io/5': { value, how: 'reported', age: 0, events }, 'io/4': { value, how: 'reported', age: 0 } }, retain);
+  stands(8, false, [[1, 'press'], [2, 'release']], true);
+  stands(9, true, [[2, 'release'], [3, 'press']]);
+  stands(10, true, [[3, 'press'], [4, 'hold']]);
+  stands(11, false, [[4, 'hold'], [5, 'release']], true);
+  stands(12, true, [[6, 'press'], [7, 'double'], [8, 'triple']]);
+  assert.deepEqual(flow.sent.map(([id, { payload }, output]) => [id, payload, output]), [['button', false, 0], ['button', 'press', 1], ['button', true, 0], ['button', 'hold', 1],
+    ['button', false, 0], ['button', 'press', 1], ['button', 'double', 1], ['button', true, 0]]);
+  flow.sent.length = 0;
+  for (const [at, value] of [42, null, 7].entries()) flow.stands(20 + at, { 'distance/0': { value, how: 'reported', age: 0 } });
+  assert.deepEqual(flow.sent.map(([, { payload, text }]) => [payload, text]), [[null, 'none'], [7, '7 cm']], 'without the present value at first');
+  await flow.close();
+});
+
 test('a property is set by the commands that its board takes', async () => {
   const flow = await flowOf({ id: 'lamp', type: 'asip-property-out', board: 'desk', property: 'io/13' }, { id: 'servo', type: 'asip-property-out', board: 'desk', property: 'servo/0/angle' },
-    { id: 'far', type: 'asip-property-out', board: 'desk', property: 'distance/0' }, { id: 'none', type: 'asip-property-out', board: 'desk', property: 'io/99' });
+    { id: 'plug', type: 'asip-property-out', board: 'desk', property: 'io/7' }, { id: 'far', type: 'asip-property-out', board: 'desk', property: 'distance/0' }, { id: 'none', type: 'asip-property-out', board: 'desk', property: 'io/99' });
   assert.match((await flow.input('lamp', { payload: true })).message, /update asip-agent/);
   flow.broker.tell('asip/servicebus/desk/$properties', list);
   const done = flow.input('lamp', { payload: 'ON' });
@@ -47,9 +64,10 @@ test('a property is set by the commands that its board takes', async () => {
   }
   assert.equal(await done, undefined);
   assert.deepEqual(commands, [['asip/desk/io/in', [13, 3]], ['asip/desk/io/in', [13, 1]]]);
-  for (const [id, payload, fault] of [['lamp', 'up', /no value of it/], ['servo', 181, /no value of it/], ['servo', {}, /no value of it/], ['far', 1, /cannot be set/], ['none', 1, /no property io\/99; it has/]]) {
+  for (const [id, payload, fault] of [['lamp', 'up', /no value of it/], ['servo', 181, /no value of it/], ['servo', {}, /no value of it/], ['far', 1, /cannot be set/], ['plug', true, /a command made pin 7 input-pullup, and plug needs an output: asipctl pin desk 7 output/], ['none', 1, /no property io\/99; it has/]]) {
     assert.match((await flow.input(id, { payload })).message, fault);
   }
+  assert.deepEqual(flow.broker.sent, []);
   const turned = flow.input('servo', { payload: '90' });
   await soon();
   assert.deepEqual(flow.broker.sent.at(-1)[1].write, [0, 90]);

@@ -79,15 +79,15 @@ test('properties', () => {
   assert.ok(standing.takeList(bytes(told.list), 'desk', ''));
   assert.deepEqual([...standing.properties.keys()], told.list.properties.map((one) => one.id));
   for (const one of told.list.properties) {
-    const { name, kind, type, access, unit = '', min, max } = one;
+    const { name, kind, type, access, unit = '', min, max, refused = '' } = one;
     const is = standing.properties.get(one.id);
-    assert.deepEqual([is.name, is.kind, is.type, is.access, is.unit, is.min, is.max], [name, kind, type, access, unit, min, max]);
+    assert.deepEqual([is.name, is.kind, is.type, is.access, is.unit, is.min, is.max, is.refused], [name, kind, type, access, unit, min, max, refused]);
   }
   for (const { id, value, requests } of told.set) assert.deepEqual(standing.properties.has(id) ? requestsFor(standing.properties.get(id), value) : [], requests, `${id} ${JSON.stringify(value)}`);
   for (const { id, value, text } of told.text) assert.equal(textOf(standing.properties.get(id), value), text);
   assert.ok(standing.takeValues(bytes(told.values), 'desk', '', 100));
   assert.deepEqual([standing.values.get('io/13'), standing.values.get('servo/0/angle')],
-    [{ value: true, how: 'set', why: '', since: 83 }, { value: undefined, how: '', why: 'restart', since: 96.9 }]);
+    [{ value: true, how: 'set', why: '', since: 83, events: [] }, { value: undefined, how: '', why: 'restart', since: 96.9, events: [] }]);
 });
 
 test('damaged properties and values', () => {
@@ -99,9 +99,21 @@ test('which properties and values count', () => {
   for (const { about, holder, documents } of told.order) {
     for (const take of ['takeList', 'takeValues']) {
       const standing = new Standing();
-      for (const [session, seq, counts] of documents) {
-        assert.equal(standing[take](bytes({ version: 1, board: 'desk', session, seq, properties: [], values: {} }), 'desk', holder, 0), counts, about);
+      for (const [session, seq, counts] of documents.map((each) => each ?? ['', 0, true])) {
+        const document = session ? bytes({ version: 1, board: 'desk', session, seq, properties: [], values: {} }) : Buffer.alloc(0);
+        assert.equal(standing[take](document, 'desk', holder, 0), counts, about);
       }
+    }
+  }
+});
+
+test('what is told of buttons', () => {
+  for (const { about, documents } of told.acts) {
+    const standing = new Standing();
+    for (const { session, seq, events, stored, acts } of documents) {
+      const values = Object.fromEntries(Object.entries(events).map(([id, each]) => [id, { value: true, how: 'reported', age: 0, events: each }]));
+      standing.takeValues(bytes({ version: 1, board: 'desk', session, seq, values }), 'desk', '', 0, stored);
+      assert.deepEqual(standing.acts, acts, about);
     }
   }
 });

@@ -8,7 +8,7 @@ import fnmatch
 import threading
 import time
 from concurrent.futures import Future, TimeoutError as FutureTimeout
-from typing import Any, Mapping, Protocol
+from typing import Any, Callable, Mapping, Protocol
 
 from . import _wait, errors
 from ._followed import Followed
@@ -31,6 +31,7 @@ class Bank:
         self.changed = threading.Condition(threading.RLock())
         self.standing = Standing()
         self.lookers: "dict[object, Looker]" = {}  # told after each change
+        self.button_sinks: dict[str, list[Callable[..., None]]] = {}  # by id: told {"event": word}
         self._levels: dict[int, tuple[int, float]] = {}  # of inputs, electrical, and when they were told
         self._analog: dict[int, int] = {}                # by channel
         self._modes: dict[int, tuple[int, tuple[str, int]]] = {}  # that this program set behind a description
@@ -140,17 +141,21 @@ class Bank:
         entry = self.board._entry()
         return entry.session if entry is not None and entry.described else ""
 
-    def _on_list(self, document: dict[str, Any], _now: float) -> None:
+    def _on_list(self, document: dict[str, Any], *_: Any) -> None:
         with self.changed:
             self.standing.take_list(document, self.board.name, self._holder())
         self._look()
 
-    def _on_values(self, document: dict[str, Any], now: float) -> None:
+    def _on_values(self, document: dict[str, Any], now: float, stored: bool) -> None:
         with self.changed:
             before = self.standing.values
-            if self.standing.take_values(document, self.board.name, self._holder(), now):
+            if self.standing.take_values(document, self.board.name, self._holder(), now, stored):
                 self._compare(before, now)
+            acts = self.standing.acts
         self._look()
+        for id, word in acts:
+            for sink in [*self.button_sinks.get(id, ())]:
+                sink({"event": word})
 
     def _on_answer(self, service: str, document: Any) -> None:
         now = time.monotonic()
@@ -162,7 +167,7 @@ class Bank:
                 self._keep(pins, now)
         self._look()
 
-    def _on_report(self, payload: dict[str, Any], now: float) -> None:
+    def _on_report(self, payload: dict[str, Any], now: float, _stored: bool) -> None:
         """Of the service io."""
         with self.changed:
             self._keep(payload, now)

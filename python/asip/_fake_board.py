@@ -37,6 +37,8 @@ class FakeBoard:
         self._offered: dict[str, dict[str, Any]] = {}  # properties by id
         self._stands: dict[str, Any] = {}              # their values, as on the wire
         self._told: dict[str, str] = {}
+        self._acts: dict[str, list[Any]] = {}          # events of a button
+        self._last_act = 0
         self.state = "online"
         self._memory = memory
         self._seq = 0
@@ -64,10 +66,22 @@ class FakeBoard:
         self._memory._publish(f"{self.name}/{service}/out", {name: value})
 
     def press(self, pin: int, level: int = 1) -> None:
-        """Changes the level of an input pin."""
-        self._inputs[pin] = level
+        """Changes the level of an input pin; of a button that is a `press` or a `release`."""
+        before, self._inputs[pin] = self._inputs.get(pin, 0), level
+        if before != level and self._meanings.get(f"io/{pin}", {}).get("class") == "button":
+            self._act(pin, "press" if self._value(self._pin(pin, 2))["value"] else "release")
         self._tell()
         self._memory._publish(f"{self.name}/io/out", {"digital": {str(pin): level}})
+
+    def button(self, pin: int, event: str) -> None:
+        """What is done with a button beside `press()`: `hold`, `double`."""
+        self._act(pin, event)
+        self._tell()
+
+    def _act(self, pin: int, event: str) -> None:
+        """Told as an agent tells it; those before are a second old."""
+        self._last_act += 1
+        self._acts = {f"io/{pin}": [[self._last_act, event]]}
 
     def fail(self, code: int, text: str = "INVALID_DEVICE_NUMBER", command: str | None = None) -> None:
         """From now on the board refuses commands (or the one that is named) with this error."""
@@ -224,6 +238,8 @@ class FakeBoard:
             one["read"] = f"/analog/{pin - 14}" if mode == 4 else f"/digital/{pin}"
         if mode in (3, 5) and self.modes.get(pin) != mode:
             one["before"] = {"command": "mode", "args": [pin, mode]}
+        if mode in (3, 5) and self._pin_modes.get(pin) in (1, 2, 4):
+            one["refused"] = f"a command made pin {pin} no output, and {meaning['class']} needs one: asipctl pin {self.name} {pin} output"
         return one
 
     def _value(self, one: dict[str, Any]) -> dict[str, Any]:
@@ -231,8 +247,9 @@ class FakeBoard:
         raw = self._inputs.get(pin, 0) if one["kind"] == "binary" and pin is not None else self._stands.get(one["id"])
         if raw is None:
             return {"unknown": "restart" if one["id"] in self._stands else "never", "age": 0}
-        value = {number: word == "on" for word, number in one.get("choices", [])}.get(raw, raw)
-        return {"value": value, "how": "set" if "write" in one else "reported", "age": 0}
+        value = None if raw == one.get("none") else {number: word == "on" for word, number in one.get("choices", [])}.get(raw, raw)
+        told = {"value": value, "how": "set" if "write" in one else "reported", "age": 0}
+        return {**told, "events": self._acts[one["id"]]} if one["id"] in self._acts else told
 
     def _document(self, **members: Any) -> dict[str, Any]:
         return {"version": 1, "board": self.name, "session": "00000000000000aa", "seq": self._seq, **members}

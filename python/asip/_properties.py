@@ -12,9 +12,11 @@ from ._topics import valid_board, valid_name
 VERSION = 1
 UNKNOWN = {"never": "nothing was reported or set yet", "restart": "nothing was reported or set since the board came back",
            "doubt": "a command may or may not have been executed"}
+EVENTS = ("press", "release", "hold", "double")  # what is done with a button
 _KINDS = ("sensor", "binary", "switch", "number", "light", "button", "text", "select")
 _MAX_PROPERTIES = 256
 _MAX_BYTES = 256  # of a text
+_MAX_EVENTS = 64
 _TWO_WORDS = {"button": ("pressed", "released"), "door": ("open", "closed"), "window": ("open", "closed"), "moisture": ("wet", "dry"),
               **dict.fromkeys(("motion", "occupancy", "smoke", "vibration"), ("detected", "clear"))}
 _FULL = 255  # brightness
@@ -40,6 +42,12 @@ class Told(NamedTuple):
     calls: dict[str, tuple[str, list[float | None]]]  # `before`, `write`, `color`: a command and its arguments, None for the value
     is_whole: bool
     meaning: dict[str, Any]
+    refused: str  # why it cannot be set now; empty: it can, where something sets it
+
+    @property
+    def is_button(self) -> bool:
+        """Whether it has events."""
+        return self.kind == "binary" and self.meaning.get("class") == "button"
 
     def words(self, value: Any) -> str:
         """A value for people: `open`, `42 cm`."""
@@ -118,6 +126,10 @@ class Value(NamedTuple):
     how: str
     why: str
     since: float  # when it was last said or set, by the monotonic clock
+    events: tuple[tuple[int, str], ...] = ()  # of a button, within the last second: number and word
+
+
+_NONE = ("", (-1, 0))  # no document came
 
 
 class Standing:
@@ -127,12 +139,14 @@ class Standing:
         self.properties: dict[str, Told] = {}
         self.values: dict[str, Value] = {}
         self.listed = False  # a list came
-        self._heads = {"list": ("", (-1, 0)), "values": ("", (-1, 0))}
+        self.acts: list[tuple[str, str]] = []  # what was done with buttons by the values that came last: id and word, each once
+        self._last_act = ("", 0)  # session and number
+        self._heads = dict.fromkeys(("list", "values"), _NONE)
 
     def take_list(self, document: dict[str, Any], board: str, holder: str) -> bool:
         """`holder`: the session of the board's description. Whether it counts; an empty one clears."""
         if not document:
-            self.properties, self.listed = {}, False
+            self.properties, self.listed, self._heads["list"] = {}, False, _NONE
             return True
         session, seq = _head(document, board)
         listed = _list(document.get("properties"))
@@ -141,15 +155,22 @@ class Standing:
         self.properties, self.listed = listed, True
         return True
 
-    def take_values(self, document: dict[str, Any], board: str, holder: str, now: float) -> bool:
+    def take_values(self, document: dict[str, Any], board: str, holder: str, now: float, stored: bool = False) -> bool:
+        """`stored`: the broker kept it; what was done with a button is of an earlier time."""
+        self.acts = []
         if not document:
-            self.values = {}
+            self.values, self._heads["values"] = {}, _NONE
             return True
         session, seq = _head(document, board)
         values = _values(document, now)
         if not self._counts("values", session, (seq, 0), holder):
             return False
         self.values = values
+        last = self._last_act[1] if session == self._last_act[0] else 0
+        new = {number: (id, word) for id, one in values.items() for number, word in one.events if number > last}
+        self._last_act = session, max(new, default=last)
+        if not stored:
+            self.acts = [new[number] for number in sorted(new)]
         return True
 
     def take_answer(self, document: Any, board: str, holder: str, now: float, of: Callable[[str], bool]) -> dict[str, Any] | None:
@@ -208,13 +229,12 @@ def _list(properties: Any) -> dict[str, Told]:
 
 def _property(one: Any) -> Told:
     _need(isinstance(one, dict), "property")
-    texts = {name: one.get(name, "") for name in ("id", "name", "service", "kind", "type", "access", "unit", "quantity", "read")}
+    texts = {name: one.get(name, "") for name in ("id", "name", "service", "kind", "type", "access", "unit", "quantity", "read", "refused")}
     for name, text in texts.items():
         _need(isinstance(text, str) and len(text.encode("utf-8", "replace")) <= _MAX_BYTES and not any(ord(c) < 32 or ord(c) == 127 for c in text), name)
-    numbers = {name: one.get(name) for name in ("min", "max", "step")}
-    _need(all(number is None or _is_number(number) for number in numbers.values()), "min, max or step")
+    _need(all(_is_number(one[name]) for name in ("min", "max", "step", "none") if name in one), "min, max, step or none")
     length, choices, meaning = one.get("max_length", 0), one.get("choices", []), one.get("meaning", {})
-    _need(texts["id"] and valid_name(texts["service"]) and texts["kind"] in _KINDS, "id, service or kind")
+    _need(f"{texts['id']}/".startswith(f"{texts['service']}/") and valid_name(texts["service"]) and texts["kind"] in _KINDS, "id, service or kind")
     _need(whole(length, _MAX_BYTES) and (length > 0 or texts["kind"] != "text"), "max_length")
     _need(isinstance(choices, list) and len(choices) <= 64 and all(
         isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str) and _is_number(pair[1]) for pair in choices), "choices")
@@ -223,7 +243,7 @@ def _property(one: Any) -> Told:
     _need(isinstance(meaning, dict) and isinstance(meaning.get("class", ""), str), "meaning")
     calls = {name: _call(one[name]) for name in ("before", "write", "color") if name in one}
     _need(texts["read"].startswith("/") if texts["read"] else "write" in calls or "color" in calls, "read")
-    return Told(**texts, **numbers, max_length=length, choices=two, calls=calls, is_whole=texts["type"] == "integer" or one.get("whole") is True, meaning=meaning)
+    return Told(**texts, min=one.get("min"), max=one.get("max"), step=one.get("step"), max_length=length, choices=two, calls=calls, is_whole=texts["type"] == "integer" or one.get("whole") is True, meaning=meaning)
 
 
 def _call(call: Any) -> tuple[str, list[float | None]]:
@@ -242,8 +262,11 @@ def _values(document: dict[str, Any], now: float) -> dict[str, Value]:
 
 def _value(one: Any, now: float) -> Value:
     _need(isinstance(one, dict), "value")
-    age, how, why = one.get("age", 0), one.get("how", ""), one.get("unknown", "")
+    age, how, why, events = one.get("age", 0), one.get("how", ""), one.get("unknown", ""), one.get("events", [])
     _need(_is_number(age) and 0 <= age <= 1e10 and isinstance(how, str) and isinstance(why, str), "value")
     known = how in ("reported", "answered", "set")
     _need("value" in one or not known, "value")
-    return Value(one["value"] if known else None, how if known else "", "" if known else why if why in UNKNOWN else "never", now - age)
+    _need(isinstance(events, list) and len(events) <= _MAX_EVENTS and all(
+        isinstance(event, list) and len(event) == 2 and whole(event[0]) and isinstance(event[1], str) for event in events), "events")
+    return Value(one["value"] if known else None, how if known else "", "" if known else why if why in UNKNOWN else "never", now - age,
+                 tuple((number, word) for number, word in events if word in EVENTS))

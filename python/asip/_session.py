@@ -240,7 +240,7 @@ class Session:
             self._board_sinks.remove(sink)
 
     def watch(self, now: float, board: str, service: str, sink: Sink, hz: float) -> list[Action]:
-        """`sink(payload, now)` for each report of the service; of a board that reports on demand `hz` values a second are
+        """`sink(payload, now, stored)` for each report of the service; of a board that reports on demand `hz` values a second are
         demanded."""
         topic = self.topics.event(board, service)
         self._values.setdefault(topic, []).append(sink)
@@ -248,7 +248,7 @@ class Session:
         return self._want(topic, 0) + self._demand(board, now)
 
     def watch_topic(self, topic: str, sink: Sink) -> list[Action]:
-        """`sink(payload, now)` for each document there, the retained one first; without members where it was cleared."""
+        """`sink(payload, now, stored)` for each document there, the stored one first; without members where it was cleared."""
         self._values.setdefault(topic, []).append(sink)
         return self._want(topic, 1)
 
@@ -311,7 +311,7 @@ class Session:
         sinks = self._values.get(topic)
         if sinks is not None:
             value = _envelope.read_object(payload) if payload else {}
-            return [] if value is None else [Tell(sink, (value, now)) for sink in sinks]
+            return [] if value is None else [Tell(sink, (value, now, retained)) for sink in sinks]
         levels = self.topics.split(topic)
         if levels is None:
             return []

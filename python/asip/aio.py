@@ -30,7 +30,7 @@ from .service import Element as _Element
 from .service import Held as _Held
 from .service import Service as _Service
 from .service import Watch
-from .stream import Reading
+from .stream import Reading, Stream
 
 log = logging.getLogger("asip")
 
@@ -81,6 +81,25 @@ def _in_loop(bus: "Bus", function: Callable[..., Any], given: int) -> Callable[.
         if not loop.is_closed():
             loop.call_soon_threadsafe(run, args[:count])
     return call
+
+
+async def _readings(stream: Stream, what: str, timeout: float | None) -> AsyncIterator[Reading]:
+    """What a stream gives, until nobody asks for more; Unproven where nothing comes for so long."""
+    loop, ready = asyncio.get_running_loop(), asyncio.Event()
+    stream.on_news(lambda: None if loop.is_closed() else loop.call_soon_threadsafe(ready.set))
+    try:
+        while True:
+            ready.clear()
+            reading = stream.wait(0)
+            if reading is not None:
+                yield reading
+                continue
+            try:
+                await asyncio.wait_for(ready.wait(), timeout)
+            except asyncio.TimeoutError:
+                raise errors.Unproven(f"{what}: no value within {timeout:g} s", reason="no-value") from None
+    finally:
+        stream.close()
 
 
 class Bus:
@@ -242,23 +261,9 @@ class Service:
     async def stream(self, *, hz: float = 10, event: str | None = None, keep: int = 1, lost: str = "raise", details: bool = False,
                      timeout: float | None = None) -> AsyncIterator[Any]:
         self.board.bus._check_loop()
-        loop, ready = asyncio.get_running_loop(), asyncio.Event()
         stream = self._service.stream(hz=hz, event=event, keep=keep, lost=lost, details=True, timeout=None)
-        stream.on_news(lambda: None if loop.is_closed() else loop.call_soon_threadsafe(ready.set))
-        try:
-            while True:
-                ready.clear()
-                reading: Reading | None = stream.wait(0)
-                if reading is None:
-                    try:
-                        await asyncio.wait_for(ready.wait(), timeout)
-                    except asyncio.TimeoutError:
-                        raise errors.Unproven(f"{self.board.name}/{self.name}: no value within {timeout:g} s", board=self.board.name,
-                                              service=self.name, reason="no-value") from None
-                    continue
-                yield reading if details else reading.value
-        finally:
-            stream.close()
+        async for reading in _readings(stream, f"{self.board.name}/{self.name}", timeout):
+            yield reading if details else reading.value
 
     def on_value(self, function: Callable[..., Any], *, hz: float = 10, event: str | None = None) -> Watch:
         """Calls `function(value)` in the event loop."""
@@ -387,6 +392,17 @@ class Property:
         """Calls `function(value)` in the event loop."""
         call = None if function is None else _in_loop(self.board.bus, function, 1)
         await _run(self._one.on_change, None if call is None else lambda value: call(value), hz=hz)
+
+    async def on_event(self, function: Callable[..., Any]) -> Watch:
+        """Calls `function(event)` in the event loop."""
+        call = _in_loop(self.board.bus, function, 1)
+        watch: Watch = await _run(self._one.on_event, lambda event: call(event))
+        return watch
+
+    async def events(self, *, keep: int = 100, timeout: float | None = None) -> AsyncIterator[str]:
+        stream: Stream = await _run(self._one.events, keep=keep)
+        async for reading in _readings(stream, f"{self.board.name}/{self.id}", timeout):
+            yield reading.value
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "value":

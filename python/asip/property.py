@@ -5,14 +5,16 @@ from __future__ import annotations
 import time
 from typing import Any, Callable, Mapping
 
-from . import _wait, errors
+from . import _model, _wait, errors
 from ._bank import Bank
 from ._callbacks import takes
 from ._followed import Followed
 from ._properties import UNKNOWN, Told
 from .service import Service, Watch
+from .stream import Stream
 
 _ASK_AGAIN_SECONDS = 0.25
+_EVENT = _model.Event("", {"name": "event"})
 
 
 class Property:
@@ -122,6 +124,8 @@ class Property:
         self._bank.ask(self._service, seconds)
         told = self._told
         requests = told.requests(value)
+        if told.refused:
+            raise errors.Refused(f"{self.board.name}/{self.id}: {told.refused}", board=self.board.name, service=self._service)
         if not requests:
             raise errors.Invalid(f"{self.board.name}/{self.id}: {_fault(told, value)}", board=self.board.name, service=self._service, reason="invalid")
         service = self._services()[told.service]
@@ -154,8 +158,49 @@ class Property:
             self._shown = value.value
         self.board._engine.dispatcher.put(function, (value.value,)[:self._count])
 
+    # What is done with a button -----------------------------------------------------------------------------------------
+
+    def events(self, *, keep: int = 100, timeout: float | None = None) -> Stream:
+        """What is done with a button, as it is done: `for event in desk["io/2"].events():` gives `press` at once, `release`, `hold` (0.8 s)
+        and `double` (within 0.4 s), each once. It goes on when the board was away. `keep` and `timeout` are those of `service.stream()`."""
+        return Stream(_Button(self), _EVENT, hz=10, keep=keep, wait_for_board=True, details=False, timeout=timeout)
+
+    def on_event(self, function: Callable[..., Any]) -> Watch:
+        """Calls `function(event)` for each of the `events()`, in the thread `asip-callbacks`. Returns a Watch; `cancel()` ends it."""
+        count, dispatcher = takes(function, 1), self.board._engine.dispatcher
+        return self._watched_button(lambda payload: dispatcher.put(function, (payload["event"],)[:count]))
+
+    def _watched_button(self, sink: Callable[..., None]) -> Watch:
+        self._bank.ask(self._service, self.board._timeout(None))
+        if not self._told.is_button:
+            raise errors.Invalid(f"{self.board.name}/{self.id} is no button; {self.board.name}.set_meaning({self.id!r}, \"button\") makes it one",
+                                 board=self.board.name, service=self._service)
+        sinks = self._bank.button_sinks.setdefault(self.id, [])
+        sinks.append(sink)
+        demand = self._demand() if self._reports() else None
+
+        def cancel() -> None:
+            sinks.remove(sink)
+            if demand is not None:
+                demand.cancel()
+        return Watch(cancel)
+
     def __repr__(self) -> str:
         return f"<asip property {self.board.name}/{self.id}>"
+
+
+class _Button:
+    """The source of a stream of events."""
+
+    def __init__(self, one: Property):
+        self.name, self.board, self.updated = one.id, one.board, None
+        self._one = one
+
+    def _watched(self, sink: Callable[..., None], _hz: float) -> Watch:
+        return self._one._watched_button(sink)
+
+    def _how_to_report(self) -> str:
+        return ""
 
 
 def _fault(told: Told, value: Any) -> str:

@@ -182,7 +182,7 @@ class Service:
         found, count, engine = self._event(event), takes(function, 1), self.board._engine
         key = object()
 
-        def sink(payload: dict[str, Any], _now: float) -> None:
+        def sink(payload: dict[str, Any], *_: Any) -> None:
             if found.name in payload:
                 self.updated = time.time()
                 engine.dispatcher.put(function, (payload[found.name],)[:count], key)

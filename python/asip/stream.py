@@ -62,7 +62,7 @@ class Stream(Iterator[Any]):
         self._news: Callable[[], object] | None = None
         engine, this = service.board._engine, weakref.ref(self)
 
-        def sink(payload: dict[str, Any], _now: float) -> None:
+        def sink(payload: dict[str, Any], *_: Any) -> None:
             stream = this()
             if stream is not None and event.name in payload:
                 stream._take(payload[event.name])

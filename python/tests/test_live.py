@@ -183,6 +183,22 @@ class Board(Live):
         again = {one["property"]: one.get("value") for one in json.loads(self.asipctl("get", "desk", "-o", "json"))}
         self.assertEqual((again["servo/0/angle"], again["io/13"]), (90, False))
 
+    def test_button_that_bounces_is_pressed_once(self):
+        self.desk.pin(2).mode("input-pullup")
+        self.desk.set_meaning("io/2", "button")
+        self.addCleanup(self.desk.set_meaning, "io/2", None)
+        button, values, events, ends = self.desk["io/2"], [], [], []
+        self.assertIs(button.read(timeout=20), False)
+        button.on_change(values.append)
+        watch = button.on_event(events.append)
+        for act, wanted in (("press", ["press", "hold"]), ("release", ["release"])):
+            self.real.sim(act, "desk/button")
+            ends += wanted
+            eventually(lambda: events == ends, f"{ends} and not {events}")
+        eventually(lambda: values == [False, True, False], "one change for each")
+        self.assertEqual((button.text, self.desk.pin(2).read()), ("released", True))
+        watch.cancel()
+
     def test_lamp_that_is_on_is_never_dark_while_it_is_read_a_thousand_times(self):
         self.asipctl("pin", "desk", "13", "high")
         history = lambda: self.desk.bus.query({"find": "history", "board": "desk", "limit": 50})["items"]

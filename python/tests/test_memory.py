@@ -526,6 +526,61 @@ class Properties(Memory):
         self.assertIs(self.desk["io/13"].value, True)
         self.assertEqual(seen, [True, False])
 
+    def test_none_is_a_value(self):
+        seen = []
+        self.memory.desk.offer("distance/0", "sensor", unit="cm", read="/distance/0", none=0)
+        self.desk["distance/0"].on_change(seen.append)
+        for distance in (42, None, 7):
+            self.memory.desk.report("distance", [distance or 0, 0])
+            eventually(lambda: seen[-1:] == [distance])
+            self.assertEqual((self.desk["distance/0"].read(), self.desk["distance/0"].text), (distance, "none" if distance is None else f"{distance} cm"))
+        self.assertEqual(seen, [42, None, 7])
+
+    def test_contradiction_is_refused_in_a_sentence_and_nothing_is_sent(self):
+        self.desk.set_meaning("io/7", "plug")
+        self.desk["io/7"].value = True
+        self.desk.pin(7).mode("input-pullup")
+        before = len(self.commands())
+        with self.assertRaisesRegex(asip.Refused, "^desk/io/7: a command made pin 7 no output, and plug needs one: asipctl pin desk 7 output$") as raised:
+            self.desk["io/7"].value = True
+        self.assertIs(raised.exception.sent, False)
+        self.assertEqual(len(self.commands()), before)
+        self.desk.pin(7).mode("output")
+        self.desk["io/7"].value = True
+        self.assertEqual(self.memory.desk.levels[7], 1)
+
+    def test_what_is_done_with_a_button_is_told_once(self):
+        with self.assertRaisesRegex(asip.Invalid, "no button"):
+            self.desk["io/13"].on_event(print)
+        self.desk.set_meaning("io/2", "button")
+        self.memory.desk.press(2)  # before anybody listens
+        button, seen = self.desk["io/2"], []
+        watch = button.on_event(seen.append)
+        changes = []
+        button.on_change(changes.append)
+        with button.events() as events:
+            self.memory.desk.press(2, 0)
+            self.memory.desk.press(2, 0)
+            self.memory.desk.button(2, "hold")
+            self.assertEqual([next(events), next(events)], ["press", "hold"])
+            self.memory.cut()
+            eventually(lambda: self.bus.connected)
+            self.assertIs(button.read(), True)
+            self.memory.desk.lose()
+            self.memory.desk.back()
+            self.desk.wait_for("online")
+            self.memory.desk.press(2)
+            self.assertEqual(next(events), "release")
+        eventually(lambda: seen == ["press", "hold", "release"])
+        self.assertEqual(changes, [False, True, False])
+        watch.cancel()
+        self.memory.desk.press(2, 0)
+        eventually(lambda: changes[-1] is True)
+        self.assertEqual((seen, self.desk._bank.button_sinks), (["press", "hold", "release"], {"io/2": []}))
+        with self.assertRaisesRegex(asip.Unproven, "desk/io/2: no value within 0.05 s"):
+            next(button.events(timeout=0.05))
+        self.assertEqual(self.commands(), [])
+
     def test_of_a_board_that_is_away(self):
         self.memory.desk.lose()
         self.desk.wait_for("lost")

@@ -259,7 +259,7 @@ class Conversation(unittest.TestCase):
         seen = []
         sink = lambda *args: seen.append(args)  # noqa: E731
         self.session.watch(0, "desk", "distance", sink, 1)
-        self.assertEqual(self.session.message("asip/desk/distance/out", b'{"distance":[1]}', False, None, 1), [Tell(sink, ({"distance": [1]}, 1))])
+        self.assertEqual(self.session.message("asip/desk/distance/out", b'{"distance":[1]}', False, None, 1), [Tell(sink, ({"distance": [1]}, 1, False))])
         for payload in (b"[1]", b"{", b"\xff", b"[" * 100_000):
             self.assertEqual(self.session.message("asip/desk/distance/out", payload, False, None, 1), [])
 

@@ -83,6 +83,26 @@ class Asynchronous(unittest.IsolatedAsyncioTestCase):
         await self.desk.pin("status lamp").on()
         self.assertEqual((self.memory.desk.levels[13], self.desk.labels), (1, {"room": "lab"}))
 
+    async def test_buttons(self):
+        await self.desk.set_meaning("io/2", "button")
+        self.memory.desk.press(2)
+        seen = []
+        watch = await self.desk["io/2"].on_event(seen.append)
+        events = self.desk["io/2"].events()
+        coming = asyncio.create_task(events.__anext__())
+        while len(self.desk._board._bank.button_sinks["io/2"]) < 2:
+            await asyncio.sleep(0.01)
+        self.memory.desk.press(2, 0)
+        self.assertEqual(await asyncio.wait_for(coming, 5), "press")
+        while not seen:
+            await asyncio.sleep(0.01)
+        self.assertEqual(seen, ["press"])
+        watch.cancel()
+        coming = asyncio.create_task(events.__anext__())
+        await self.bus.close()
+        with self.assertRaises(asip.Closed):
+            await asyncio.wait_for(coming, 5)
+
     async def test_many_calls_that_wait_keep_no_other_from_its_end(self):
         waiting = [asyncio.create_task(self.desk.pin(2).wait_for(True)) for _ in range(100)]
         await asyncio.sleep(0.1)

@@ -117,8 +117,9 @@ class Properties(unittest.TestCase):
         self.assertEqual([*self.standing.properties], [one["id"] for one in listed])
         for one in listed:
             told = self.standing.properties[one["id"]]
-            for name in ("name", "service", "kind", "type", "access", "unit", "min", "max", "meaning"):
-                self.assertEqual(getattr(told, name), one.get(name, getattr(told, name)), (one["id"], name))
+            for name, none in (("name", ""), ("service", ""), ("kind", ""), ("type", ""), ("access", ""), ("unit", ""), ("min", None), ("max", None), ("meaning", {}), ("refused", "")):
+                self.assertEqual(getattr(told, name), one.get(name, none), (one["id"], name))
+        self.assertEqual([id for id, told in self.standing.properties.items() if told.is_button], ["io/5"])
 
     def test_damaged_documents_are_refused(self):
         for change in self.told["damaged_lists"]:
@@ -144,9 +145,17 @@ class Properties(unittest.TestCase):
         for one in self.told["order"]:
             for take in ("take_list", "take_values"):
                 standing = _properties.Standing()
-                for session, seq, counts in one["documents"]:
-                    document = {"version": 1, "board": "desk", "session": session, "seq": seq, "properties": [], "values": {}}
+                for session, seq, counts in (each or ("", 0, True) for each in one["documents"]):
+                    document = {"version": 1, "board": "desk", "session": session, "seq": seq, "properties": [], "values": {}} if session else {}
                     self.assertEqual(getattr(standing, take)(document, "desk", one["holder"], *[0] * (take == "take_values")), counts, one)
+
+    def test_what_is_told_of_buttons(self):
+        for one in self.told["acts"]:
+            standing = _properties.Standing()
+            for each in one["documents"]:
+                values = {id: {"value": True, "how": "reported", "age": 0, "events": events} for id, events in each["events"].items()}
+                standing.take_values({"version": 1, "board": "desk", "session": each["session"], "seq": each["seq"], "values": values}, "desk", "", 0, each.get("stored", False))
+                self.assertEqual([[*act] for act in standing.acts], each["acts"], one["about"])
 
 
 if __name__ == "__main__":

@@ -21,12 +21,13 @@ const char* const kFile = ASIP_SOURCE_DIR "/tests/vectors/properties.json";
 /// A board on which people said what some pins are.
 json list_of_all() {
     auto board = board_with({"distance", "servo", "motors", "pixels", "lcd", "io"});
-    board.labels.modes = {{2, 2}, {3, 5}, {4, 1}, {10, 5}, {12, 3}, {13, 3}, {14, 4}};
+    board.labels.modes = {{2, 2}, {3, 5}, {4, 1}, {7, 2}, {10, 5}, {12, 3}, {13, 3}, {14, 4}};
     board.labels.pins[13] = "status lamp";
     auto& meanings = board.labels.meanings;
     meanings["io/2"].klass = "door";
     meanings["io/5"].klass = "button";
     meanings["io/6"].klass = "moisture";
+    meanings["io/7"].klass = "plug";  // which is no input
     meanings["io/10"].klass = meanings["io/11"].klass = "light";
     meanings["io/12"].inverted = true;
     meanings["io/14"].klass = "level";
