@@ -8,7 +8,7 @@ import fnmatch
 import threading
 import time
 from concurrent.futures import Future, TimeoutError as FutureTimeout
-from typing import Any, Callable, Mapping, Protocol
+from typing import Any, Callable, Mapping
 
 from . import _wait, errors
 from ._followed import Followed
@@ -21,26 +21,22 @@ _QUESTIONS = 18           # a second: agents answer 20
 _REPAIR_SECONDS = 1.0     # a level that was reported later than this before a document of values counts more than that
 
 
-class Looker(Protocol):
-    def _look(self) -> None: ...
-
-
 class Bank:
     def __init__(self, board: Followed):
         self.board = board
         self.changed = threading.Condition(threading.RLock())
         self.standing = Standing()
-        self.lookers: "dict[object, Looker]" = {}  # told after each change
+        self.lookers: dict[object, Callable[[], None]] = {}  # called after each change
         self.button_sinks: dict[str, list[Callable[..., None]]] = {}  # by id: told {"event": word}
         self._levels: dict[int, tuple[int, float]] = {}  # of inputs, electrical, and when they were told
         self._analog: dict[int, int] = {}                # by channel
         self._modes: dict[int, tuple[int, tuple[str, int]]] = {}  # that this program set behind a description
         self._heard = False
         self._reports: Any = None
-        self._asked: "collections.deque[float]" = collections.deque([0.0] * _QUESTIONS, _QUESTIONS)
-        self._waiting: "dict[str, Future[Any]]" = {}  # questions that are not sent yet
+        self._asked: collections.deque[float] = collections.deque([0.0] * _QUESTIONS, _QUESTIONS)
+        self._waiting: dict[str, Future[Any]] = {}  # questions that are not sent yet
 
-    def io(self, services: "Mapping[str, Service]") -> Service:
+    def io(self, services: Mapping[str, Service]) -> Service:
         for service in services.values():
             if service.model is not None and service.model.name == "io":
                 return service
@@ -98,7 +94,7 @@ class Bank:
         told = self.told(number)
         return self._reports is not None and number in self._levels and (told is None or told.kind == "binary")
 
-    def _question(self, service: str, left: float) -> "Future[Any]":
+    def _question(self, service: str, left: float) -> Future[Any]:
         """One that is on its way already may have been answered before something that the caller knows of: only one that still waits for
         its turn is shared."""
         _wait.check()
@@ -108,7 +104,7 @@ class Bank:
                 return waiting
             pause = self._asked[0] + 1.0 - time.monotonic()
             self._asked.append(time.monotonic() + max(0.0, pause))
-            done: "Future[Any]" = Future()
+            done: Future[Any] = Future()
             if pause > 0:
                 self._waiting[service] = done
         if pause > 0:
@@ -116,7 +112,7 @@ class Bank:
             with self.changed:
                 self._waiting.pop(service, None)
 
-        def answered(answer: "Future[Any]") -> None:  # in paho's thread: before what comes behind the answer
+        def answered(answer: Future[Any]) -> None:  # in paho's thread: before what comes behind the answer
             fault = answer.exception()
             try:
                 if fault is None:
@@ -201,7 +197,7 @@ class Bank:
 
     def _look(self) -> None:
         for looker in [*self.lookers.values()]:
-            looker._look()
+            looker()
 
     # What is known of pins ---------------------------------------------------------------------------------------------------
 

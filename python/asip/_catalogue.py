@@ -25,12 +25,12 @@ _APART = 2.0
 _GRACE = 10.0
 _FORGET_AFTER = 7 * 86_400.0
 _REASON_OF_WORD = {"lost": "agent-gone", "offline": "stopped", "updating": "released"}
-_TIMED = re.compile(r"[0-9a-f]{16}(-|\Z)")
+_TIMED = r"[0-9a-f]{16}(-|\Z)"
 
 
 def _is_older(session: str, than: str) -> bool:
     """Sessions of our agents begin with the time of their start; those of other programs have no order."""
-    return bool(_TIMED.match(session) and _TIMED.match(than)) and session < than
+    return bool(re.match(_TIMED, session) and re.match(_TIMED, than)) and session < than
 
 
 class Catalogue:

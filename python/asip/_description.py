@@ -12,13 +12,12 @@ from ._topics import valid_board, valid_name
 
 STATES = ("online", "sleeping", "updating", "offline", "lost")
 DEFAULT_LEASE = 60
-MAX_BYTES = 1 << 16
 _MAX_LEASE = 86_400
 _MAX_AGE = 1e9
 _MAX_SERVICES = 64
 _MAX_TEXT = 256
-_PIN = re.compile(r"(0|[1-9][0-9]{0,2})\Z", re.ASCII)
-_LABEL = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,61}[A-Za-z0-9])?\Z")
+_PINS = {*map(str, range(256))}
+_LABEL = r"[A-Za-z0-9]([A-Za-z0-9._-]{0,61}[A-Za-z0-9])?\Z"
 
 
 def read(document: Any, board: str) -> dict[str, Any] | None:
@@ -54,9 +53,9 @@ def _is_service(one: dict[str, Any]) -> bool:
 
 def _are_labels(document: dict[str, Any]) -> bool:
     names = document.get("names", {})
-    return isinstance(names, dict) and _texts(document.get("labels", {}), 32, lambda key: bool(_LABEL.match(key))) \
+    return isinstance(names, dict) and _texts(document.get("labels", {}), 32, lambda key: re.match(_LABEL, key)) \
         and _texts(names.get("services", {}), 64, valid_name) \
-        and _texts(names.get("pins", {}), 64, lambda key: bool(_PIN.match(key)) and int(key) < 256)
+        and _texts(names.get("pins", {}), 64, lambda key: key in _PINS)
 
 
 def _texts(value: Any, most: int, is_key: Any) -> bool:

@@ -15,14 +15,15 @@ import threading
 import time
 import uuid
 import weakref
-from typing import Any, Callable, Protocol
+from typing import Any, Callable
 
 from . import _wait, errors
 from ._brokers import Brokers
 from ._callbacks import Dispatcher
 from ._faults import Faults
 from ._paho import Link
-from ._session import Action, Call, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
+from ._calls import Action, Call, Drop, Publish, Resolve, Subscribe, Tell, Unsubscribe
+from ._session import Hold, Session
 from ._topics import Topics
 from .settings import Settings
 
@@ -30,10 +31,6 @@ log = logging.getLogger("asip")
 ANSWER_SECONDS = 2.0  # a broker that did not answer by then may know no MQTT 5, or hang
 READY_SECONDS = 11.0
 _all: "weakref.WeakSet[Engine]" = weakref.WeakSet()
-
-
-class Listener(Protocol):
-    def _told(self) -> None: ...
 
 
 class Engine:
@@ -48,7 +45,7 @@ class Engine:
         self.changed = threading.Condition(threading.RLock())  # told after each change of a board, and at the end
         self.forked = False
         self.closed = False
-        self._listeners: "weakref.WeakSet[Listener]" = weakref.WeakSet()
+        self._listeners: weakref.WeakSet[Any] = weakref.WeakSet()
         self._chores: "collections.deque[Callable[[], None]]" = collections.deque()
         self._lock = threading.RLock()
         self._sending = threading.RLock()
@@ -107,8 +104,8 @@ class Engine:
         with self._lock:
             return look(self.session)
 
-    def listen(self, listener: Listener) -> None:
-        """It is told after each change of a board, and at the end, as long as it lives."""
+    def listen(self, listener: Any) -> None:
+        """Its `_told()` is called after each change of a board, and at the end, as long as it lives."""
         with self._lock:
             self._listeners.add(listener)
 
@@ -129,19 +126,6 @@ class Engine:
         with self._lock:
             self.session.keep_hold(hold)
         self._wake.set()
-
-    def end_hold(self, id: str) -> None:
-        with self._lock:
-            self.session.end_hold(id)
-
-    def feed_hold(self, id: str, now: float) -> None:
-        with self._lock:
-            self.session.feed(id, now)
-
-    def listed(self, item: dict[str, Any]) -> None:
-        """A board as a registry lists it."""
-        with self._lock:
-            self.session.catalogue.on_listed(item, time.monotonic())
 
     def stop(self, board: str, seconds: float, *, hold: bool = False, why: str = "") -> Call:
         return self.ask(lambda session, now: session.stop(now, board, seconds, hold=hold, why=why))
@@ -304,7 +288,7 @@ class Engine:
         try:
             link: Link = self._new_link(broker, self.settings, client_id, v5, lambda is_v5: self._happened(link, lambda now: self._up(now, is_v5)),
                                         lambda why, how: self._went_down(link, why, how), lambda *message: self._message(link, *message),
-                                        lambda key: self._happened(link, lambda now: self.session.denied(key)))
+                                        lambda key: self._happened(link, lambda now: self.session.calls.denied(key)))
             with self._lock:
                 if self.closed:
                     return

@@ -23,22 +23,13 @@ def request_text(members: dict[str, Any], *, reply_to: str, id: str, timeout: fl
                  by: str | None = None, hold: float | None = None) -> bytes:
     """The payload of a request. `timeout` and `hold` are in seconds, limited to what agents take (0.05 to 60). `clock`: the
     agent's clock now, empty to ask for it; None: the request is no command."""
-    whole = dict(members)
-    whole["reply_to"] = reply_to
-    whole["id"] = id
-    if timeout is not None:
-        whole["deadline_ms"] = milliseconds(timeout)
-    if hold is not None:
-        whole["hold_ms"] = milliseconds(hold)
-    if clock is not None:
-        whole["clock"] = clock
-    if by is not None:
-        whole["by"] = by
+    more: dict[str, Any] = {"deadline_ms": milliseconds(timeout), "hold_ms": milliseconds(hold), "clock": clock, "by": by}
+    whole = {**members, "reply_to": reply_to, "id": id, **{name: value for name, value in more.items() if value is not None}}
     return json.dumps(whole, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-def milliseconds(seconds: float) -> int:
-    return min(60_000, max(50, round(seconds * 1000)))
+def milliseconds(seconds: float | None) -> int | None:
+    return None if seconds is None else min(60_000, max(50, round(seconds * 1000)))
 
 
 def read_object(payload: bytes, limit: int = MAX_ANSWER_BYTES) -> dict[str, Any] | None:

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import fnmatch
 import json
-from typing import Any, Callable, Iterable, Mapping, Protocol
+from typing import Any, Callable, Iterable, Mapping
 
 from . import _model
 from .board import standard_model
 
 Answer = Mapping[str, Any]
-
-
-class Memory(Protocol):
-    """The bus that it is on."""
-
-    def _publish(self, topic: str, content: Any, retained: bool = False) -> None: ...
 
 
 class FakeBoard:
@@ -24,7 +18,7 @@ class FakeBoard:
     `commands` is the list of (service, command, arguments) in the order of their arrival. `levels` holds what pins were set to.
     """
 
-    def __init__(self, memory: Memory, name: str, services: Iterable["str | dict[str, Any]"]):
+    def __init__(self, publish: Callable[..., None], name: str, services: Iterable["str | dict[str, Any]"]):
         self.name = name
         self.commands: list[tuple[str, str, list[Any]]] = []
         self.unanswered = 0  # requests that came while the board was silent
@@ -40,7 +34,7 @@ class FakeBoard:
         self._acts: dict[str, list[Any]] = {}          # events of a button
         self._last_act = 0
         self.state = "online"
-        self._memory = memory
+        self._publish = publish
         self._seq = 0
         self._models: dict[str, _model.Model] = {}
         for service in services:
@@ -63,7 +57,7 @@ class FakeBoard:
             if one["service"] == service and place[:1] == [name]:
                 self._stands[one["id"]] = value if len(place) == 1 else value[place[1] if isinstance(value, dict) else int(place[1])]
         self._tell()
-        self._memory._publish(f"{self.name}/{service}/out", {name: value})
+        self._publish(f"{self.name}/{service}/out", {name: value})
 
     def press(self, pin: int, level: int = 1) -> None:
         """Changes the level of an input pin; of a button that is a `press` or a `release`."""
@@ -71,7 +65,7 @@ class FakeBoard:
         if before != level and self._meanings.get(f"io/{pin}", {}).get("class") == "button":
             self._act(pin, "press" if self._value(self._pin(pin, 2))["value"] else "release")
         self._tell()
-        self._memory._publish(f"{self.name}/io/out", {"digital": {str(pin): level}})
+        self._publish(f"{self.name}/io/out", {"digital": {str(pin): level}})
 
     def button(self, pin: int, event: str) -> None:
         """What is done with a button beside `press()`: `hold`, `double`."""
@@ -120,11 +114,11 @@ class FakeBoard:
 
     def _announce(self, reason: str = "") -> None:
         described = [{"name": name, "id": model.letter, "title": model.title, "model": model.document} for name, model in self._models.items()]
-        self._memory._publish(f"servicebus/{self.name}/$description", {
+        self._publish(f"servicebus/{self.name}/$description", {
             "board": self.name, "session": "00000000000000aa", "seq": self._seq, "lease": 86400, "services": described, "labels": self.labels, "names": {"pins": self._pin_names}, "meanings": self._meanings,
             "pins": {"modes": "".join(map(str, self._all_modes())), "analog": {str(14 + channel): channel for channel in range(6)}},
             "state": {"is": self.state, "reason": reason, "age": 0}}, retained=True)
-        self._memory._publish(f"servicebus/{self.name}/$state", self.state, retained=True)
+        self._publish(f"servicebus/{self.name}/$state", self.state, retained=True)
 
     def _name(self, request: dict[str, Any]) -> None:
         """Labels and names of pins: None takes one away."""
@@ -204,7 +198,7 @@ class FakeBoard:
         else:
             self._say(self.state, "")  # its modes stand in its description
         if command == "mode" and value in (1, 2):
-            self._memory._publish(f"{self.name}/io/out", {"digital": {str(pin): self._inputs.get(pin, 0)}})
+            self._publish(f"{self.name}/io/out", {"digital": {str(pin): self._inputs.get(pin, 0)}})
 
     # How it stands, as its agent tells it ---------------------------------------------------------------------------------
 
@@ -265,7 +259,7 @@ class FakeBoard:
             if self._told.get(topic) != text:
                 self._told[topic] = text
                 self._seq += 1
-                self._memory._publish(topic, self._document(**members), retained=True)
+                self._publish(topic, self._document(**members), retained=True)
 
     def _questioned(self, services: Iterable[str]) -> Answer | None:
         if self._silent:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from concurrent.futures import InvalidStateError
 
-from ._session import Action, Resolve, Tell
+from ._calls import Action, Resolve, Tell
 
 log = logging.getLogger("asip")
 _MAX_KINDS = 100
@@ -30,19 +30,11 @@ class Faults:
         """Futures and sinks: neither blocks, and none that fails keeps another from being told."""
         for action in actions:
             try:
-                _tell(action)
+                if isinstance(action, Tell):
+                    action.sink(*action.args)
+                elif isinstance(action, Resolve):
+                    action.future.set_exception(action.error) if action.error is not None else action.future.set_result(action.result)
+            except InvalidStateError:
+                pass  # cancelled meanwhile
             except BaseException as fault:  # noqa: BLE001: what a user hangs on a future may raise anything
                 self.note("what was told", fault)
-
-
-def _tell(action: Action) -> None:
-    if isinstance(action, Tell):
-        action.sink(*action.args)
-    elif isinstance(action, Resolve):
-        try:
-            if action.error is not None:
-                action.future.set_exception(action.error)
-            else:
-                action.future.set_result(action.result)
-        except InvalidStateError:
-            pass  # cancelled meanwhile

@@ -6,13 +6,13 @@ The packets are made and read by pure functions; `search()` asks on each network
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import errno
 import os
 import socket
 import struct
 import sys
 import time
+from typing import NamedTuple
 
 _SERVICE = ("_mqtt", "_tcp", "local")
 _GROUP, _PORT = "224.0.0.251", 5353
@@ -23,8 +23,7 @@ _MAX_LABELS = 128           # of a name: also ends names that refer to themselve
 _AFTER_FIRST_SECONDS = 0.3  # responders spread their answers over 120 ms
 
 
-@dataclasses.dataclass(frozen=True)
-class Announced:
+class Announced(NamedTuple):
     """`name` as its owner calls it; any text."""
 
     name: str

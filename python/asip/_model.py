@@ -22,10 +22,6 @@ class ModelError(ValueError):
     """The arguments do not fit the model, or the document is no model. The text is one line for a person."""
 
 
-class UnknownCommand(ModelError):
-    """The service has no such command."""
-
-
 def near(word: str, names: Iterable[str], quote: str = "'") -> str:
     """`; did you mean 'write'?`, or nothing."""
     import difflib
@@ -287,7 +283,6 @@ class Event:
     def __init__(self, tag: str, document: dict[str, Any]):
         self.tag = tag
         self.name: str = _member(document, "name", str)
-        self.title: str = _member(document, "title", str, "")
         self.fields = [Field(field) for field in _member(document, "fields", list, [])]
 
     @property
@@ -304,7 +299,6 @@ class Model:
             self.version: int = _member(document, "version", int, 1)
             self.letter: str = _member(document, "id", str, "")
             self.title: str = _member(document, "title", str, self.name)
-            self.element: str = _member(document, "element", str, "")
             self.commands = {name: Command(self.letter, name, one) for name, one in _member(document, "commands", dict, {}).items()}
             events = [Event(tag, one) for tag, one in _member(document, "events", dict, {}).items()]
             self.events = {event.name: event for event in events}
@@ -318,7 +312,7 @@ class Model:
         if found is None:
             all_names = ", ".join(self.commands)
             hint = near(str(name), self.commands) or (f"; {self.name} has {all_names}" if all_names else f"; {self.name} takes none")
-            raise UnknownCommand(f"no command '{name}'{hint}")
+            raise ModelError(f"no command '{name}'{hint}")
         return found
 
     def event(self, name: str | None) -> Event:

@@ -91,7 +91,7 @@ class Link:
         """Connects; OSError or ValueError where there is no way to the broker."""
         options: dict[str, Any] = {}
         if self._v5:
-            properties = self._properties(PacketTypes.CONNECT)
+            properties: Any = Properties(PacketTypes.CONNECT)
             properties.MaximumPacketSize = _MAX_PACKET_BYTES
             options = {"clean_start": True, "properties": properties}
         self._client.connect(self._broker.host, self._broker.port, KEEPALIVE_SECONDS, **options)
@@ -99,9 +99,9 @@ class Link:
 
     def publish(self, topic: str, payload: bytes, qos: int, expiry: int | None, key: str | None = None) -> None:
         """`key`: what `on_denied` is told where the broker denies this message."""
-        properties = None
+        properties: Any = None
         if self._v5 and expiry is not None:
-            properties = self._properties(PacketTypes.PUBLISH)
+            properties = Properties(PacketTypes.PUBLISH)
             properties.MessageExpiryInterval = expiry
         client = self._client
         if client is None:
@@ -154,10 +154,6 @@ class Link:
             setattr(client, name, None)
         del self._on_up, self._on_down, self._on_message, self._on_denied
 
-    @staticmethod
-    def _properties(packet: int) -> Any:
-        return Properties(packet)
-
     def _opened(self, _client: Any, _data: Any, sock: Any) -> None:
         self._socket = sock if _QUICKACK is not None else None
         with contextlib.suppress(OSError, AttributeError):
@@ -166,10 +162,8 @@ class Link:
     def _acknowledge_at_once(self) -> None:
         """Without it Linux acknowledges up to 40 ms late, and a broker without TCP_NODELAY waits for that."""
         if self._socket is not None:
-            try:
+            with contextlib.suppress(OSError, AttributeError, ValueError):
                 self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
-            except (OSError, AttributeError, ValueError):
-                pass
 
     def _connected(self, _client: Any, _data: Any, _flags: Any, reason: Any, *_: Any) -> None:
         self._answered = True

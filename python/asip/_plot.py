@@ -5,28 +5,17 @@ from __future__ import annotations
 import importlib
 import sys
 import time
-from typing import Any, Protocol
+from typing import Any
 
-from . import _model, errors
-from .stream import Reading, Source, Stream
-
-
-class Plotted(Source, Protocol):
-    """A service."""
-
-    @property
-    def unit(self) -> str: ...
-    def _event(self, name: str | None) -> _model.Event: ...
-    def _asker(self, event: _model.Event) -> _model.Command | None: ...
-    def stream(self, *, hz: float = ..., event: str | None = ..., keep: int = ..., details: bool = ...) -> Stream: ...
-    def command(self, name: str, *args: Any, timeout: float | None = ..., **named: Any) -> Any: ...
+from . import errors
+from .stream import Reading
 
 
 _REDRAW_SECONDS = 0.5
 _MAX_POINTS = 100_000  # of one line
 
 
-def plot(service: Plotted, seconds: float, hz: float, event: str | None) -> Any:
+def plot(service: Any, seconds: float, hz: float, event: str | None) -> Any:
     """See Service.plot()."""
     try:
         pyplot = importlib.import_module("matplotlib.pyplot")
@@ -56,7 +45,7 @@ def plot(service: Plotted, seconds: float, hz: float, event: str | None) -> Any:
     return axes
 
 
-def _readings(service: Plotted, seconds: float, hz: float, event: str | None) -> "Any":
+def _readings(service: Any, seconds: float, hz: float, event: str | None) -> "Any":
     """Reports until the time is over, None now and then; where the service reports nothing, the board is asked."""
     found = service._event(event)
     asker = service._asker(found)
@@ -87,7 +76,7 @@ class Lines:
                 times.append(at)
                 numbers.append(number)
 
-    def draw(self, axes: Any, service: Plotted, event: str | None) -> None:
+    def draw(self, axes: Any, service: Any, event: str | None) -> None:
         axes.clear()
         for place, (times, numbers) in self.points.items():
             axes.plot(times, numbers, label=place or service.name, marker="." if len(times) < 50 else "")

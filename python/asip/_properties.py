@@ -4,7 +4,7 @@ Pure. tests/vectors/properties.json binds it to the C++ programs, which make the
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable
 
 from ._description import whole
 from ._topics import valid_board, valid_name
@@ -22,27 +22,28 @@ _TWO_WORDS = {"button": ("pressed", "released"), "door": ("open", "closed"), "wi
 _FULL = 255  # brightness
 
 
-class Told(NamedTuple):
-    """A property as the list tells it."""
+class Told:
+    """A property as the list tells it; ValueError where it is damaged."""
 
-    id: str
-    name: str
-    service: str
-    kind: str
-    type: str
-    access: str
-    unit: str
-    quantity: str
-    min: float | None
-    max: float | None
-    step: float | None
-    max_length: int
-    choices: dict[str, float]
-    read: str
-    calls: dict[str, tuple[str, list[float | None]]]  # `before`, `write`, `color`: a command and its arguments, None for the value
-    is_whole: bool
-    meaning: dict[str, Any]
-    refused: str  # why it cannot be set now; empty: it can, where something sets it
+    def __init__(self, one: Any):
+        _need(isinstance(one, dict), "property")
+        self.id, self.name, self.service, self.kind, self.type = (_text(one, name) for name in ("id", "name", "service", "kind", "type"))
+        self.access, self.unit, self.quantity, self.read = (_text(one, name) for name in ("access", "unit", "quantity", "read"))
+        self.refused = _text(one, "refused")  # why it cannot be set now; empty: it can, where something sets it
+        _need(f"{self.id}/".startswith(f"{self.service}/") and valid_name(self.service) and self.kind in _KINDS, "id, service or kind")
+        _need(all(_is_number(one[name]) for name in ("min", "max", "step", "none") if name in one), "min, max, step or none")
+        self.min, self.max, self.step = one.get("min"), one.get("max"), one.get("step")
+        self.is_whole = self.type == "integer" or one.get("whole") is True
+        self.max_length, choices, self.meaning = one.get("max_length", 0), one.get("choices", []), one.get("meaning", {})
+        _need(whole(self.max_length, _MAX_BYTES) and (self.max_length > 0 or self.kind != "text"), "max_length")
+        _need(isinstance(choices, list) and len(choices) <= 64 and all(
+            isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str) and _is_number(pair[1]) for pair in choices), "choices")
+        self.choices: dict[str, float] = dict(choices)
+        _need({*self.choices} == {"on", "off"} if self.kind in ("switch", "binary") or self.kind == "light" and choices else True, "choices")
+        _need(isinstance(self.meaning, dict) and isinstance(self.meaning.get("class", ""), str), "meaning")
+        # A command and its arguments, None for the value.
+        self.calls = {name: _call(one[name]) for name in ("before", "write", "color") if name in one}
+        _need(self.read.startswith("/") if self.read else "write" in self.calls or "color" in self.calls, "read")
 
     @property
     def is_button(self) -> bool:
@@ -119,14 +120,23 @@ def _light_words(value: dict[str, Any]) -> str:
     return "on" + (f", {int(bright)} of {_FULL}" if _is_number(bright) else "") + (f", #{color & 0xFFFFFF:06x}" if type(color) is int else "")
 
 
-class Value(NamedTuple):
-    """How a property stands. `how`: `reported`, `answered` or `set`; empty, and `why` says why it is not known."""
+class Value:
+    """How a property stands. `how`: `reported`, `answered` or `set`; empty, and `why` says why it is not known. `since`: when it was last
+    said or set, by the monotonic clock. `events` of a button within the last second: number and word."""
 
-    value: Any
-    how: str
-    why: str
-    since: float  # when it was last said or set, by the monotonic clock
-    events: tuple[tuple[int, str], ...] = ()  # of a button, within the last second: number and word
+    def __init__(self, one: Any, now: float):
+        _need(isinstance(one, dict), "value")
+        age, how, why, events = one.get("age", 0), one.get("how", ""), one.get("unknown", ""), one.get("events", [])
+        _need(_is_number(age) and 0 <= age <= 1e10 and isinstance(how, str) and isinstance(why, str), "value")
+        known = how in ("reported", "answered", "set")
+        _need("value" in one or not known, "value")
+        _need(isinstance(events, list) and len(events) <= _MAX_EVENTS and all(
+            isinstance(event, list) and len(event) == 2 and whole(event[0]) and isinstance(event[1], str) for event in events), "events")
+        self.value: Any = one["value"] if known else None
+        self.how: str = how if known else ""
+        self.since: float = now - age
+        self.why = "" if known else why if why in UNKNOWN else "never"
+        self.events = [(number, word) for number, word in events if word in EVENTS]
 
 
 _NONE = ("", (-1, 0))  # no document came
@@ -221,29 +231,16 @@ def _list(properties: Any) -> dict[str, Told]:
     _need(isinstance(properties, list) and len(properties) <= _MAX_PROPERTIES, "properties")
     told = {}
     for one in properties:
-        made = _property(one)
+        made = Told(one)
         _need(made.id not in told, f"{made.id} twice")
         told[made.id] = made
     return told
 
 
-def _property(one: Any) -> Told:
-    _need(isinstance(one, dict), "property")
-    texts = {name: one.get(name, "") for name in ("id", "name", "service", "kind", "type", "access", "unit", "quantity", "read", "refused")}
-    for name, text in texts.items():
-        _need(isinstance(text, str) and len(text.encode("utf-8", "replace")) <= _MAX_BYTES and not any(ord(c) < 32 or ord(c) == 127 for c in text), name)
-    _need(all(_is_number(one[name]) for name in ("min", "max", "step", "none") if name in one), "min, max, step or none")
-    length, choices, meaning = one.get("max_length", 0), one.get("choices", []), one.get("meaning", {})
-    _need(f"{texts['id']}/".startswith(f"{texts['service']}/") and valid_name(texts["service"]) and texts["kind"] in _KINDS, "id, service or kind")
-    _need(whole(length, _MAX_BYTES) and (length > 0 or texts["kind"] != "text"), "max_length")
-    _need(isinstance(choices, list) and len(choices) <= 64 and all(
-        isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str) and _is_number(pair[1]) for pair in choices), "choices")
-    two = {pair[0]: pair[1] for pair in choices}
-    _need({*two} == {"on", "off"} if texts["kind"] in ("switch", "binary") or texts["kind"] == "light" and two else True, "choices")
-    _need(isinstance(meaning, dict) and isinstance(meaning.get("class", ""), str), "meaning")
-    calls = {name: _call(one[name]) for name in ("before", "write", "color") if name in one}
-    _need(texts["read"].startswith("/") if texts["read"] else "write" in calls or "color" in calls, "read")
-    return Told(**texts, min=one.get("min"), max=one.get("max"), step=one.get("step"), max_length=length, choices=two, calls=calls, is_whole=texts["type"] == "integer" or one.get("whole") is True, meaning=meaning)
+def _text(one: dict[str, Any], name: str) -> str:
+    text = one.get(name, "")
+    _need(isinstance(text, str) and len(text.encode("utf-8", "replace")) <= _MAX_BYTES and not any(ord(c) < 32 or ord(c) == 127 for c in text), name)
+    return str(text)
 
 
 def _call(call: Any) -> tuple[str, list[float | None]]:
@@ -257,16 +254,4 @@ def _values(document: dict[str, Any], now: float) -> dict[str, Value]:
     _need(isinstance(values, dict) and len(values) <= _MAX_PROPERTIES and isinstance(document.get("clock", ""), str), "values")
     pins, left_out = document.get("pins", {}), document.get("left_out", 0)
     _need(isinstance(pins, dict) and all(isinstance(one, dict) for one in pins.values()) and whole(left_out, _MAX_PROPERTIES), "pins")
-    return {id: _value(one, now) for id, one in (values or {}).items()}
-
-
-def _value(one: Any, now: float) -> Value:
-    _need(isinstance(one, dict), "value")
-    age, how, why, events = one.get("age", 0), one.get("how", ""), one.get("unknown", ""), one.get("events", [])
-    _need(_is_number(age) and 0 <= age <= 1e10 and isinstance(how, str) and isinstance(why, str), "value")
-    known = how in ("reported", "answered", "set")
-    _need("value" in one or not known, "value")
-    _need(isinstance(events, list) and len(events) <= _MAX_EVENTS and all(
-        isinstance(event, list) and len(event) == 2 and whole(event[0]) and isinstance(event[1], str) for event in events), "events")
-    return Value(one["value"] if known else None, how if known else "", "" if known else why if why in UNKNOWN else "never", now - age,
-                 tuple((number, word) for number, word in events if word in EVENTS))
+    return {id: Value(one, now) for id, one in (values or {}).items()}

@@ -6,82 +6,16 @@ the actions in their order, on one connection at a time; a call that was sent on
 """
 from __future__ import annotations
 
-import itertools
-from concurrent.futures import Future
-from typing import Any, Callable, NamedTuple, Union
+from typing import Any
 
-from . import _envelope, errors
+from . import _envelope
+from ._calls import ANSWER_GRACE, Action, Call, Calls, Drop, Publish, Sink, Subscribe, Tell, Unsubscribe
 from ._catalogue import Catalogue
 from ._clock import Clocks
-from ._entry import THERE
 from ._topics import Topics
 
-ANSWER_GRACE = 0.5     # how long an answer may take behind the deadline that the agent was told
 HELLO_SECONDS = 5.0    # within what time a message to ourselves comes back
 DEMAND_LEASE = 15      # seconds
-MAX_OPEN_CALLS = 4096
-Sink = Callable[..., None]
-
-
-class Publish(NamedTuple):
-    topic: str
-    payload: bytes
-    qos: int = 1
-    expiry: int | None = None  # seconds, for MQTT 5
-    key: str | None = None     # given to denied() where the broker denies it
-
-
-class Subscribe(NamedTuple):
-    topic: str
-    qos: int
-
-
-class Unsubscribe(NamedTuple):
-    topic: str
-
-
-class Resolve(NamedTuple):
-    """`future` ends with `result`, or with the error."""
-
-    future: "Future[Any]"
-    result: Any = None
-    error: errors.Error | None = None
-
-
-class Tell(NamedTuple):
-    """`sink` is called with `args`; it only puts something into a queue or sets an event."""
-
-    sink: Sink
-    args: tuple[Any, ...]
-
-
-class Drop(NamedTuple):
-    """The connection is of no use: close it, try the next broker. `why` is one sentence."""
-
-    why: str
-
-
-Action = Union[Publish, Subscribe, Unsubscribe, Resolve, Tell, Drop]
-
-
-class Call:
-    """One request whose answer is awaited. `asked`: the board, or `registry`."""
-
-    def __init__(self, id: str, topic: str, asked: str, members: dict[str, Any], deadline: float, *, service: str | None = None,
-                 command: str | None = None, hold: float | None = None, is_command: bool = True, is_query: bool = False):
-        self.id, self.topic, self.asked, self.members, self.deadline = id, topic, asked, members, deadline
-        self.service, self.command, self.hold = service, command, hold
-        self.is_command, self.is_query = is_command, is_query
-        self.future: "Future[Any]" = Future()
-        self.sent_at: float | None = None
-
-    @property
-    def names(self) -> dict[str, Any]:
-        return {"board": self.asked, "service": self.service, "command": self.command}
-
-    @property
-    def what(self) -> str:
-        return " ".join(filter(None, ["/".join(filter(None, [self.asked, self.service])), self.command]))
 
 
 class Hold:
@@ -94,8 +28,7 @@ class Hold:
 
 
 class Session:
-    """`client` is a name that no other program has: calls are known by ids that begin with it. `by` is sent as the name of
-    the sender, for people."""
+    """`client` and `by`: see Calls."""
 
     def __init__(self, topics: Topics, client: str, by: str | None = None):
         self.topics = topics
@@ -103,14 +36,9 @@ class Session:
         self.ready = False
         self.not_ready_since = 0.0
         self.trouble = "not connected yet"
-        self._client = client
-        self._by = by
-        self._count = itertools.count(1)
         self._connected = False
         self._v5 = True
         self._hello_due: float | None = None
-        self._waiting: dict[str, Call] = {}
-        self._open: dict[str, Call] = {}
         self._filters: dict[str, tuple[int, int]] = {}  # count of users, QoS
         self._values: dict[str, list[Sink]] = {}
         self._board_sinks: list[Sink] = []
@@ -118,6 +46,7 @@ class Session:
         self._demanded_until: dict[str, float] = {}
         self._holds: dict[str, Hold] = {}
         self._clocks = Clocks()
+        self.calls = Calls(topics, self.catalogue, self._clocks, client, by)
 
     # The connection ----------------------------------------------------------------------------------------------------
 
@@ -139,9 +68,7 @@ class Session:
         self.trouble = why
         self._demanded_until.clear()
         lost, self._holds = list(self._holds.values()), {}
-        broken, self._open = list(self._open.values()), {}
-        actions: list[Action] = [Tell(hold.lost, ("the connection to the broker broke",)) for hold in lost if hold.lost]
-        return actions + [self._unproven(call, "connection") for call in broken]
+        return [Tell(hold.lost, ("the connection to the broker broke",)) for hold in lost if hold.lost] + self.calls.broken()
 
     # Calls --------------------------------------------------------------------------------------------------------------
 
@@ -149,62 +76,22 @@ class Session:
                 hold: float | None = None) -> tuple[Call, list[Action]]:
         """`service` None: a request to the board itself (`raw`, labels)."""
         topic = self.topics.command(board, service) if service else self.topics.lines_in(board)
-        return self._begin(Call(self._next_id(), topic, board, members, now + timeout, service=service, command=command, hold=hold), now)
+        return self._begin(now, topic, board, members, timeout, service=service, command=command, hold=hold)
 
     def stop(self, now: float, board: str, timeout: float, *, hold: bool = False, why: str = "") -> tuple[Call, list[Action]]:
         members: dict[str, Any] = ({"latch": True} if hold else {}) | ({"why": why} if why else {})
-        return self._begin(Call(self._next_id(), self.topics.stop(board), board, members, now + timeout, command="stop"), now)
+        return self._begin(now, self.topics.stop(board), board, members, timeout, command="stop")
 
     def query(self, now: float, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
-        return self._begin(Call(self._next_id(), self.topics.query(), "registry", members, now + timeout, is_command=False, is_query=True), now)
+        return self._begin(now, self.topics.query(), "registry", members, timeout, is_command=False, is_query=True)
 
     def question(self, now: float, board: str, service: str, timeout: float) -> tuple[Call, list[Action]]:
         """Asks a board's agent how the properties of a service stand; it ends within `timeout`."""
-        members = {"services": {service: 0}, "list": True}
-        return self._begin(Call(self._next_id(), self.topics.question(board), board, members, now + timeout - ANSWER_GRACE, is_command=False), now)
+        return self._begin(now, self.topics.question(board), board, {"services": {service: 0}, "list": True}, timeout - ANSWER_GRACE, is_command=False)
 
-    def _next_id(self) -> str:
-        return f"{self._client}-{next(self._count)}"
-
-    def _begin(self, call: Call, now: float) -> tuple[Call, list[Action]]:
-        if len(self._open) + len(self._waiting) >= MAX_OPEN_CALLS:
-            error = errors.Refused(f"{call.what}: {MAX_OPEN_CALLS} calls of this program wait already", reason="queue-full", **call.names)
-            return call, [self._fail(call, error)]
-        if not self.ready:
-            self._waiting[call.id] = call
-            return call, []
-        return call, self._send(call, now)
-
-    def _send(self, call: Call, now: float) -> list[Action]:
-        entry = self.catalogue.boards.get(call.asked)
-        if entry is not None and not call.is_query and entry.state not in (*THERE, "unknown") and call.command != "stop":
-            return [self._fail(call, errors.NotThere(f"{call.what}: {call.asked} is {entry.words(now)}; nothing was sent",
-                                                     reason="board-not-there", **call.names))]
-        left = call.deadline - now
-        clock = self._clocks.reading(call.asked, now) if call.is_command and call.command != "stop" else None
-        try:
-            payload = _envelope.request_text(call.members, reply_to=self.topics.reply(call.asked), id=call.id,
-                                             timeout=left if call.is_command else None, clock=clock,
-                                             by=self._by if call.is_command else None, hold=call.hold)
-        except (TypeError, ValueError, RecursionError) as fault:
-            return [self._fail(call, errors.Invalid(f"{call.what}: it cannot be written as JSON: {fault}", reason="invalid", **call.names))]
-        if len(payload) > _envelope.MAX_REQUEST_BYTES:
-            return [self._fail(call, errors.Invalid(f"{call.what}: {len(payload)} bytes are more than {_envelope.MAX_REQUEST_BYTES}", **call.names))]
-        call.sent_at = now
-        self._open[call.id] = call
-        return [Publish(call.topic, payload, 1, max(1, -int(-left // 1)), call.id)]
-
-    @staticmethod
-    def _fail(call: Call, error: errors.Error) -> Action:
-        return Resolve(call.future, error=error)
-
-    def denied(self, key: str) -> list[Action]:
-        """The broker did not take the request of a call."""
-        call = self._open.pop(key, None)
-        if call is None:
-            return []
-        return [self._fail(call, errors.Refused(f"{call.what}: the broker denies it to this user (see its access rules); nothing was sent",
-                                                reason="denied", **call.names))]
+    def _begin(self, now: float, topic: str, asked: str, members: dict[str, Any], timeout: float, **more: Any) -> tuple[Call, list[Action]]:
+        call = Call(self.calls.next_id(), topic, asked, members, now + timeout, **more)
+        return call, self.calls.begin(call, now, self.ready)
 
     # Subscriptions ------------------------------------------------------------------------------------------------------
 
@@ -325,10 +212,7 @@ class Session:
         if self.ready or not self._connected:
             return []
         self.ready, self._hello_due, self.trouble = True, None, ""
-        actions: list[Action] = []
-        waiting, self._waiting = list(self._waiting.values()), {}
-        for call in waiting:
-            actions += self._send(call, now)
+        actions = self.calls.ready(now)
         for board in list(self._demands):
             actions += self._demand(board, now)
         return actions
@@ -340,19 +224,7 @@ class Session:
         id = answer.get("id")
         if isinstance(id, str) and id.endswith("/renewal"):
             return self._on_renewal(id[:-len("/renewal")], answer, topic)
-        call = self._open.get(id) if isinstance(id, str) else None
-        if call is None or topic != self.topics.reply(call.asked):
-            return []
-        del self._open[call.id]
-        if call.is_query:
-            if "refused" in answer:
-                kind = errors.Invalid if answer["refused"] == "invalid" else errors.Refused
-                return [self._fail(call, kind(f"registry: {answer.get('error') or answer['refused']}", reason=str(answer["refused"]), **call.names))]
-            return [Resolve(call.future, answer)]
-        if call.is_command:
-            self._clocks.note(call.asked, answer.get("clock"), now if call.sent_at is None else call.sent_at, now)
-        error = errors.from_answer(answer, **call.names)
-        return [Resolve(call.future, answer, error)]
+        return self.calls.answered(topic, answer, now)
 
     def _on_renewal(self, id: str, answer: dict[str, Any], topic: str) -> list[Action]:
         hold = self._holds.get(id)
@@ -377,24 +249,13 @@ class Session:
 
     def tick(self, now: float) -> tuple[list[Action], float]:
         """What is due at `now`, and when the next thing is due, at the latest."""
-        actions: list[Action] = []
-        due = now + 1.0
+        actions, due = self.calls.tick(now, self.trouble)
         if self._hello_due is not None:
             if now >= self._hello_due:
                 self._hello_due = None
                 actions.append(Drop(f"the broker does not deliver {self.topics.own()} to us: its access rules keep answers from this user"))
             else:
                 due = min(due, self._hello_due)
-        for call in [*self._waiting.values()]:
-            if now >= call.deadline:
-                del self._waiting[call.id]
-                actions.append(self._fail(call, errors.Disconnected(f"{call.what}: no broker: {self.trouble}; nothing was sent", reason="disconnected", **call.names)))
-            due = min(due, call.deadline)
-        for call in [*self._open.values()]:
-            if now >= call.deadline + ANSWER_GRACE:
-                del self._open[call.id]
-                actions.append(self._unanswered(call))
-            due = min(due, call.deadline + ANSWER_GRACE)
         if self.ready:
             for hold in [*self._holds.values()]:
                 if now >= hold.next_renewal:
@@ -409,24 +270,9 @@ class Session:
         expiry = self.catalogue.next_expiry() if self._connected else None
         return actions, max(now + 0.001, min(due, expiry if expiry is not None else due))
 
-    def _unanswered(self, call: Call) -> Action:
-        if call.is_query:
-            return self._fail(call, errors.NotThere("no registry answered; is asip-registry running on this bus?", reason="no-registry", **call.names))
-        return self._unproven(call, "no-answer")
-
-    @staticmethod
-    def _unproven(call: Call, reason: str) -> Action:
-        return Resolve(call.future, error=errors.from_answer({"status": "timeout", "reason": reason}, **call.names))
-
     def close(self, why: str = "the bus was closed") -> list[Action]:
         """Ends every call and every demand. What was sent may have been executed."""
-        actions: list[Action] = []
-        for call in [*self._waiting.values()]:
-            actions.append(self._fail(call, errors.Closed(f"{call.what}: {why}; nothing was sent", **call.names)))
-        for call in [*self._open.values()]:
-            actions.append(self._fail(call, errors.Unproven(f"{call.what}: {why} before the answer came; it may or may not have been executed",
-                                                            reason="closed", **call.names)))
-        self._waiting, self._open = {}, {}
+        actions = self.calls.close(why)
         if self.ready:
             for board in list(self._demanded_until):
                 actions.append(Publish(self.topics.demand(board), _envelope.demand_text({}, DEMAND_LEASE), 0))

@@ -42,9 +42,6 @@ class Topics:
     def demand(self, board: str) -> str:
         return f"{self.root}/servicebus/{board}/{self._demand}"
 
-    def probe(self) -> str:
-        return f"{self.root}/servicebus/$probe"
-
     def lines_in(self, board: str) -> str:
         """For raw request lines, labels and the port."""
         return f"{self.root}/{board}/in"
@@ -57,9 +54,6 @@ class Topics:
 
     def event(self, board: str, service: str) -> str:
         return f"{self.root}/{board}/{service}/out"
-
-    def fault(self, board: str, service: str) -> str:
-        return f"{self.root}/{board}/{service}/error"
 
     def properties(self, board: str) -> str:
         return f"{self.root}/servicebus/{board}/$properties"

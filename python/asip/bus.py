@@ -2,6 +2,7 @@
 """A connection to a bus."""
 from __future__ import annotations
 
+import fnmatch
 import threading
 import time
 import weakref
@@ -139,7 +140,8 @@ class Bus:
             if labels is not None:
                 raise errors.NotThere("labels are chosen by a registry, and none answered", reason="no-registry")
             self._know_all(seconds)
-            names = self._engine.peek(lambda session: _matching(session.catalogue.names(), pattern))
+            known: list[str] = self._engine.peek(lambda session: session.catalogue.names())
+            names = [name for name in known if fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))]
         boards = [self._of(name) for name in sorted(names)]
         self._learn(boards, time.monotonic() + seconds)
         return boards
@@ -155,7 +157,7 @@ class Bus:
                 return None
             for item in _items(answer):
                 if valid_board(item.get("board")):
-                    self._engine.listed(item)
+                    self._engine.peek(lambda session: session.catalogue.on_listed(item, time.monotonic()))
                     names.append(item["board"])
             if not answer.get("cursor"):
                 return names
@@ -277,11 +279,6 @@ class Bus:
 def _items(answer: dict[str, Any]) -> list[dict[str, Any]]:
     items = answer.get("items")
     return [item for item in items if isinstance(item, dict)] if isinstance(items, list) else []
-
-
-def _matching(names: Iterable[str], pattern: str) -> list[str]:
-    import fnmatch
-    return [name for name in names if fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))]
 
 
 def connect(broker: str | None = None, *, credentials: str | None = None, user: str | None = None, password: str | None = None,

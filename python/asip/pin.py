@@ -198,7 +198,7 @@ class Pin:
             self._heard = True
             self._bank.hear()
             self._bank.hear_reports(self._io())
-            self._bank.lookers[self] = self
+            self._bank.lookers[self] = self._look
             self.board._engine.listen(self)
             self.board._engine.peek(lambda session: session.watch_boards(self._board_changed))
 

@@ -145,7 +145,7 @@ class Property:
         if function is None:
             self._bank.lookers.pop(self, None)
             return
-        self._bank.lookers[self] = self
+        self._bank.lookers[self] = self._look
         self._bank.ask(self._service, self.board._timeout(None))
         if self._told.read and self._reports():
             self._watch = self._services()[self._service]._watched(lambda *_: None, hz)

@@ -1,103 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One service of a board: its commands as methods, its values, and holds."""
+"""One service of a board: its commands as methods, and its values."""
 from __future__ import annotations
 
-import threading
 import time
-from concurrent.futures import Future
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Sequence
 
 from . import _model, _wait, errors
 from ._callbacks import takes
+from ._commands import Commands, Held
 from ._followed import Followed
-from ._session import Call, Hold
-from .stream import Reading, Stream
+from .stream import Reading, Stream, Watch
 
 # Names that stay ours where a model has a command of the same name: service.command("read") reaches that one.
 _OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "on_value", "hold", "begin", "plot")
 _MEASURE_AFTER_SECONDS = 0.3  # where the service reported nothing by then, and can be asked
 
 
-class Watch:
-    """What `on_value` returns: `cancel()` ends it. The bus keeps it alive until then."""
-
-    def __init__(self, cancel: Callable[[], None]):
-        self._cancel: Callable[[], None] | None = cancel
-
-    def cancel(self) -> None:
-        cancel, self._cancel = self._cancel, None
-        if cancel is not None:
-            cancel()
-
-
-class Service:
+class Service(Commands):
     """A service of a board. Commands are methods: they return when the board has executed the command, or raise.
 
     Every command takes `timeout=` in seconds (0.05 to 60; without it that of the bus, 5).
     """
 
-    model: _model.Model | None = None
-
     def __init__(self, board: Followed, name: str, title: str = ""):
-        self.name = name
-        self.board = board
+        super().__init__(board, name)
         self.title = title
         self.updated: float | None = None
         """When the newest value came, in seconds as `time.time()`; None: none has come yet."""
-
-    # Commands -----------------------------------------------------------------------------------------------------------
-
-    def command(self, name: str, *args: Any, timeout: float | None = None, **named: Any) -> Any:
-        """Sends the command `name`, as the model calls it (`stop-all`). Returns the board's answer where the model says that
-        it gives one, else None. Raises Invalid, BoardError, Refused, NotThere, Unproven or Disconnected."""
-        command, call = self._begin(name, args, named, timeout)
-        return self._answer(command, _wait.result(call.future))
-
-    def begin(self, name: str, *args: Any, timeout: float | None = None, **named: Any) -> "Future[Any]":
-        """As command(), without waiting: a `concurrent.futures.Future`."""
-        command, call = self._begin(name, args, named, timeout)
-        done: "Future[Any]" = Future()
-
-        def finish(answered: "Future[Any]") -> None:
-            if done.done():
-                return
-            fault = answered.exception()
-            if fault is not None:
-                done.set_exception(fault)
-            else:
-                done.set_result(self._answer(command, answered.result()))
-        call.future.add_done_callback(finish)
-        return done
-
-    def _begin(self, name: str, args: tuple[Any, ...], named: dict[str, Any], timeout: float | None,
-               hold: float | None = None) -> tuple[_model.Command, Call]:
-        model = self._need_model(name)
-        try:
-            command = model.command(name)
-            values = command.values(args, named)
-        except _model.ModelError as fault:
-            raise errors.Invalid(f"{self.board.name}/{self.name}: {fault}", board=self.board.name, service=self.name, command=name,
-                                 reason="invalid") from None
-        return command, self._send(command, values, timeout, hold)
-
-    def _send(self, command: _model.Command, values: list[Any], timeout: float | None, hold: float | None = None) -> Call:
-        engine = self.board._engine
-        seconds = self.board._timeout(timeout)
-        return engine.ask(lambda session, now: session.command(now, self.board.name, self.name, command.name,
-                                                               {command.name: values}, seconds, hold))
-
-    def _answer(self, command: _model.Command, answer: dict[str, Any]) -> Any:
-        value = answer.get("answer")
-        event = self.model.answer_of(command) if self.model else None
-        if event is not None and isinstance(value, dict) and event.name in value:
-            return value[event.name]
-        return value
-
-    def _need_model(self, what: str) -> _model.Model:
-        if self.model is None:
-            raise errors.Invalid(f"{self.board.name}/{self.name} has no model that says what {what!r} is; send its lines by board.raw()",
-                                 board=self.board.name, service=self.name, command=what)
-        return self.model
 
     # Values -------------------------------------------------------------------------------------------------------------
 
@@ -159,7 +88,7 @@ class Service:
         details: gives Reading(value, unit, at) in place of plain values.
         timeout: the longest time between two values in seconds; then Unproven. None: no limit.
         """
-        _check_hz(hz)
+        _wait.seconds(hz, "hz", 0.001, 1000)
         if not isinstance(keep, int) or keep < 1:
             raise errors.Invalid(f"keep: {keep!r} is not a whole number above 0")
         if timeout is not None:
@@ -178,7 +107,7 @@ class Service:
     def on_value(self, function: Callable[..., Any], *, hz: float = 10, event: str | None = None) -> Watch:
         """Calls `function(value)` for each report, in the thread `asip-callbacks`, one at a time; it may send commands. While
         it takes long the newest value waits. Returns a Watch; `cancel()` ends it."""
-        _check_hz(hz)
+        _wait.seconds(hz, "hz", 0.001, 1000)
         found, count, engine = self._event(event), takes(function, 1), self.board._engine
         key = object()
 
@@ -201,7 +130,7 @@ class Service:
     # Hold ---------------------------------------------------------------------------------------------------------------
 
     def hold(self, *, seconds: float = 0.5, feed: float | None = None, timeout: float | None = None,
-             **commands: Sequence[Any]) -> "Held":
+             **commands: Sequence[Any]) -> Held:
         """A dead man's switch: `with desk.motors.hold(power=[[0, 60], [1, 60]]):`
 
         Each command is in force while the block runs, and undone by its model's safe form when it ends; by the board's agent,
@@ -253,95 +182,6 @@ class Element:
         except (IndexError, KeyError, TypeError):
             raise errors.Invalid(f"{self._service.board.name}/{self._service.name} has no element {self._index} in {value!r}",
                                  board=self._service.board.name, service=self._service.name) from None
-
-
-class Held:
-    """What `hold()` returns, for `with`. `lost` is a sentence when the hold ended before the block did."""
-
-    def __init__(self, service: Service, seconds: float, feed: float | None, timeout: float | None, commands: Mapping[str, Sequence[Any]]):
-        self.lost: str | None = None
-        self._service, self._seconds, self._feed, self._timeout, self._commands = service, seconds, feed, timeout, commands
-        self._holds: dict[str, tuple[_model.Command, list[Any]]] = {}  # by the id of the hold
-        self._mutex = threading.Lock()
-
-    def __enter__(self) -> "Held":
-        try:
-            self.set(**self._commands)
-        except BaseException:
-            try:
-                self._undo()
-            except errors.Error:
-                pass  # the first fault counts; the agent undoes it in any case
-            raise
-        return self
-
-    def set(self, **commands: Sequence[Any]) -> None:
-        """Gives these commands in place of those for the same elements, held as before. Returns when they were executed."""
-        service, engine = self._service, self._service.board._engine
-        model = service._need_model("hold")
-        begun = []
-        for name, given in commands.items():
-            for args in _argument_lists(given):
-                command, call = service._begin(name, args, {}, self._timeout, self._seconds)
-                safe = model.safe_form(command, call.members[command.name])
-                if safe is None:
-                    raise errors.Invalid(f"{service.board.name}/{service.name}: nothing undoes {command.name}, so it cannot be held",
-                                         board=service.board.name, service=service.name, command=command.name)
-                now = time.monotonic()
-                with self._mutex:
-                    for id, other in [*self._holds.items()]:
-                        if other == safe:
-                            engine.end_hold(id)
-                            del self._holds[id]
-                    self._holds[call.id] = safe
-                engine.keep_hold(Hold(service.board.name, call.topic, call.id, self._seconds, now + self._seconds / 3, self._feed, now, self._ended))
-                begun.append(call)
-        for call in begun:
-            _wait.result(call.future)
-        self.feed()
-
-    def feed(self) -> None:
-        """Says that the program is alive, where the hold has `feed=`."""
-        now = time.monotonic()
-        for id in list(self._holds):
-            self._service.board._engine.feed_hold(id, now)
-
-    def _ended(self, why: str) -> None:
-        self.lost = self.lost or why
-
-    def _undo(self) -> None:
-        engine = self._service.board._engine
-        with self._mutex:
-            holds, self._holds = self._holds, {}
-        calls = []
-        for id, (command, values) in holds.items():
-            engine.end_hold(id)
-            if not engine.closed and not engine.forked:
-                calls.append(self._service._send(command, values, min(1.0, self._service.board._timeout(None))))
-        for call in calls:
-            _wait.result(call.future)
-
-    def __exit__(self, kind: Any, error: Any, _trace: Any) -> None:
-        try:
-            self._undo()
-        except errors.Error:
-            if kind is None:
-                raise  # else the error of the block counts; the agent undoes it in any case
-        if kind is None and self.lost:
-            raise errors.Refused(f"{self._service.board.name}/{self._service.name}: the hold ended before the block did: {self.lost}",
-                                 board=self._service.board.name, service=self._service.name, reason="not-held")
-
-
-def _check_hz(hz: Any) -> None:
-    _wait.seconds(hz, "hz", 0.001, 1000)
-
-
-def _argument_lists(given: Any) -> list[tuple[Any, ...]]:
-    if not isinstance(given, (list, tuple)):
-        return [(given,)]
-    if given and all(isinstance(one, (list, tuple)) for one in given):
-        return [tuple(one) for one in given]
-    return [tuple(given)]
 
 
 _classes: dict[str, type[Service]] = {}

@@ -21,8 +21,16 @@ _SILENCE_SECONDS = 3.0
 log = logging.getLogger("asip")
 
 
-class Ends(Protocol):
-    def cancel(self) -> None: ...
+class Watch:
+    """What `on_value` returns: `cancel()` ends it. The bus keeps it alive until then."""
+
+    def __init__(self, cancel: Callable[[], None]):
+        self._cancel: Callable[[], None] | None = cancel
+
+    def cancel(self) -> None:
+        cancel, self._cancel = self._cancel, None
+        if cancel is not None:
+            cancel()
 
 
 class Source(Protocol):
@@ -32,7 +40,7 @@ class Source(Protocol):
     board: Followed
     updated: float | None
 
-    def _watched(self, sink: Callable[..., None], hz: float) -> Ends: ...
+    def _watched(self, sink: Callable[..., None], hz: float) -> Watch: ...
     def _how_to_report(self) -> str: ...
 
 
@@ -165,4 +173,4 @@ class Stream(Iterator[Any]):
         self.close()
 
 
-__all__ = ["Reading", "Stream"]
+__all__ = ["Reading", "Stream", "Watch"]

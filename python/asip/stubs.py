@@ -18,7 +18,7 @@ from . import _model
 from .board import Board
 from .service import _OWN, identifier_of_class
 
-_KINDS = {"integer": "int", "number": "float", "text": "str", "color": "int | str", "list": "Sequence[Any]"}
+_KINDS = {"list": "Sequence[Any]", "object": "Any"}
 _HEAD = '''"""The services of boards, for editors and type checkers. `python3 -m asip.stubs` wrote it."""
 from __future__ import annotations
 
@@ -28,16 +28,11 @@ import asip
 '''
 
 
-def _annotation(field: _model.Field) -> str:
-    kind = _KINDS.get(field.type, "Any")
-    return kind + " | str" if field.names and field.type == "integer" else kind
-
-
 def _class_text(model: _model.Model) -> str:
     lines = [f"class {identifier_of_class(model.name)}(asip.Service):", f"    {json.dumps(f'{model.title} ({model.name}@{model.version}).')}"]
     for attribute, command in model.attributes.items():
         if attribute not in _OWN:
-            args = "".join(f", {_model.identifier(field.name)}: {_annotation(field)}" for field in command.args)
+            args = "".join(f", {_model.identifier(field.name)}: {_KINDS.get(field.annotation, field.annotation)}" for field in command.args)
             lines += ["", f"    def {attribute}(self{args}, *, timeout: float | None = None) -> {'Any' if command.answer else 'None'}:",
                       f"        {json.dumps(command.doc)}"]
     return "\n".join(lines) + "\n"

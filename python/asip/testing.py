@@ -34,7 +34,7 @@ class MemoryBus:
         self._buses: list[Bus] = []
         self.registry_models: list[dict[str, Any]] = []
         """Service models that its registry tells, beside those that boards carry."""
-        self.boards = {name: FakeBoard(self, name, services) for name, services in boards.items()}
+        self.boards = {name: FakeBoard(self._publish, name, services) for name, services in boards.items()}
         for board in self.boards.values():
             board._announce()
             board._tell()
@@ -106,7 +106,6 @@ class MemoryBus:
             board.stopped = board.stopped or request.get("latch") is True
         if answer is not None and "reply_to" in request:
             self._publish(request["reply_to"].split("/", 1)[1], {**answer, "id": request["id"]})
-
 
     def _asked(self, query: dict[str, Any]) -> None:
         """Answers as a registry does: boards and models. Labels and other filters are not there."""

@@ -38,6 +38,12 @@ class Package(unittest.TestCase):
         self.assertEqual(text.split('"')[1], (HERE.parents[1] / "VERSION").read_text().strip())
 
 
+class Files(unittest.TestCase):
+    def test_no_file_of_the_package_is_longer_than_a_reader_likes(self):
+        long = {file.name: lines for file in (HERE.parent / "asip").glob("*.py") if (lines := len(file.read_text().splitlines())) > 350}
+        self.assertEqual(long, {})
+
+
 class Imports(unittest.TestCase):
     def test_no_file_of_the_package_imports_itself_by_way_of_others(self):
         """Types and functions count, too: who reads one file need not read all."""

@@ -8,7 +8,8 @@ import tempfile
 import unittest
 
 from asip import _clock, _envelope, _mdns, _model, _topics, errors, settings
-from asip._session import DEMAND_LEASE, Drop, Hold, Publish, Resolve, Session, Subscribe, Tell, Unsubscribe
+from asip._calls import Drop, Publish, Resolve, Subscribe, Tell, Unsubscribe
+from asip._session import DEMAND_LEASE, Hold, Session
 from asip.board import standard_model
 
 MODELS = sorted(file.stem for file in (pathlib.Path(_model.__file__).parent / "models").glob("*.json") if file.stem != "schema")
@@ -228,9 +229,9 @@ class Conversation(unittest.TestCase):
     def test_what_the_broker_denies_was_not_sent(self):
         self.ready()
         call, _ = self.session.command(0, "desk", "servo", "write", {"write": [0, 90]}, 5)
-        ends = self.session.denied(call.id)
+        ends = self.session.calls.denied(call.id)
         self.assertEqual((type(ends[0].error), ends[0].error.reason, ends[0].error.sent), (errors.Refused, "denied", False))
-        self.assertEqual(self.session.denied(call.id), [])
+        self.assertEqual(self.session.calls.denied(call.id), [])
 
     def test_lost_board_is_refused_here(self):
         self.ready()

@@ -90,7 +90,7 @@ class Asynchronous(unittest.IsolatedAsyncioTestCase):
         watch = await self.desk["io/2"].on_event(seen.append)
         events = self.desk["io/2"].events()
         coming = asyncio.create_task(events.__anext__())
-        while len(self.desk._board._bank.button_sinks["io/2"]) < 2:
+        while len(self.desk._one._bank.button_sinks["io/2"]) < 2:
             await asyncio.sleep(0.01)
         self.memory.desk.press(2, 0)
         self.assertEqual(await asyncio.wait_for(coming, 5), "press")

@@ -29,9 +29,9 @@ class Vectors(unittest.TestCase):
     def test_topics(self):
         for vector in VECTORS["topics"]:
             topics, board, service = _topics.Topics(vector["root"], vector["user"], vector["client"]), vector["board"], vector["service"]
-            made = {"state": topics.state(board), "description": topics.description(board), "demand": topics.demand(board), "probe": topics.probe(),
+            made = {"state": topics.state(board), "description": topics.description(board), "demand": topics.demand(board),
                     "lines": topics.lines_in(board), "command": topics.command(board, service), "stop": topics.stop(board),
-                    "event": topics.event(board, service), "fault": topics.fault(board, service), "properties": topics.properties(board), "values": topics.values(board), "question": topics.question(board), "reply": topics.reply(board),
+                    "event": topics.event(board, service), "properties": topics.properties(board), "values": topics.values(board), "question": topics.question(board), "reply": topics.reply(board),
                     "replies": topics.replies(), "own": topics.own()}
             self.assertEqual(made, {name: vector[name] for name in made})
 
@@ -129,8 +129,9 @@ class Properties(unittest.TestCase):
             with self.assertRaises(ValueError, msg=change):
                 _properties.Standing().take_values(self.changed("values", change), "desk", "", 100)
         self.assertTrue(self.standing.take_values(self.told["values"], "desk", "", 100))
-        self.assertEqual(self.standing.values["io/13"], _properties.Value(True, "set", "", 83))
-        self.assertEqual(self.standing.values["servo/0/angle"], _properties.Value(None, "", "restart", 100 - 3.1))
+        known, unknown = self.standing.values["io/13"], self.standing.values["servo/0/angle"]
+        self.assertEqual((known.value, known.how, known.why, known.since), (True, "set", "", 83))
+        self.assertEqual((unknown.value, unknown.how, unknown.why, unknown.since), (None, "", "restart", 100 - 3.1))
 
     def test_commands_that_set_a_value(self):
         for one in self.told["set"]:
