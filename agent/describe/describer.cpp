@@ -59,10 +59,10 @@ bool Describer::note_stop(const std::optional<model::StopInfo>& stopped) {
 bool Describer::note_event(const std::string& name, const nlohmann::json& event) {
     const auto* service = board_.services.find(std::string_view(name));
     if (service == nullptr || !service->model || event.size() != 1 || service->letter == 'I') return false;
-    const auto* model = service->model->event_named(event.begin().key());
-    if (model == nullptr || model->shape != model::EventShape::kPerElement) return false;
     const int count = static_cast<int>(event.front().size());
     if (lookup(counts_, service->letter) == count) return false;
+    const auto* model = service->model->event_named(event.begin().key());
+    if (model == nullptr || model->shape != model::EventShape::kPerElement) return false;
     counts_[service->letter] = count;
     return true;
 }

@@ -36,10 +36,10 @@ void Context::publish(const protocol::ParsedLine& line, const std::optional<Deco
                       std::string_view by) {
     const auto& topics = board_.topics;
     if (out.publish.empty()) out.publish.reserve(4);  // most lines make two
-    mqtt::Message raw;
-    raw.topic = options_.client_side ? topics.board_in(board_.name) : topics.board_out(board_.name);
-    raw.payload = line.text() + options_.terminator;
-    out.publish.push_back({std::move(raw), mqtt::Priority::kContext});
+    auto& raw = out.publish.emplace_back();
+    raw.message.topic = options_.client_side ? topics.board_in(board_.name) : topics.board_out(board_.name);
+    raw.message.payload = line.text() + options_.terminator;
+    raw.priority = mqtt::Priority::kContext;
 
     if (line.is_error()) {
         const auto error = line.error();
@@ -50,11 +50,11 @@ void Context::publish(const protocol::ParsedLine& line, const std::optional<Deco
     }
     if (!decoded) return;
     if (!decoded->value) return undecoded(decoded->service, line.text(), decoded->value.error(), out);
-    mqtt::Message message;
-    message.topic = topics.service_out(board_.name, decoded->service);
-    message.payload = model::dump_json(*decoded->value);
-    message.retain = options_.retain_values;
-    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+    auto& value = out.publish.emplace_back();
+    value.message.topic = topics.service_out(board_.name, decoded->service);
+    value.message.payload = model::dump_json(*decoded->value);
+    value.message.retain = options_.retain_values;
+    value.priority = mqtt::Priority::kContext;
 }
 
 void Context::undecoded(const std::string& service, std::string_view line, const std::string& why,

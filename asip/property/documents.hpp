@@ -9,7 +9,7 @@
 
 #include "asip/expected.hpp"
 #include "asip/property/known_values.hpp"
-#include "asip/property/property.hpp"
+#include "asip/property/property_json.hpp"
 
 /// The retained documents by which an agent tells the properties of its board, and how they stand.
 namespace asip::property {
@@ -33,7 +33,7 @@ struct PropertyList {
     std::vector<Property> properties;
     friend bool operator==(const PropertyList&, const PropertyList&) = default;
 };
-std::string to_text(const PropertyList& list);
+std::string to_text(const PropertyList& list, Members members = Members::kNeeded);
 /// From what anyone may have published. Fails with the first fault: another version, more than the bounds,
 /// two properties with one id, members of a wrong type.
 Expected<PropertyList> parse_list(std::string_view text);
@@ -65,7 +65,11 @@ struct ValueDocument {
 template <class Of>
 ValueDocument values_of(const KnownValues& known, Time now, const Of& of);
 ValueDocument values_of(const KnownValues& known, Time now);
-std::string to_text(const ValueDocument& document);
+std::string to_text(const ValueDocument& document, Members members = Members::kNeeded);
+/// What was done with buttons, with the id of each, in the order of their numbers: those behind `last`, which
+/// is the highest of all then.
+std::vector<std::pair<std::string, ButtonAct>> new_acts(
+    const std::map<std::string, ShownValue, std::less<>>& values, std::uint64_t& last);
 Expected<ValueDocument> parse_values(std::string_view text);
 
 // --- details

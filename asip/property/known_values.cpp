@@ -86,7 +86,7 @@ bool KnownValues::take(const Property& property, Raw& raw, const json& value, Ho
         raw.since = now;
         return changed;
     }
-    if (how != How::kSet && !value_of(property, value)) return false;
+    if (how != How::kSet && !has_value(property, value)) return false;
     const bool changed = raw.how != how || raw.value != value;
     raw.value = value;
     raw.how = how;
@@ -102,7 +102,7 @@ bool KnownValues::lose(Raw& raw, Unknown why, Time now) {
 
 bool KnownValues::reported(std::string_view service, const json& published, How how, Time now) {
     if (!published.is_object()) return false;
-    for (const auto& [event, pins] : published.items()) {
+    for (const auto& [event, pins] : published.get_ref<const json::object_t&>()) {
         if (!pins.is_object() ||
             std::find(std::begin(kPinEvents), std::end(kPinEvents), event) == std::end(kPinEvents))
             continue;
@@ -124,7 +124,7 @@ bool KnownValues::reported(std::string_view service, const json& published, How 
 
 bool KnownValues::take_contact(const Property& property, Raw& raw, const json& level, How how, Time now) {
     const auto number = number_of(level);
-    if (!number || !value_of(property, level)) return false;
+    if (!number || !has_value(property, level)) return false;
     const bool counts =
         raw.contact.heard(*number, raw.how == How::kNone ? std::nullopt : number_of(raw.value), now);
     const bool changed = counts && count(property, raw, level, how, now);

@@ -42,7 +42,7 @@ std::vector<Property> properties_of(const model::Description& description, const
     if (io != nullptr) append(pin_properties(description, *io));
     if (result.size() > kMaxProperties) result.resize(kMaxProperties);
     for (auto& property : result) {
-        if (!property.choices.empty()) property.whole = false;
+        if (!property.choices.empty() || property.kind == Kind::kLight) property.whole = false;
         const auto meaning = description.labels.meanings.find(property.id);
         if (meaning != description.labels.meanings.end()) give(property, meaning->second);
     }

@@ -2,7 +2,6 @@
 #include "asip/property/value.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "asip/model/json.hpp"
@@ -99,11 +98,31 @@ std::vector<Request> light_requests(const Property& property, const json& value)
     return result;
 }
 
+/// Of an element; what is none is beyond any array.
+std::size_t index_of(std::string_view key) {
+    constexpr std::size_t kMost = 5, kNone = static_cast<std::size_t>(-1);
+    if (key.empty() || key.size() > kMost) return kNone;
+    std::size_t index = 0;
+    for (const char c : key) {
+        if (c < '0' || c > '9') return kNone;
+        index = index * 10 + static_cast<std::size_t>(c - '0');
+    }
+    return index;
+}
+
 }  // namespace
 
 double on_line(const std::array<double, 4>& line, double raw) {
     const double value = line[2] + (raw - line[0]) * (line[3] - line[2]) / (line[1] - line[0]);
     return std::round(value * kRounding) / kRounding;
+}
+
+bool has_value(const Property& property, const json& raw) {
+    const bool plain = (property.kind == Kind::kSensor || property.kind == Kind::kNumber) &&
+                       property.choices.empty() && property.max_length == 0 && !property.meaning.line;
+    if (!plain || !raw.is_number()) return value_of(property, raw).has_value();
+    const auto number = raw.get<double>();
+    return property.none == number || is_within(property, number);
 }
 
 std::optional<json> value_of(const Property& property, const json& raw) {
@@ -126,16 +145,14 @@ const json* raw_in(const Place& place, const json& published) {
         const auto end = std::min(rest.find('/'), rest.size());
         const auto key = rest.substr(0, end);
         rest.remove_prefix(end);
-        if (at->is_object()) {
-            const auto found = at->find(key);
-            if (found == at->end()) return nullptr;
-            at = &*found;
-        } else if (at->is_array() && key.size() < 6 && !key.empty() &&
-                   key.find_first_not_of("0123456789") == std::string_view::npos) {
-            std::size_t index = 0;
-            std::from_chars(key.data(), key.data() + key.size(), index);
-            if (index >= at->size()) return nullptr;
-            at = &(*at)[index];
+        if (const auto* object = at->get_ptr<const json::object_t*>()) {
+            const auto found = object->find(key);
+            if (found == object->end()) return nullptr;
+            at = &found->second;
+        } else if (const auto* array = at->get_ptr<const json::array_t*>()) {
+            const auto index = index_of(key);
+            if (index >= array->size()) return nullptr;
+            at = &(*array)[index];
         } else {
             return nullptr;
         }

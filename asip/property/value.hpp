@@ -18,6 +18,8 @@ double on_line(const std::array<double, 4>& line, double raw);
 
 /// The value behind a raw one. Nothing: it is none that the property can have.
 std::optional<nlohmann::json> value_of(const Property& property, const nlohmann::json& raw);
+/// Whether there is one.
+bool has_value(const Property& property, const nlohmann::json& raw);
 
 /// The raw value in what a service published on `out`; nothing: it is not in there. Any JSON may be given.
 const nlohmann::json* raw_in(const Place& place, const nlohmann::json& published);

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <string>
 
+#include "asip/protocol/find_any.hpp"
 #include "asip/protocol/limits.hpp"
 
 namespace asip::protocol {
@@ -50,7 +51,7 @@ Expected<Body> parse_body(std::string_view body) {
 
     auto inner = body.substr(open + 1, body.size() - open - 2);
     Body result;
-    if (inner.find_first_of("{}") != inner.npos) return fail("body has a brace within its braces");
+    if (find_any(inner, "{}") != inner.npos) return fail("body has a brace within its braces");
     if (!inner.empty() || *count == 1) result.items = split_fields(inner, ',');
     // Behind the last comma there is an empty item, or nothing.
     if (result.items.size() == static_cast<std::size_t>(*count) + 1 && result.items.back().empty())

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/protocol/line_reader.hpp"
 
+#include "asip/protocol/find_any.hpp"
+
 namespace asip::protocol {
 
 LineReader::LineReader(std::size_t max_line_bytes, std::string_view ends)
@@ -13,7 +15,7 @@ void LineReader::reset() {
 
 bool LineReader::take_line(std::string_view& bytes) {
     while (!bytes.empty()) {
-        const auto end = bytes.find_first_of(ends_);
+        const auto end = find_any(bytes, ends_);
         const auto piece = bytes.substr(0, end);
         bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
         // One byte more than the limit may be held: the \r that does not count.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "asip/protocol/find_any.hpp"
 #include "asip/protocol/limits.hpp"
 
 namespace asip::protocol {
@@ -81,7 +82,7 @@ Expected<std::vector<Request>> split_requests(std::string_view payload) {
     }
     std::vector<Request> requests;
     while (!payload.empty()) {
-        const auto end = payload.find_first_of(kRequestEnds);
+        const auto end = find_any(payload, kRequestEnds);
         const auto line = significant(payload.substr(0, end));
         payload.remove_prefix(end == std::string_view::npos ? payload.size() : end + 1);
         if (line.empty()) continue;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "asip/protocol/board_info.hpp"
+#include "asip/protocol/find_any.hpp"
 #include "asip/session/machine.hpp"
 
 namespace asip::session {
@@ -32,7 +33,9 @@ bool is_text(std::string_view text) {
 // an echo may hold anything.
 bool holds_another(std::string_view line) {
     if (line.starts_with("@#,E") || line.starts_with('!')) return false;
-    for (auto at = line.find_first_of("@~", 1); at != line.npos; at = line.find_first_of("@~", at + 1)) {
+    constexpr std::string_view kBegins = "@~";
+    for (auto at = protocol::find_any(line, kBegins, 1); at != line.npos;
+         at = protocol::find_any(line, kBegins, at + 1)) {
         const auto next = line.substr(at + 1);
         if (next.size() < 3 || next[1] != ',' || next[2] == ',') continue;
         const bool is_service = next[0] == '#' || (next[0] >= 'A' && next[0] <= 'Z');

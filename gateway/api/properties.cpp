@@ -61,14 +61,14 @@ void get_board_properties(Call& call) {
     // A board that takes part by its names only has none.
     if (!call.gateway.things().find(call.gateway.mirror(), call.board(), call.now())) {
         list.head = {call.board(), {}, 0};
-        return call.reply.send(text_response(property::to_text(list)));
+        return call.reply.send(text_response(property::to_text(list, property::Members::kAll)));
     }
     const auto board = asked(call);
     if (!board) return;
     list.head = {call.board(), board->found.session, 0};
     for (const auto& each : board->found.board->properties)
         if (board->wants(each)) list.properties.push_back(each);
-    call.reply.send(text_response(property::to_text(list)));
+    call.reply.send(text_response(property::to_text(list, property::Members::kAll)));
 }
 
 void get_board_values(Call& call) {

@@ -14,11 +14,6 @@ std::size_t bytes_of(const StreamEvent& event) {
     return sizeof event + event.data.size();
 }
 
-json json_of(const property::Property& property) {
-    const property::PropertyList list{{}, {property}};
-    return json::parse(property::to_text(list))["properties"][0];
-}
-
 }  // namespace
 
 DashboardFeed::DashboardFeed(const Dashboards& dashboards, Mirror& mirror, Options options,
@@ -89,7 +84,9 @@ void DashboardFeed::show_properties(const Source& source, const Instant& now) {
         const auto& all = seen.board->properties;
         const auto found = std::find_if(all.begin(), all.end(),
                                         [&](const auto& each) { return each.id == widget.property; });
-        put("property", {{"id", widget.id}, {"property", found == all.end() ? json() : json_of(*found)}});
+        put("property",
+            {{"id", widget.id},
+             {"property", found == all.end() ? json() : property::to_json(*found, property::Members::kAll)}});
         if (widget.kind != Widget::Kind::kPlot || found == all.end()) continue;
         auto points = past_of(mirror_, widget.board, *found, kMaxPast);
         if (!points.empty()) put("past", {{"id", widget.id}, {"points", std::move(points)}});
@@ -135,8 +132,10 @@ void DashboardFeed::read(Source& source, const StreamEvent& event, const Instant
         if (stands == data["values"].end()) continue;
         const std::chrono::duration<double> age(stands->value("age", 0.0));
         const auto at = now.wall - std::chrono::duration_cast<text::WallTime::duration>(age);
-        put("widget",
-            {{"id", widget.id}, {"value", stands->value("value", json())}, {"at", text::iso_time(at)}});
+        // null: the board says that it has none.
+        json said{{"id", widget.id}, {"at", text::iso_time(at)}};
+        if (stands->contains("value")) said["value"] = (*stands)["value"];
+        put("widget", said);
     }
 }
 

@@ -8,9 +8,13 @@
 
 #include "gateway/export/dialect.hpp"
 
+namespace asip::model {
+class ObjectText;
+}
+
 namespace asip::gateway::exports {
 
-class ObjectText;
+using model::ObjectText;
 
 /// Boards in the dialect of Home Assistant: one discovery document for each board, a state topic for each of
 /// its properties. Pure: what is published is decided here, when is not.

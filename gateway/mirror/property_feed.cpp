@@ -16,7 +16,7 @@ std::string values_text(Mirror& mirror, const exports::ExportedBoard& board, con
         if (each.kind != property::Kind::kButton && choose(each))
             document.values.emplace(each.id,
                                     mirror.shown(board.board, each, now).value_or(property::ShownValue()));
-    return property::to_text(document);
+    return property::to_text(document, property::Members::kAll);
 }
 
 nlohmann::json past_of(Mirror& mirror, const std::string& board, const property::Property& property,
@@ -42,6 +42,8 @@ PropertyFeed::PropertyFeed(Mirror& mirror, Options options)
         lists_ = lists_ || change.list;
         begins_ = begins_ || change.list || change.anew;
         changed_.insert(change.ids.begin(), change.ids.end());
+        for (const auto& [id, act] : change.acts)
+            changed_.insert(id);
         wake();
     });
 }

@@ -20,21 +20,6 @@ bool restarted(const ShownValue& old, const ShownValue& value, Duration passed) 
     return old.how != How::kNone || value.age + kSlackSeconds < age_of_before;
 }
 
-/// In the order of their numbers, those behind `last`; which is the highest of all then.
-std::vector<std::pair<std::string, property::ButtonAct>> new_acts(
-    const decltype(property::ValueDocument::values)& values, std::uint64_t& last) {
-    std::map<std::uint64_t, std::pair<std::string, property::ButtonAct>> by_number;
-    for (const auto& [id, value] : values)
-        for (const auto& [number, act] : value.events)
-            if (number > last) by_number.emplace(number, std::pair(id, act));
-    std::vector<std::pair<std::string, property::ButtonAct>> result;
-    for (auto& [number, act] : by_number) {
-        last = number;
-        result.push_back(std::move(act));
-    }
-    return result;
-}
-
 }  // namespace
 
 /// A document of the session in the description counts, else that of the later session; within one session
@@ -96,7 +81,7 @@ Standing::Change Standing::take_values(const std::string& board, std::string_vie
         values = std::move(parsed->values);
         if (kept.head.session != parsed->head.session) kept.last_act = 0;
         kept.head = std::move(parsed->head);
-        change.acts = new_acts(values, kept.last_act);
+        change.acts = property::new_acts(values, kept.last_act);
         if (stored) change.acts.clear();
     }
     for (const auto& [id, value] : values) {

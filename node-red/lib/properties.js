@@ -8,6 +8,7 @@ const { isObject, readObject, validBoard, validName } = require('./protocol');
 const VERSION = 1;
 const EVENTS = ['press', 'release', 'hold', 'double']; // what is done with a button
 const KINDS = ['sensor', 'binary', 'switch', 'number', 'light', 'button', 'text', 'select'];
+const TYPES = [undefined, 'boolean', 'boolean', undefined, 'light', 'action', 'text', 'choice']; // of each kind; undefined: other members say it
 const MAX_PROPERTIES = 256;
 const FULL = 255; // brightness
 const UNKNOWN = {
@@ -29,13 +30,31 @@ const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
 const isShort = (text) => typeof text === 'string' && Buffer.byteLength(text) <= 256 && !/[\u0000-\u001f\u007f]/.test(text);
 
 function readCall(call) {
-  need(isObject(call) && typeof own(call, 'command') === 'string' && Array.isArray(own(call, 'args')) && call.args.length <= 16
-    && call.args.every((one) => one === null || isNumber(one)), 'command');
-  return { command: call.command, args: call.args };
+  need(Array.isArray(call) && call.length > 0 && call.length <= 17 && typeof call[0] === 'string'
+    && call.slice(1).every((one) => one === null || isNumber(one)), 'command');
+  return { command: call[0], args: call.slice(1) };
 }
 
-function readProperty(one) {
-  need(isObject(one), 'property');
+// The members that a list leaves out, since others say them.
+function usual(one) {
+  const isSettable = Object.hasOwn(one, 'write') || Object.hasOwn(one, 'color');
+  const kind = own(one, 'kind', isSettable ? 'number' : 'sensor');
+  const id = isShort(one.id) ? one.id : '';
+  const isTwo = kind === 'binary' || kind === 'switch';
+  return {
+    service: id.split('/', 1)[0],
+    name: id.replace(/[/_.-]/g, ' ').replace(/^[a-z]/, (letter) => letter.toUpperCase()),
+    kind,
+    type: TYPES[KINDS.indexOf(kind)] ?? (own(one, 'max_length') ? 'text' : own(one, 'choices') ? 'choice' : 'integer'),
+    read: !isSettable && ['sensor', 'binary'].includes(kind) ? `/${id}` : '',
+    access: !isSettable ? 'read' : kind === 'button' ? 'write' : 'both',
+    choices: isTwo ? [['off', 0], ['on', 1]] : [],
+  };
+}
+
+function readProperty(said) {
+  need(isObject(said), 'property');
+  const one = { ...usual(said), ...said };
   const told = { calls: {} };
   for (const name of ['id', 'name', 'service', 'kind', 'type', 'access', 'unit', 'quantity', 'read', 'refused']) {
     told[name] = own(one, name, '');
@@ -46,7 +65,7 @@ function readProperty(one) {
     need(told[name] === undefined || isNumber(told[name]), name);
   }
   const choices = own(one, 'choices', []);
-  Object.assign(told, { maxLength: own(one, 'max_length', 0), meaning: own(one, 'meaning', {}), isWhole: told.type === 'integer' || own(one, 'whole') === true });
+  Object.assign(told, { maxLength: own(one, 'max_length', 0), meaning: own(one, 'meaning', {}), isWhole: told.type === 'integer' });
   need(`${told.id}/`.startsWith(`${told.service}/`) && validName(told.service) && KINDS.includes(told.kind), 'id, service or kind');
   need(isWhole(told.maxLength, 256) && (told.maxLength > 0 || told.kind !== 'text'), 'max_length');
   need(Array.isArray(choices) && choices.length <= 64 && choices.every((pair) => Array.isArray(pair) && pair.length === 2 && typeof pair[0] === 'string' && isNumber(pair[1])), 'choices');

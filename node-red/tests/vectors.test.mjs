@@ -79,9 +79,13 @@ test('properties', () => {
   assert.ok(standing.takeList(bytes(told.list), 'desk', ''));
   assert.deepEqual([...standing.properties.keys()], told.list.properties.map((one) => one.id));
   for (const one of told.list.properties) {
-    const { name, kind, type, access, unit = '', min, max, refused = '' } = one;
+    const { unit = '', min, max, refused = '' } = one;
     const is = standing.properties.get(one.id);
-    assert.deepEqual([is.name, is.kind, is.type, is.access, is.unit, is.min, is.max, is.refused], [name, kind, type, access, unit, min, max, refused]);
+    assert.deepEqual([is.unit, is.min, is.max, is.refused], [unit, min, max, refused]);
+  }
+  for (const [id, ...derived] of told.left_out) {
+    const { service, kind, type, access, name, choices } = standing.properties.get(id);
+    assert.deepEqual([service, kind, type, access, name, [...choices]], derived, id);
   }
   for (const { id, value, requests } of told.set) assert.deepEqual(standing.properties.has(id) ? requestsFor(standing.properties.get(id), value) : [], requests, `${id} ${JSON.stringify(value)}`);
   for (const { id, value, text } of told.text) assert.equal(textOf(standing.properties.get(id), value), text);

@@ -53,7 +53,7 @@ class FakeBoard:
         name = self._models[service].event(event).name
         self._values[service, name] = value
         for one in self._offered.values():
-            place = one.get("read", "").split("/")[1:]
+            place = one.get("read", "" if "write" in one else f"/{one['id']}").split("/")[1:]
             if one["service"] == service and place[:1] == [name]:
                 self._stands[one["id"]] = value if len(place) == 1 else value[place[1] if isinstance(value, dict) else int(place[1])]
         self._tell()
@@ -166,9 +166,9 @@ class FakeBoard:
         if model.name == "io" and faulty is None:
             self._set_pin(command.name, values)
         for one in self._offered.values():
-            call = one.get("write", {})
-            if faulty is None and one["service"] == service and call.get("command") == command.name and all(own in (None, given) for own, given in zip(call["args"], values)):
-                self._stands[one["id"]] = next((given for own, given in zip(call["args"], values) if own is None), None)
+            name, *args = one.get("write", [""])
+            if faulty is None and one["service"] == service and name == command.name and all(own in (None, given) for own, given in zip(args, values)):
+                self._stands[one["id"]] = next((given for own, given in zip(args, values) if own is None), None)
         self._tell()
         event = model.answer_of(command)
         if faulty is None and event is not None:
@@ -204,8 +204,8 @@ class FakeBoard:
 
     def offer(self, id: str, kind: str, **members: Any) -> None:
         """Adds a property beside those of pins, as the agent of such a board tells it (docs/service-bus.md, "Properties and their values"):
-        `offer("servo/0/angle", "number", min=0, max=180, write={"command": "write", "args": [0, None]})`,
-        `offer("distance/0", "sensor", unit="cm", read="/distance/0")`."""
+        `offer("servo/0/angle", "number", min=0, max=180, write=["write", 0, None])`,
+        `offer("distance/0", "sensor", unit="cm")`."""
         type = {"binary": "boolean", "switch": "boolean", "select": "choice", "button": "action", "light": "light", "text": "text"}.get(kind, "integer")
         self._offered[id] = {"id": id, "name": id, "service": id.partition("/")[0], "kind": kind, "type": type,
                              "access": "both" if "write" in members else "read", **members}
@@ -227,11 +227,11 @@ class FakeBoard:
             on = 0 if meaning.get("inverted", mode == 2) else 1
             one.update(type="boolean", choices=[["off", 1 - on], ["on", on]])
         if mode in (3, 5):
-            one["write"] = {"command": "write" if mode == 3 else "pwm", "args": [pin, None]}
+            one["write"] = ["write" if mode == 3 else "pwm", pin, None]
         else:
             one["read"] = f"/analog/{pin - 14}" if mode == 4 else f"/digital/{pin}"
         if mode in (3, 5) and self.modes.get(pin) != mode:
-            one["before"] = {"command": "mode", "args": [pin, mode]}
+            one["before"] = ["mode", pin, mode]
         if mode in (3, 5) and self._pin_modes.get(pin) in (1, 2, 4):
             one["refused"] = f"a command made pin {pin} no output, and {meaning['class']} needs one: asipctl pin {self.name} {pin} output"
         return one

@@ -14,6 +14,8 @@ UNKNOWN = {"never": "nothing was reported or set yet", "restart": "nothing was r
            "doubt": "a command may or may not have been executed"}
 EVENTS = ("press", "release", "hold", "double")  # what is done with a button
 _KINDS = ("sensor", "binary", "switch", "number", "light", "button", "text", "select")
+_TYPES = {"binary": "boolean", "switch": "boolean", "light": "light", "button": "action", "text": "text", "select": "choice"}
+_BLANKS = str.maketrans("/-_.", "    ")
 _MAX_PROPERTIES = 256
 _MAX_BYTES = 256  # of a text
 _MAX_EVENTS = 64
@@ -27,13 +29,14 @@ class Told:
 
     def __init__(self, one: Any):
         _need(isinstance(one, dict), "property")
+        one = {**_usual(one), **one}
         self.id, self.name, self.service, self.kind, self.type = (_text(one, name) for name in ("id", "name", "service", "kind", "type"))
         self.access, self.unit, self.quantity, self.read = (_text(one, name) for name in ("access", "unit", "quantity", "read"))
         self.refused = _text(one, "refused")  # why it cannot be set now; empty: it can, where something sets it
         _need(f"{self.id}/".startswith(f"{self.service}/") and valid_name(self.service) and self.kind in _KINDS, "id, service or kind")
         _need(all(_is_number(one[name]) for name in ("min", "max", "step", "none") if name in one), "min, max, step or none")
         self.min, self.max, self.step = one.get("min"), one.get("max"), one.get("step")
-        self.is_whole = self.type == "integer" or one.get("whole") is True
+        self.is_whole = self.type == "integer"
         self.max_length, choices, self.meaning = one.get("max_length", 0), one.get("choices", []), one.get("meaning", {})
         _need(whole(self.max_length, _MAX_BYTES) and (self.max_length > 0 or self.kind != "text"), "max_length")
         _need(isinstance(choices, list) and len(choices) <= 64 and all(
@@ -243,10 +246,21 @@ def _text(one: dict[str, Any], name: str) -> str:
     return str(text)
 
 
+def _usual(one: dict[str, Any]) -> dict[str, Any]:
+    """The members that a list leaves out, since others say them."""
+    id, settable = str(one.get("id")), "write" in one or "color" in one
+    kind = one.get("kind", "number" if settable else "sensor")
+    choices = [["off", 0], ["on", 1]] if kind in ("binary", "switch") else []
+    type = _TYPES.get(str(kind)) or ("text" if one.get("max_length") else "choice" if one.get("choices") else "integer")
+    read = f"/{id}" if kind in ("sensor", "binary") and not settable else ""
+    name = id.translate(_BLANKS)
+    return {"read": read, "name": name[:1].upper() + name[1:], "service": id.partition("/")[0], "kind": kind, "type": type, "choices": choices,
+            "access": "read" if not settable else "write" if kind == "button" else "both"}
+
+
 def _call(call: Any) -> tuple[str, list[float | None]]:
-    _need(isinstance(call, dict) and isinstance(call.get("command"), str) and isinstance(call.get("args"), list) and len(call["args"]) <= 16
-          and all(one is None or _is_number(one) for one in call["args"]), "command")
-    return call["command"], call["args"]
+    _need(isinstance(call, list) and 0 < len(call) <= 17 and isinstance(call[0], str) and all(one is None or _is_number(one) for one in call[1:]), "command")
+    return call[0], call[1:]
 
 
 def _values(document: dict[str, Any], now: float) -> dict[str, Value]:

@@ -466,8 +466,8 @@ class Pins(Memory):
 class Properties(Memory):
     def setUp(self):
         super().setUp()
-        self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, unit="degrees", write={"command": "write", "args": [0, None]})
-        self.memory.desk.offer("distance/0", "sensor", unit="cm", read="/distance/0")
+        self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, unit="degrees", write=["write", 0, None])
+        self.memory.desk.offer("distance/0", "sensor", unit="cm")
         self.memory.desk._set_pin("mode", [13, 3])
         self.memory.desk._set_pin("write", [13, 1])
 

@@ -117,9 +117,14 @@ class Properties(unittest.TestCase):
         self.assertEqual([*self.standing.properties], [one["id"] for one in listed])
         for one in listed:
             told = self.standing.properties[one["id"]]
-            for name, none in (("name", ""), ("service", ""), ("kind", ""), ("type", ""), ("access", ""), ("unit", ""), ("min", None), ("max", None), ("meaning", {}), ("refused", "")):
-                self.assertEqual(getattr(told, name), one.get(name, none), (one["id"], name))
+            for name in ("unit", "min", "max", "meaning", "refused"):
+                self.assertEqual(getattr(told, name), one.get(name, getattr(told, name)), (one["id"], name))
         self.assertEqual([id for id, told in self.standing.properties.items() if told.is_button], ["io/5"])
+
+    def test_members_that_are_left_out(self):
+        for id, *derived in self.told["left_out"]:
+            told = self.standing.properties[id]
+            self.assertEqual([told.service, told.kind, told.type, told.access, told.name, told.choices], [*derived[:5], dict(derived[5])], id)
 
     def test_damaged_documents_are_refused(self):
         for change in self.told["damaged_lists"]:

@@ -56,6 +56,48 @@ TEST_F(ValuesOfBoard, Asked_TheBoardIsSentNothing) {
     EXPECT_THAT(bench.board.executed, IsEmpty());
 }
 
+/// An agent that starts beside a board on which commands had made pin 2 an input and pin 3 an output.
+std::unique_ptr<BridgeBench> beside_a_board_in_use(const std::string& extensions) {
+    auto options = BridgeBench::defaults();
+    options.load_labels = [](const std::string&) {
+        model::Labels labels;
+        labels.modes = {{2, 2}, {3, 3}};
+        return Expected<model::Labels>(labels);
+    };
+    auto bench = std::make_unique<BridgeBench>(options);
+    bench->board.replies = {
+        {"I,p", "@I,p,6{0,0,2,3,7,7}"}, {"#,X", "@#,X," + extensions}, {"I,L", "@I,L,1,{4:0}"}};
+    bench->go_online();
+    bench->pass(10s);
+    return bench;
+}
+
+TEST(LevelsOfABoard, NotTold_InputsAreSetOnceMore_OutputsNever) {
+    const auto executed = beside_a_board_in_use("4,{E:1,I:1,B:1,C:1}")->board.executed;
+    EXPECT_EQ(std::count(executed.begin(), executed.end(), "I,P,2,2"), 1);
+    EXPECT_THAT(executed, Each(testing::Not(StartsWith("I,P,3"))));
+    EXPECT_THAT(executed, Each(testing::Not(StartsWith("I,d"))));
+}
+
+TEST(LevelsOfABoard, Told_AreAskedAndNothingIsSet) {
+    const auto bench = beside_a_board_in_use("5,{E:1,I:1,B:1,C:1,D:1}");
+    EXPECT_THAT(bench->board.executed, Contains("I,L"));
+    EXPECT_THAT(bench->board.executed, Each(testing::Not(StartsWith("I,P"))));
+    const auto values = json::parse(bench->on("asip/uno1/$values").back())["values"];
+    EXPECT_EQ(values["io/2"]["value"], true) << "low, with a pull-up";
+    EXPECT_EQ(values["io/2"]["how"], "answered");
+}
+
+TEST_F(ValuesOfBoard, Command_IsToldWithinATenthOfASecond) {
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
+    for (int i = 0; i < 20; ++i) {
+        const bool on = i % 2 == 0;
+        bench.hear("asip/uno1/io/in", R"({"write":[3,)" + std::to_string(on ? 1 : 0) + "]}");
+        bench.pass(100ms);
+        EXPECT_EQ(values()["io/3"]["value"], on) << i;
+    }
+}
+
 TEST_F(ValuesOfBoard, AskedTooOften_AnswersTwentyASecond) {
     for (int i = 0; i < 100; ++i)
         asked();
@@ -207,6 +249,30 @@ TEST_F(ValuesOfBoard, Documents_CarrySessionAndRisingNumbers) {
         EXPECT_GT(document["seq"].get<std::uint64_t>(), before);
         before = document["seq"];
     }
+}
+
+/// Before there were properties, the broker kept the description and the state.
+TEST(RetainedOfABoard, Properties_AtMostDoubleTheBytes) {
+    BridgeBench bench;
+    bench.board.replies = {
+        {"#,S", "@#,S,20,{@,@,I,I,I,I,I,D,D,S,S,I,I,I,I,I,I,I,I,I}"},
+        {"I,M",
+         "@I,M,20,{4:1,4:2,4:4,4:8,4:10,4:20,4:40,4:80,2:1,2:2,2:4,2:8,2:10,2:20,3:1,3:2,3:4,"
+         "3:8,3:10,3:20}"},
+        {"I,m", "@I,m,6,{14:0,15:1,16:2,17:3,18:4,19:5}"},
+        {"I,p", "@I,p,20{6,6,1,1,1,1,1,7,7,7,7,1,1,1,1,1,1,1,1,1}"},
+        {"I,c", "@I,c,20,{1,1,1,5,1,5,5,1,1,5,5,5,1,1,3,3,3,3,3,3}"}};
+    bench.go_online();
+    bench.say("@D,e,2,{42,17}\r\n");
+    bench.pass(2s);
+    std::map<std::string, std::size_t> bytes;
+    for (const auto& each : bench.published)
+        if (each.message.retain) bytes[each.message.topic] = each.message.payload.size();
+    const auto list = json::parse(bench.on("asip/servicebus/uno1/$properties").back())["properties"];
+    EXPECT_EQ(list.size(), 4U) << "two servos, two distances";
+    EXPECT_THAT(bytes, SizeIs(4));
+    EXPECT_LE(bytes["asip/servicebus/uno1/$properties"] + bytes["asip/uno1/$values"],
+              bytes["asip/servicebus/uno1/$description"] + bytes["asip/servicebus/uno1/$state"]);
 }
 
 TEST_F(ValuesOfBoard, ButtonThatBounces_IsOnePressAndOneHold) {

@@ -237,7 +237,7 @@ TEST_F(StandingTest, Stream_BeginsWithAll_AndTellsEachChange) {
     EXPECT_THAT(first, HasSubstr("event: snapshot-end"));
     bus("asip/uno1/distance/out", R"({"distance":[42]})");
     const auto report = read();
-    EXPECT_THAT(report, HasSubstr(R"("distance/0":{"age":0.0,"how":"reported","value":42})"));
+    EXPECT_THAT(report, HasSubstr(R"("distance/0":{"age":0,"how":"reported","value":42})"));
     EXPECT_THAT(report, testing::Not(HasSubstr("servo/0")));
     values({{"servo/0/angle", set_to(91)}}, 2);
     EXPECT_THAT(read(), HasSubstr(R"("value":91)"));

@@ -32,6 +32,30 @@ TEST(PropertyList, Written_IsReadTheSame) {
     EXPECT_EQ(*read, list);
 }
 
+TEST(PropertyList, WithEachMember_IsReadTheSame) {
+    const auto list = whole_list();
+    const auto text = to_text(list, Members::kAll);
+    const auto read = parse_list(text);
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(*read, list);
+    for (const auto& each : json::parse(text)["properties"])
+        for (const auto* member : {"id", "name", "service", "kind", "type", "access"})
+            EXPECT_TRUE(each.contains(member)) << each;
+}
+
+TEST(PropertyList, OnTheBus_HasNoMemberThatAReaderDerives) {
+    for (const auto& each : whole_document()["properties"])
+        for (const auto* member : {"service", "access", "type"})
+            EXPECT_FALSE(each.contains(member)) << each;
+    EXPECT_FALSE(whole_document()["properties"][0].contains("read")) << "distance/0 is read at /distance/0";
+    auto length = whole_list();
+    std::erase_if(length.properties, [](const auto& each) { return each.id != "distance/0"; });
+    length.properties[0].whole = false;
+    const auto read = parse_list(to_text(length));
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(*read, length);
+}
+
 TEST(PropertyList, Damaged_IsRefusedWithThePlace) {
     const auto fault = [](const json& document) {
         const auto read = parse_list(model::dump_json(document));
@@ -46,6 +70,7 @@ TEST(PropertyList, Damaged_IsRefusedWithThePlace) {
     for (const auto* id : {"", "servo2/0/angle", "io/13", "../servo"}) {
         document = whole_document();
         document["properties"][0]["id"] = id;
+        document["properties"][0]["service"] = "distance";
         EXPECT_THAT(fault(document), HasSubstr("/properties/0/id")) << "a board that lies: " << id;
     }
     document = whole_document();
@@ -69,6 +94,19 @@ TEST(ValueDocument, Written_IsReadTheSame) {
     document.head = {"desk", "005f3a9c0114c0de", 4};
     document.clock = "1f3c09aa-123456";
     EXPECT_EQ(document.values.at("distance/0"), (ShownValue{42, How::kReported, Unknown::kNever, 2}));
+    const auto read = parse_values(to_text(document));
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(*read, document);
+}
+
+TEST(ValueDocument, NothingSaidYet_IsLeftOutOnTheBusAndSaidToPeople) {
+    ValueDocument document;
+    document.head = {"desk", "s", 1};
+    document.values["a/0"] = {{}, How::kNone, Unknown::kNever, 1};
+    document.values["a/1"] = {{}, How::kNone, Unknown::kDoubt, 1};
+    EXPECT_THAT(to_text(document),
+                HasSubstr(R"("values":{"a/0":{"age":1},"a/1":{"age":1,"unknown":"doubt"}})"));
+    EXPECT_THAT(to_text(document, Members::kAll), HasSubstr(R"("a/0":{"age":1,"unknown":"never"})"));
     const auto read = parse_values(to_text(document));
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(*read, document);

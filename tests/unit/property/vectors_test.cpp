@@ -110,6 +110,17 @@ TEST_F(PropertyVectors, ListOfABoard_IsWhatTheFileSays) {
     EXPECT_EQ(is, vectors_.at("list"));
 }
 
+/// What the list does not say, since others of its members do.
+TEST_F(PropertyVectors, MembersThatAreLeftOut_AreWhatTheFileSays) {
+    auto is = json::array();
+    for (const auto& each : properties_)
+        is.push_back({each.id, each.service, to_json(each, Members::kAll).at("kind"), type_of(each),
+                      access_of(each), each.name, each.choices});
+    if (std::getenv("ASIP_WRITE_VECTORS") != nullptr) vectors_["left_out"] = is;
+    write();
+    EXPECT_EQ(is, vectors_["left_out"]);
+}
+
 TEST_F(PropertyVectors, DamagedDocuments_AreRefused) {
     EXPECT_TRUE(parse_list(vectors_.at("list").dump()));
     EXPECT_TRUE(parse_values(vectors_.at("values").dump()));
