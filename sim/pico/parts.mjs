@@ -7,6 +7,9 @@ import { i2cKinds } from './i2c_parts.mjs'
 const flag = { isGood: (value) => typeof value === 'boolean', what: 'true or false' }
 const share = { isGood: (value) => value >= 0 && value <= 1, what: 'a number from 0 to 1' }
 
+// When the contact of a button is the other way round for a moment, and when it is back, after it closed or opened.
+const BOUNCES_US = [400, 900, 2000, 3100]
+
 /** Members, verbs and behaviour of each kind. A part shows its state by `changed(text)`. */
 const kinds = {
   ...i2cKinds,
@@ -23,14 +26,19 @@ const kinds = {
     }
   },
   button: {
-    members: { to_vcc: flag },
-    make: (pico, { pin, to_vcc: high }, changed) => {
+    members: { to_vcc: flag, steady: flag },
+    make: (pico, { pin, to_vcc: high, steady }, changed) => {
       let pressed = false
-      const apply = () => pico.drive(pin, pressed ? (high ?? false) : high ? false : null)
-      apply()
+      let presses = 0
+      const apply = (closed) => pico.drive(pin, closed ? (high ?? false) : high ? false : null)
+      apply(pressed)
       const set = (to) => {
+        if (to === pressed) return
         pressed = to
-        apply()
+        apply(pressed)
+        const press = ++presses
+        const bounce = (apart) => press === presses && apply(pressed !== apart)
+        if (!steady) BOUNCES_US.forEach((us, index) => pico.after(us * 1000, () => bounce(index % 2 === 0)))
         changed(state())
       }
       const state = () => (pressed ? 'pressed' : 'released')

@@ -55,10 +55,10 @@ class SimulatedBoards {
         std::vector<std::string> all{ASIP_TEST_SIM, "--no-socket"};
         for (std::size_t i = 0; i < images.size(); ++i) {
             all.push_back(folder_.write(
-                name(i) + ".json", R"({"board":"uno","name":")" + name(i) + R"(","image":")" +
-                                       ASIP_TEST_IMAGES "/" + images[i] +
-                                       R"(.elf","parts":[{"kind":"led","pin":13},)" +
-                                       R"({"kind":"button","pin":2},{"kind":"potentiometer","pin":14}]})"));
+                name(i) + ".json",
+                R"({"board":"uno","name":")" + name(i) + R"(","image":")" + ASIP_TEST_IMAGES "/" + images[i] +
+                    R"(.elf","parts":[{"kind":"led","pin":13},)" +
+                    R"({"kind":"button","pin":2,"steady":true},{"kind":"potentiometer","pin":14}]})"));
         }
         for (std::size_t i = 0; i < images.size(); ++i) {
             all.insert(all.end(), {"--link", serial(i), "--tcp", "0"});

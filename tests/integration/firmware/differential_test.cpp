@@ -67,7 +67,7 @@ TEST(DifferentialTest, InputAndOutput) {
 TEST(DifferentialTest, PinsThatAreHighAtStart_AreAFirstEvent) {
     sim::BoardConfig config;
     config.image = std::string(ASIP_IMAGES) + "/asip_uno.elf";
-    config.parts.push_back({"button", {{"pin", 4}, {"to_vcc", true}}, "switch"});
+    config.parts.push_back({"button", {{"pin", 4}, {"to_vcc", true}, {"steady", true}}, "switch"});
     auto board = sim::Board::create(config);
     ASSERT_TRUE(board) << board.error();
     ASSERT_TRUE((*board)->part("switch").command("press", ""));
@@ -81,7 +81,7 @@ TEST(DifferentialTest, Servos) {
 }
 
 TEST(DifferentialTest, Robot) {
-    FirmwareBoard board("asip_uno_robot", "uno", {{"button", {{"pin", 10}}, "left"}});
+    FirmwareBoard board("asip_uno_robot", "uno", {{"button", {{"pin", 10}, {"steady", true}}, "left"}});
     expect_facts(board, "robot");
     EXPECT_NE(board.ask("#,N").find("B:Bump Sensors,R:IR Sensors"), std::string::npos);
 }

@@ -157,7 +157,7 @@ TEST(ImuTest, ChipThatGoesDuringAMeasurement_IsAnErrorInPlaceOfTheValue) {
 
 TEST(ImuTest, StuckBus_IsAnErrorAndTheBoardGoesOn) {
     auto parts = kChips;
-    parts.push_back({"button", {{"pin", 18}}, "short"});
+    parts.push_back({"button", {{"pin", 18}, {"steady", true}}, "short"});
     ImuBoard board(parts);
     EXPECT_EQ(board.measure("A,M"), "@A,e,3,{12,-340,16384}");
     board.set("short", "press");

@@ -121,7 +121,7 @@ TEST(LcdTest, DisplayThatIsMissing_IsAnErrorUntilItIsBack) {
 }
 
 TEST(LcdTest, StuckBus_IsAnErrorUntilItIsFree) {
-    LcdBoard board({{"button", {{"pin", 18}}, "short"}});
+    LcdBoard board({{"button", {{"pin", 18}, {"steady", true}}, "short"}});
     ASSERT_TRUE(board->part("short").command("press", ""));
     board.ask("L,W,0,lost");
     board->run_for(50ms);

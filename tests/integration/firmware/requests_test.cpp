@@ -105,7 +105,7 @@ TEST(RequestsTest, DigitalWriteAndEvent_GoThroughTheWire) {
 }
 
 TEST(RequestsTest, PullUp_HoldsThePinHighAndAButtonPullsItLow) {
-    FirmwareBoard board("asip_uno", "uno", {{"button", {{"pin", 4}}, "button"}});
+    FirmwareBoard board("asip_uno", "uno", {{"button", {{"pin", 4}, {"steady", true}}, "button"}});
     EXPECT_EQ(board.ask("I,P,4,2"), "@I,d,4,10");
     ASSERT_TRUE(board->part("button").command("press", ""));
     EXPECT_EQ(board.next_line(), "@I,d,4,0");
@@ -114,8 +114,9 @@ TEST(RequestsTest, PullUp_HoldsThePinHighAndAButtonPullsItLow) {
 }
 
 TEST(RequestsTest, Levels_ComeInOneEventAndLeaveALampOn) {
-    FirmwareBoard board("asip_uno", "uno",
-                        {{"button", {{"pin", 4}}, "button"}, {"led", {{"pin", 13}}, "lamp"}});
+    FirmwareBoard board(
+        "asip_uno", "uno",
+        {{"button", {{"pin", 4}, {"steady", true}}, "button"}, {"led", {{"pin", 13}}, "lamp"}});
     board.ask("I,P,4,2");
     board.ask("I,P,13,3");
     board.ask("I,d,13,1");
@@ -129,7 +130,8 @@ TEST(RequestsTest, Levels_ComeInOneEventAndLeaveALampOn) {
 }
 
 TEST(RequestsTest, LevelsOfAMega_HaveEachOfItsPorts) {
-    FirmwareBoard board("asip_mega", "mega", {{"button", {{"pin", 22}, {"to_vcc", true}}, "switch"}});
+    FirmwareBoard board("asip_mega", "mega",
+                        {{"button", {{"pin", 22}, {"to_vcc", true}, {"steady", true}}, "switch"}});
     ASSERT_TRUE(board->part("switch").command("press", ""));
     EXPECT_EQ(board.next_line(), "@I,d,1,1");
     EXPECT_EQ(board.ask("I,L"), "@I,L,12,{1:1,2:0,3:0,4:0,5:0,6:0,7:0,8:0,9:0,10:0,11:0,12:0}");
@@ -203,7 +205,8 @@ TEST(RequestsTest, EachLineEnd_EndsOneRequestAtOnce) {
 }
 
 TEST(RequestsTest, SlowBytes_HoldNothingUp) {
-    FirmwareBoard board("asip_uno", "uno", {{"button", {{"pin", 4}, {"to_vcc", true}}, "button"}});
+    FirmwareBoard board("asip_uno", "uno",
+                        {{"button", {{"pin", 4}, {"to_vcc", true}, {"steady", true}}, "button"}});
     for (char c : std::string("I,P,13,3")) {
         board->send(std::string(1, c));
         board->run_for(milliseconds(300));

@@ -89,7 +89,8 @@ TEST(MotorsTest, EncodersAskedForByM_AreReportedAsThoseOfE) {
 
 TEST(BumpTest, Touched_IsZeroAndFreeIsOne) {
     FirmwareBoard board(kRobotImage, "uno",
-                        {{"button", {{"pin", 10}}, "left"}, {"button", {{"pin", 11}}, "right"}});
+                        {{"button", {{"pin", 10}, {"steady", true}}, "left"},
+                         {"button", {{"pin", 11}, {"steady", true}}, "right"}});
     board.ask("B,A,20");
     EXPECT_EQ(board.next_line(), "@B,e,2,{1,1}");
     ASSERT_TRUE(board->part("right").command("press", ""));

@@ -75,9 +75,11 @@ TEST(Button, Pressed_PullsItsPinDownAndReleasedLetsItGo) {
     monitor.write_register(kPortD, kPd2);
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
     ASSERT_TRUE(monitor->part("button").command("press", ""));
+    monitor->run_for(5ms);
     EXPECT_EQ(monitor->part("button").state(), "pressed");
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
     ASSERT_TRUE(monitor->part("button").command("release", ""));
+    monitor->run_for(5ms);
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
 }
 
@@ -85,7 +87,27 @@ TEST(Button, ToVcc_IsHighWhenPressed) {
     Monitor monitor({{"button", {{"pin", 2}, {"to_vcc", true}}, "button"}});
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, 0u);
     ASSERT_TRUE(monitor->part("button").command("press", ""));
+    monitor->run_for(5ms);
     EXPECT_EQ(monitor.read_register(kPinD) & kPd2, kPd2);
+}
+
+/// The levels of pin 2, one by one, while a button there is pressed, and while it is released.
+std::pair<std::string, std::string> levels_of(const nlohmann::json& button) {
+    Monitor monitor(std::vector<PartConfig>{{"button", button, "button"}});
+    monitor.write_register(kPortD, kPd2);
+    std::string levels;
+    monitor->on_pin(2, [&](Level level) { levels += level == Level::kHigh ? '1' : '0'; });
+    monitor->part("button").command("press", "");
+    monitor->run_for(5ms);
+    const auto pressed = std::exchange(levels, {});
+    monitor->part("button").command("release", "");
+    monitor->run_for(5ms);
+    return {pressed, levels};
+}
+
+TEST(Button, Contact_BouncesUnlessItIsSteady) {
+    EXPECT_EQ(levels_of({{"pin", 2}}), std::pair(std::string("01010"), std::string("10101")));
+    EXPECT_EQ(levels_of({{"pin", 2}, {"steady", true}}), std::pair(std::string("0"), std::string("1")));
 }
 
 TEST(Button, PressedTwice_ChangesOnce) {
