@@ -56,5 +56,6 @@ export function trouble_of(widget, board, property) {
   if (!board) return "Waiting for the bus …";
   if (board.state === "unknown") return `Board ${widget.board} is not known. It may have been forgotten.`;
   if (board.state === "lost" || board.state === "offline") return `Board ${widget.board} is ${board.state}.`;
-  return board.state === "updating" ? `Board ${widget.board}: its port is in other hands.` : property === null ? `Board ${widget.board} has no ${widget.property} now.` : "";
+  return board.state === "updating" ? `Board ${widget.board}: its port is in other hands.` : property === null ? `Board ${widget.board} has no ${widget.property} now.`
+    : property?.refused && ["switch", "slider"].includes(widget.kind) ? `It cannot be set: ${property.refused}.` : "";
 }

@@ -62,7 +62,7 @@ export function settable_modes(pin) {
 
 /// What is known of the pins from the properties of the board.
 export class PinValues {
-  constructor() { this.properties = new Map(); } // by pin: {property, value, how}
+  constructor() { this.properties = new Map(); } // by pin: {property, value, how, events}
 
   /// The list of the board, and how its properties stand: id -> {value, how}.
   stands(properties, values) {
@@ -74,9 +74,9 @@ export class PinValues {
   /// report it; it is what was set last.
   state_of(pin) {
     const mode = mode_names[pin.mode];
-    const { property, value, how } = this.properties.get(pin.number) ?? {};
-    if (value === undefined || value === null) return { mode, text: "", level: undefined, told: false };
+    const { property, value, how, events } = this.properties.get(pin.number) ?? {};
+    if (value === undefined || value === null) return { mode, text: value_text(property, value), level: undefined, told: false };
     const level = typeof value === "number" ? value / (property.max ?? 1) : Number(is_on(value) ?? 0);
-    return { mode, text: value_text(property, value), level, told: how === "set" };
+    return { mode, text: value_text(property, value, events), level, told: how === "set" };
   }
 }

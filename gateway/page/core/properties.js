@@ -5,10 +5,19 @@ import { with_unit } from "./text.js";
 const kMaxSliderSteps = 1023;
 const kFullBrightness = 255;
 
-/// The value of a property, for a person; "" where it is not known.
-export function value_text(property, value) {
-  if (value === undefined || value === null) return "";
-  if (typeof value === "boolean") return value ? "on" : "off";
+const seen = ["detected", "clear"];
+const two_words = {
+  __proto__: null, button: ["pressed", "released"], door: ["open", "closed"], window: ["open", "closed"], moisture: ["wet", "dry"],
+  motion: seen, occupancy: seen, smoke: seen, vibration: seen,
+};
+
+/// The value of a property, for a person; "" where it is not known, "none" where the board says that it has none. `events`: of a
+/// button, as they stand beside its value: how it is pressed.
+export function value_text(property, value, events = []) {
+  if (value === undefined) return "";
+  if (value === null) return "none";
+  const act = events.at(-1)?.[1];
+  if (typeof value === "boolean") return (two_words[property?.meaning?.class] ?? ["on", "off"])[value ? 0 : 1] + (act === "hold" || act === "double" ? `, ${act}` : "");
   if (typeof value === "number") return with_unit(value, property?.unit);
   if (typeof value === "string") return value;
   if (value.on === undefined) return JSON.stringify(value);

@@ -151,30 +151,33 @@ class Pins extends Part {
     };
     const [what, what_field] = select("Is", [["", "whatever its mode says"], ...classes.map((each) => [each, each])], klass);
     const [turned, turned_field] = select("On when", [["", "as usual"], ["false", "high"], ["true", "low"]], inverted);
+    const icon = h("input", { id: fresh_id("pin-icon"), type: "text", maxlength: 63, autocomplete: "off", value: meaning.icon ?? "", placeholder: "mdi:lamp" });
     const answer = h("output", { class: "answer", "aria-live": "polite" });
     const save = async (event) => {
       event.preventDefault();
       const change = { names: { pins: { [pin.number]: name.value.trim() || null } } };
-      if (what.value !== klass || turned.value !== inverted) {
-        change.meanings = { [id]: { class: what.value || null, inverted: turned.value === "" ? null : turned.value === "true" } };
+      if (what.value !== klass || turned.value !== inverted || icon.value.trim() !== (meaning.icon ?? "")) {
+        change.meanings = { [id]: { class: what.value || null, inverted: turned.value === "" ? null : turned.value === "true", icon: icon.value.trim() || null } };
       }
       const { kind, text } = await keep_labels(this.board, change);
       answer.className = `answer ${kind}`;
       set_text(answer, text);
     };
     return h("form", { class: "pin-name-form", "aria-label": `Name of pin ${pin.label}`, onsubmit: save },
-      h("div", { class: "field text" }, h("label", { for: name.id }, "Name"), name), what_field, turned_field, h("button", {}, "Save"), answer);
+      h("div", { class: "field text" }, h("label", { for: name.id }, "Name"), name), what_field, turned_field,
+      h("div", { class: "field text" }, h("label", { for: icon.id }, "Icon"), icon), h("button", {}, "Save"), answer);
   }
 
   show_panel() {
     const { pin } = this.cells.get(this.opened);
     const { mode, text, told } = this.values.state_of(pin);
+    const { property, value } = this.values.properties.get(pin.number) ?? {};
     const owner = { "": "Free", system: "Used by the board itself" }[pin.owner] ?? `Belongs to the service ${pin.owner}`;
-    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `set to ${text}` : `now ${text}`)].filter(Boolean).join(", ") + ".");
+    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `set to ${text}` : `now ${text}`)].filter(Boolean).join(", ") + "."
+      + (property?.refused ? ` It cannot be set: ${property.refused}.` : ""));
     if (pin.owner !== "") return;
     for (const [each, button] of this.mode_buttons) button.setAttribute("aria-pressed", String(each === mode));
-    const { property, value } = this.values.properties.get(pin.number) ?? {};
-    const key = property && this.may_command && is_simple(property) ? JSON.stringify(property) : "";
+    const key = property && !property.refused && this.may_command && is_simple(property) ? JSON.stringify(property) : "";
     if (this.controls_for !== key) {
       this.controls_for = key;
       this.controls.replaceChildren(key && document.createElement("asip-widget").sets(this.board, property, { use: true }));

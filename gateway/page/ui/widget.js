@@ -94,7 +94,7 @@ class Widget extends Part {
   }
 
   says({ value, at }) {
-    this.value = value ?? undefined;
+    this.value = value;
     this.at = time_of(at) ?? Date.now();
     if (this.series && typeof value === "number") this.series.add(this.at, [this.point(value)]);
     this.show();
@@ -127,17 +127,23 @@ class Widget extends Part {
 
   show_plot(value) { set_text(this.text, value_text(this.property, value) || "–"); }
 
+  two_words(value) {
+    const on = is_on(value);
+    if (on === undefined || typeof value === "boolean") return value_text(this.property, value) || "not known";
+    return on ? "on" : "off";
+  }
+
   show_lamp(value) {
     const on = is_on(value);
     this.light.className = `bulb ${on === undefined ? "unknown" : on ? "on" : "off"}`;
-    set_text(this.text, on === undefined ? "not known" : on ? "on" : "off");
+    set_text(this.text, this.two_words(value));
   }
 
   show_switch(value) {
     this.on = is_on(value) ?? false;
     this.button.setAttribute("aria-checked", String(this.on));
     this.button.classList.toggle("unknown", value === undefined);
-    set_text(this.text, value === undefined ? "not known" : this.on ? "on" : "off");
+    set_text(this.text, this.two_words(value));
   }
 
   show_slider(value) {

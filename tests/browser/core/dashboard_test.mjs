@@ -16,7 +16,7 @@ const property = (id, more) => ({ id, name: id, service: id.split("/")[0], kind:
 
 test("Properties offer what their kind can do", () => {
   assert.deepEqual(texts(offers_of("desk", [property("distance/0", { unit: "cm" })])), ["distance/0 (cm): value", "distance/0 (cm): plot", "distance/0 (cm): lamp"]);
-  const set = { access: "both", write: { command: "write", args: [0, null] } };
+  const set = { access: "both", write: ["write", 0, null] };
   const offers = offers_of("desk", [property("servo/0/angle", { kind: "number", min: 0, max: 180, ...set }), property("io/13", { kind: "switch", type: "boolean", choices: [["off", 0], ["on", 1]], ...set })]);
   assert.deepEqual(offers.map((offer) => offer.widget.kind), ["slider", "value", "switch", "lamp"]);
   assert.deepEqual(offers[0].widget, { kind: "slider", board: "desk", property: "servo/0/angle" });
@@ -42,6 +42,9 @@ test("A board that is gone is named", () => {
   assert.equal(trouble_of(widget, { state: "online" }), "");
   assert.equal(trouble_of({ kind: "stop" }, undefined), "");
   assert.match(trouble_of({ ...widget, property: "io/2" }, { state: "online" }, null), /attic has no io\/2 now/);
+  const refused = { refused: "a command made pin 2 an input" };
+  assert.match(trouble_of({ kind: "switch", board: "attic" }, { state: "online" }, refused), /cannot be set: a command made pin 2 an input/);
+  assert.equal(trouble_of(widget, { state: "online" }, refused), "", "what is read is read");
   assert.equal(title_of({ kind: "value", board: "a", property: "b/0" }), "a b/0");
   assert.equal(title_of({ kind: "value", board: "a", property: "b/0" }, { name: "Front" }), "Front");
 });

@@ -60,6 +60,10 @@ test("Properties_SayHowOutputsStand_AndMeaningsTurnInputs", () => {
   assert.deepEqual([values.state_of(pins[13]).text, values.state_of(pins[13]).told], ["on", true]);
   assert.deepEqual([values.state_of(pins[2]).text, values.state_of(pins[2]).told], ["on", false]);
   assert.deepEqual([values.state_of(pins[10]).text, values.state_of(pins[10]).level], ["51", 0.2]);
+  values.stands([{ id: "io/2", kind: "binary", meaning: { class: "button" } }, { id: "io/10", kind: "sensor" }],
+    new Map([["io/2", { value: true, how: "reported", events: [[1, "press"], [2, "double"]] }], ["io/10", { value: null, how: "reported" }]]));
+  assert.equal(values.state_of(pins[2]).text, "pressed, double");
+  assert.equal(values.state_of(pins[10]).text, "none");
   values.stands([output], new Map([["io/13", { unknown: "restart" }]]));
   assert.equal(values.state_of(pins[13]).text, "");
   assert.deepEqual(values.state_of(pins[2]), { mode: "input", text: "", level: undefined, told: false }, "what nobody uses floats, and says nothing");

@@ -3,9 +3,9 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { elements_of, is_on, is_simple, place_in, range_of, value_text } from "../../../gateway/page/core/properties.js";
 
-const switch_of = (off, on) => ({ id: "io/13", service: "io", kind: "switch", choices: [["off", off], ["on", on]], write: { command: "write", args: [13, null] } });
-const angle = (n) => ({ id: `servo/${n}/angle`, service: "servo", kind: "number", type: "integer", min: 0, max: 180, unit: "degrees", write: { command: "write", args: [n, null] } });
-const lamp = { id: "io/5", service: "io", kind: "light", max: 255, write: { command: "pwm", args: [5, null] } };
+const switch_of = (off, on) => ({ id: "io/13", service: "io", kind: "switch", choices: [["off", off], ["on", on]], write: ["write", 13, null] });
+const angle = (n) => ({ id: `servo/${n}/angle`, service: "servo", kind: "number", type: "integer", min: 0, max: 180, unit: "degrees", write: ["write", n, null] });
+const lamp = { id: "io/5", service: "io", kind: "light", max: 255, write: ["pwm", 5, null] };
 
 test("Elements_AreThoseThatTheBoardHas", () => {
   assert.deepEqual(elements_of([angle(1), angle(0), { id: "servo/stop", service: "servo" }]), [0, 1]);
@@ -20,7 +20,8 @@ test("NotKnown_IsNeitherOffNorZero", () => {
   assert.equal(is_on({ on: true }), true);
   assert.equal(place_in(undefined), undefined);
   assert.equal(place_in({ on: false }), 0);
-  assert.equal(value_text(angle(0), null), "");
+  assert.equal(value_text(angle(0), undefined), "");
+  assert.equal(value_text(angle(0), null), "none");
 });
 
 test("Values_AreInWords", () => {
@@ -28,6 +29,11 @@ test("Values_AreInWords", () => {
   assert.equal(value_text(switch_of(0, 1), true), "on");
   assert.equal(value_text(lamp, { on: true, brightness: 128 }), "50%");
   assert.equal(value_text(lamp, { on: false }), "off");
+  const of_class = (name) => ({ ...switch_of(1, 0), kind: "binary", meaning: { class: name } });
+  assert.deepEqual(["button", "door", "moisture", "motion", "fan"].flatMap((name) => [true, false].map((on) => value_text(of_class(name), on))),
+    ["pressed", "released", "open", "closed", "wet", "dry", "detected", "clear", "on", "off"]);
+  assert.equal(value_text(of_class("button"), true, [[7, "press"], [8, "hold"]]), "pressed, hold");
+  assert.equal(value_text(of_class("button"), false, [[8, "hold"], [9, "release"]]), "released");
 });
 
 test("OneControlSaysAll_OfSwitchesLampsAndNumbersOfFewSteps", () => {
