@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/application.hpp"
 
+#include <boost/asio/post.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
@@ -14,6 +16,7 @@ namespace {
 namespace log = program::log;
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
+constexpr std::size_t kMaxUnsent = 64;  // messages; beyond, questions wait here and not answers
 
 Instant now() {
     return {Clock::now(), text::wall_now()};
@@ -95,7 +98,10 @@ mqtt::Client::Handlers Application::handlers() {
     };
     result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
     result.on_message = [this](const mqtt::Message& received) { message(received); };
-    result.on_published = [this](const std::string& topic) { registry_->published(topic); };
+    result.on_published = [this](const std::string& topic) {
+        registry_->published(topic);
+        schedule_turn();
+    };
     result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
         registry_->denied(topic, reason, now());
     };
@@ -125,6 +131,7 @@ void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
 
 void Application::message(const mqtt::Message& received) {
     registry_->message(received, now());
+    schedule_turn();
     if (!registry_->id_taken_by() || status_ != 0) return;
     log::error("another registry uses this id; give this one another with --id",
                {{"id", options_.id}, {"its epoch", *registry_->id_taken_by()}});
@@ -138,8 +145,21 @@ void Application::schedule_tick() {
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error || stopping_) return;
         registry_->tick(now());
+        schedule_turn();
         notify();
         schedule_tick();
+    });
+}
+
+/// Behind what the connection has to read: it goes on reading while questions wait.
+void Application::schedule_turn() {
+    if (!registry_->questions_wait() || client_->counters().queued >= kMaxUnsent) return;
+    if (std::exchange(turn_scheduled_, true)) return;
+    boost::asio::post(io_, [this] {
+        turn_scheduled_ = false;
+        if (stopping_) return;
+        registry_->answer_in_turn(now());
+        schedule_turn();
     });
 }
 

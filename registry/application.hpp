@@ -33,6 +33,7 @@ class Application {
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
     void schedule_tick();
+    void schedule_turn();
     void notify();
     void stop();
     void end();
@@ -46,6 +47,7 @@ class Application {
     std::unique_ptr<mqtt::Client> client_;
     std::unique_ptr<Webhook> webhook_;
     bool notify_fault_logged_ = false;
+    bool turn_scheduled_ = false;
     program::BrokerLog broker_log_;
     int status_ = 0;
     bool stopping_ = false;

@@ -27,9 +27,10 @@ class FirstState {
     void begin(std::string mark, Time now) {
         mark_ = std::move(mark);
         until_ = now + kRetainedTime;
-        // The mark is sent first: the announcements that answer the probe come behind it.
-        publish(topics_.registry_query(id_), mark_);
-        publish(topics_.probe(), {});
+        // The mark is sent first: the announcements that answer the probe come behind it. A broker drops
+        // messages of QoS 0 for a reader whose queue is full.
+        publish(topics_.registry_query(id_), mark_, 1);
+        publish(topics_.probe(), {}, 0);
     }
     /// The connection is lost.
     void end() { mark_.clear(); }
@@ -47,10 +48,11 @@ class FirstState {
     }
 
   private:
-    void publish(std::string topic, std::string payload) {
+    void publish(std::string topic, std::string payload, int qos) {
         mqtt::Message message;
         message.topic = std::move(topic);
         message.payload = std::move(payload);
+        message.qos = qos;
         publish_(std::move(message));
     }
     void whole() {

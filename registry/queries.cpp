@@ -10,6 +10,14 @@ namespace {
 constexpr std::size_t kMaxForgottenAtOnce = 1000;
 constexpr std::size_t kEnvelopeBytes = 1024;  // of an answer beside its items, and more than enough
 
+bool fits(const bus::Answer& answer, std::size_t max_bytes) {
+    return max_bytes == 0 || bus::encode(answer).size() + kEnvelopeBytes <= max_bytes;
+}
+
+std::size_t half(std::size_t limit) {
+    return std::max<std::size_t>(1, std::min(limit, bus::Query::kMaxPage) / 2);
+}
+
 bus::Answer refusal(std::string reason, std::string error) {
     bus::Answer answer;
     answer.refused = std::move(reason);
@@ -40,7 +48,15 @@ void Queries::answer(const Request& request, std::size_t max_bytes, const Done& 
     const auto& query = std::get<bus::Query>(request);
     if (query.find != bus::Find::kHistory) return done(complete(find(query, max_bytes)));
     if (!keeps_history()) return done(refuse_history());
-    dependencies_.history(query, [this, done](bus::Answer page) { done(complete(std::move(page))); });
+    history(query, max_bytes, done);
+}
+
+void Queries::history(bus::Query query, std::size_t max_bytes, const Done& done) {
+    dependencies_.history(query, [this, query, max_bytes, done](bus::Answer page) mutable {
+        if (fits(page, max_bytes) || query.limit == 1) return done(complete(std::move(page)));
+        query.limit = half(query.limit);
+        history(std::move(query), max_bytes, done);
+    });
 }
 
 bus::Answer Queries::refuse_history() const {
@@ -54,10 +70,8 @@ bus::Answer Queries::find(bus::Query query, std::size_t max_bytes) {
                                            ? models(query)
                                            : dependencies_.catalogue.find(query, dependencies_.now());
         if (!answer) return refusal("invalid", answer.error());
-        if (max_bytes == 0 || query.limit == 1 || bus::encode(*answer).size() + kEnvelopeBytes <= max_bytes) {
-            return std::move(*answer);
-        }
-        query.limit = std::max<std::size_t>(1, std::min(query.limit, bus::Query::kMaxPage) / 2);
+        if (query.limit == 1 || fits(*answer, max_bytes)) return std::move(*answer);
+        query.limit = half(query.limit);
     }
 }
 

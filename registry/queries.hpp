@@ -48,6 +48,7 @@ class Queries {
 
   private:
     bus::Answer find(bus::Query query, std::size_t max_bytes);
+    void history(bus::Query query, std::size_t max_bytes, const Done& done);
     bus::Answer models(const bus::Query& query) const;
     bus::Answer forget(const bus::Forget& forget);
     bus::Answer complete(bus::Answer answer) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/query_endpoint.hpp"
 
-#include "asip/bus/request/request_envelope.hpp"
+#include "asip/bus/request/refusal_reasons.hpp"
 
 namespace asip::registry {
 namespace {
@@ -13,6 +13,16 @@ constexpr std::size_t kMaxLater = 1000;
 bool wants_history(const Queries::Request& request) {
     const auto* query = std::get_if<bus::Query>(&request);
     return query != nullptr && query->find == bus::Find::kHistory;
+}
+
+/// ROOT/reply/USER/registry/CLIENT: USER. A broker without users has them all under one name.
+std::string asker_of(const std::string& topic) {
+    constexpr std::string_view kReply = "/reply/";
+    const auto begin = topic.find(kReply);
+    if (begin == std::string::npos) return topic;
+    const auto user =
+        topic.substr(begin + kReply.size(), topic.find('/', begin + kReply.size()) - begin - kReply.size());
+    return user.starts_with('$') ? topic : user;
 }
 
 mqtt::Message message_of(bus::Answer answer, const bus::ReplyTo& reply) {
@@ -31,15 +41,15 @@ std::optional<QueryEndpoint::Question> QueryEndpoint::read(const mqtt::Message& 
     const auto envelope = bus::open_envelope(message);
     const bus::ReplyTo reply = envelope ? envelope->reply : envelope.error().reply;
     if (message.retain || !reply.wanted() || !may_answer_(reply.topic)) return std::nullopt;
-    const auto refuse = [&](const std::string& error) {
-        publish(queries_.refuse("invalid", error), reply);
+    const auto invalid = [&](const std::string& error) {
+        refuse("invalid", error, reply);
         return std::nullopt;
     };
-    if (!envelope) return refuse(envelope.error().error);
+    if (!envelope) return invalid(envelope.error().error);
     if (envelope->form != bus::RequestEnvelope::Form::kJson)
-        return refuse("a query is a JSON object, such as {\"find\":\"boards\"}");
+        return invalid("a query is a JSON object, such as {\"find\":\"boards\"}");
     auto request = bus::read_registry_request(envelope->object);
-    if (!request) return refuse(request.error());
+    if (!request) return invalid(request.error());
     return Question{reply, std::move(*request)};
 }
 
@@ -53,28 +63,61 @@ void QueryEndpoint::request(const mqtt::Message& message, bool to_any, Time now)
     const auto& [reply, request] = *question;
     const auto* forget = std::get_if<bus::Forget>(&request);
     if (forget != nullptr && !forget->dry_run && !forget_topic_.empty())
-        return publish(queries_.refuse("denied", "where the broker knows its users, a registry is asked on " +
-                                                     forget_topic_ + " to forget a board"),
-                       reply);
+        return refuse("denied",
+                      "where the broker knows its users, a registry is asked on " + forget_topic_ +
+                          " to forget a board",
+                      reply);
     if (to_any && wants_history(request) && !queries_.keeps_history()) {
         later_.push_back({now + kOthersFirst, message_of(queries_.refuse_history(), reply)});
         return;
     }
-    queries_.answer(request, max_bytes_,
-                    [this, to = reply](bus::Answer answer) { publish(std::move(answer), to); });
+    take(*question);
+}
+
+void QueryEndpoint::take(Question question) {
+    auto& waiting = wants_history(question.request) ? of_history_ : waiting_;
+    const bool now = waiting.empty() && answered_ < kAtOnce && !(&waiting == &of_history_ && reads_history_);
+    if (now) return answer(question);
+    const auto asker = asker_of(question.reply.topic);
+    const auto left = waiting.push(asker, std::move(question));
+    if (left)
+        refuse(std::string(bus::kRefusedQueueFull), "too many questions of this asker wait; ask again later",
+               left->reply);
+}
+
+void QueryEndpoint::refuse(std::string reason, std::string error, const bus::ReplyTo& reply) {
+    auto& told = refused_[asker_of(reply.topic)];
+    if (refused_.size() > kMaxRefused || ++told > kMaxRefused) return;
+    publish(queries_.refuse(std::move(reason), std::move(error)), reply);
+}
+
+void QueryEndpoint::answer(const Question& question) {
+    ++answered_;
+    const bool history = wants_history(question.request);
+    if (history) reads_history_ = true;
+    queries_.answer(question.request, max_bytes_, [this, history, to = question.reply](bus::Answer answer) {
+        if (history) reads_history_ = false;
+        publish(std::move(answer), to);
+    });
+}
+
+void QueryEndpoint::turn() {
+    answered_ = 0;
+    if (!waiting_.empty()) answer(waiting_.pop());
+    if (!of_history_.empty() && !reads_history_) answer(of_history_.pop());
 }
 
 void QueryEndpoint::forget(const mqtt::Message& message) {
     const auto question = read(message);
     if (!question) return;
     if (!std::holds_alternative<bus::Forget>(question->request))
-        return publish(queries_.refuse("invalid", R"(a request to forget is such as {"forget":"uno1"})"),
-                       question->reply);
-    queries_.answer(question->request, max_bytes_,
-                    [this, to = question->reply](bus::Answer answer) { publish(std::move(answer), to); });
+        return refuse("invalid", R"(a request to forget is such as {"forget":"uno1"})", question->reply);
+    take(*question);
 }
 
 void QueryEndpoint::tick(Time now) {
+    turn();
+    refused_.clear();
     for (; !later_.empty() && (now >= later_.front().due || later_.size() > kMaxLater); later_.pop_front())
         publish_(std::move(later_.front().answer));
 }

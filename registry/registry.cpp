@@ -86,8 +86,13 @@ Queries::Dependencies Registry::query_dependencies(model::ModelSet models) {
 }
 
 std::vector<Registry::Subscription> Registry::subscriptions() const {
-    // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain.
-    return {{service_bus(), 0, true},
+    // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain. Only
+    // what is read: what anybody may retain below the service bus, such as demands, would fill our queue.
+    return {{topics_.board_names(), 0, true},
+            {topics_.service_names("+"), 0, true},
+            {topics_.state("+"), 0, true},
+            {topics_.description("+"), 0, true},
+            {topics_.commands("+"), 0, false},
             {topics_.registry_stats(id_), 0, true},
             {topics_.registry_state(id_), 0, true},
             {topics_.any_registry_query(), 1, false},
@@ -340,6 +345,11 @@ void Registry::denied(const std::string& topic, const std::string& reason, Insta
         "the broker's access rules do not let this registry clear what is left of a board; nothing more is "
         "cleared for an hour. Allow its user to write there, or clear it as a user who may: asipctl forget --leftovers",
         {{"topic", topic.substr(0, 200)}, {"reason", reason}});
+}
+
+void Registry::answer_in_turn(Instant now) {
+    now_ = now;
+    endpoint_.turn();
 }
 
 void Registry::tick(Instant now) {

@@ -51,6 +51,9 @@ class Registry {
     /// The broker accepted, or denied, a message with quality of service 1 on this topic.
     void published(const std::string& topic) { tidier_.published(topic); }
     void denied(const std::string& topic, const std::string& reason, Instant now);
+    /// Whether questions wait for their turn, which comes once the program has read what came meanwhile.
+    bool questions_wait() const { return endpoint_.waits(); }
+    void answer_in_turn(Instant now);
     /// Call ten times a second, also while not connected.
     void tick(Instant now);
     /// The last message before the end.
@@ -67,7 +70,6 @@ class Registry {
   private:
     Catalogue::Options catalogue_options(const RegistryOptions& options, const model::ModelSet& models);
     Queries::Dependencies query_dependencies(model::ModelSet models);
-    std::string service_bus() const { return topics_.root() + "/servicebus/#"; }
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic);
     void refused(const mqtt::Message& message, std::string_view board, Refusal refusal);
     void identity(const mqtt::Message& message);

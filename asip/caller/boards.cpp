@@ -59,12 +59,15 @@ Caller::Mark Caller::mark_retained() {
     const auto topic = replies().below("mark" + std::to_string(++marks_)).own();
     Mark mark;
     mark.at_ = std::make_shared<std::optional<Time>>();
-    mark.subscription_ = subscribe(topic, [this, at = mark.at_](const mqtt::Message&) {
-        if (!*at) *at = now_;
-    });
+    mark.subscription_ = subscribe(topic,
+                                   [this, at = mark.at_](const mqtt::Message&) {
+                                       if (!*at) *at = now_;
+                                   },
+                                   {.qos = 1});
     mqtt::Message message;
     message.topic = topic;
     message.payload = "mark";
+    message.qos = 1;  // of QoS 0 it would overtake messages of QoS 1 that wait
     publish(std::move(message));
     return mark;
 }

@@ -235,16 +235,10 @@ void HistoryKeeper::restore_boards() {
 
 void HistoryKeeper::find(bus::Query query, Found found) {
     if (!fault_.empty()) return found(no_history(fault_));
-    if (waiting_queries_ == kMaxWaitingQueries) {
-        return found(
-            refused_page("too-many", "too many queries of the history wait already; ask again later"));
-    }
     write_waiting();
-    ++waiting_queries_;
     auto answer = std::make_shared<Expected<bus::Answer>>(asip::fail(""));
     run([query = std::move(query), answer](History& history, const auto*) { *answer = history.find(query); },
         [this, answer, found = std::move(found), attempt = attempt_](const auto& outcome) {
-            --waiting_queries_;
             if (!outcome.fault.empty()) {
                 if (attempt == attempt_) take(outcome);
                 return found(no_history(outcome.fault));

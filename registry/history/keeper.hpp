@@ -34,7 +34,6 @@ class HistoryKeeper {
     /// How far writing may fall behind; changes beyond are dropped and counted.
     static constexpr std::size_t kMaxUnwrittenRows = 200'000;
     static constexpr std::size_t kMaxUnwrittenBytes = 96u << 20;
-    static constexpr std::size_t kMaxWaitingQueries = 64;
     static constexpr Duration kFirstRetry = std::chrono::seconds(1);
     static constexpr Duration kMaxRetry = std::chrono::minutes(1);
 
@@ -57,7 +56,7 @@ class HistoryKeeper {
     /// Call a few times a second.
     void tick(const Catalogue& catalogue, Instant now);
 
-    /// `found` is called later, with a page or a refusal ("invalid", "no-history", "too-many").
+    /// `found` is called later, with a page or a refusal ("invalid", "no-history").
     void find(bus::Query query, Found found);
 
     std::size_t dropped_rows() const { return dropped_rows_; }
@@ -95,7 +94,6 @@ class HistoryKeeper {
     std::size_t waiting_bytes_ = 0;
     std::deque<Batch> writing_;  // handed to the other thread
     std::uint64_t attempt_ = 0;  // outcomes of an earlier one have been dealt with
-    std::size_t waiting_queries_ = 0;
     std::size_t dropped_rows_ = 0;
     std::size_t dropped_before_ = 0;  // when the file was in order
     std::string fault_;

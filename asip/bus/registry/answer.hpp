@@ -35,7 +35,7 @@ struct Answer {
     std::vector<std::string> models;     ///< service models, each a JSON object as text
     std::vector<std::string> forgotten;  ///< board names
     std::string cursor;                  ///< for the next page; empty: this was the last
-    /// A word for programs: "invalid", "alive", "unknown-board", "no-history", "too-many"; empty: not
+    /// A word for programs: "invalid", "alive", "unknown-board", "no-history", "queue-full"; empty: not
     /// refused.
     std::string refused;
     std::string error;  ///< the reason in a sentence for a person

@@ -113,6 +113,50 @@ TEST(Registry, ForgottenBoard_LeavesNoRetainedTopicBehind) {
         EXPECT_EQ(message.topic.find("uno1"), std::string::npos) << message.topic;
 }
 
+TEST(Registry, BesideMoreJunkThanItsQueueHolds_IsCompleteWhenItSaysSo) {
+    MosquittoBroker broker{{.extra_lines = {"max_queued_bytes 1000000"}}};
+    BusProbe probe(broker.port(), {"nothing"});
+    const auto junk = [&](int begin) {
+        for (int i = begin; i < begin + 40; ++i)
+            probe.publish("asip/servicebus/board" + std::to_string(i) + "/$demand/eve/c",
+                          std::string(50'000, 'x'), true);
+    };
+    junk(0);
+    for (int i = 0; i < 80; ++i) {
+        const std::string board = "board" + std::to_string(i);
+        probe.publish(announcement(board, description_text(board, "a", 1), 600));
+    }
+    junk(40);
+    ASSERT_TRUE(wait_until([&] { return probe.all_acknowledged(); }));
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.process().wait_for_errors("catalogue is complete.*boards=80"))
+        << registry.process().errors();
+}
+
+TEST(Registry, FloodOfQuestions_OthersAreAnsweredInTime_AndTheConnectionStays) {
+    MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.complete());
+    BusProbe boards(broker.port(), {"nothing"});
+    for (int i = 0; i < 2000; ++i) {
+        const std::string board = "board" + std::to_string(i);
+        boards.publish(announcement(board, description_text(board, "a", 1), 600));
+    }
+    BusProbe probe(broker.port(), {"nothing"});
+    ASSERT_TRUE(becomes(probe, "board1999", "online"));
+    BusProbe flood(broker.port(), {"asip/reply/eve/#"});
+    for (int i = 0; i < 20'000; ++i)
+        flood.publish("asip/registry/query",
+                      R"({"find":"boards","limit":1000,"reply_to":"asip/reply/eve/registry/)" +
+                          std::to_string(i % 9) + R"("})");
+    const auto began = std::chrono::steady_clock::now();
+    ASSERT_TRUE(ask(probe, R"({"find":"boards","limit":1})")) << registry.process().errors();
+    EXPECT_LT(std::chrono::steady_clock::now() - began, time_limit(std::chrono::seconds(5)));
+    EXPECT_TRUE(flood.wait_for(
+        [](const mqtt::Message& answer) { return answer.payload.find("queue-full") != std::string::npos; }));
+    EXPECT_EQ(registry.process().errors().find("connection lost"), std::string::npos);
+}
+
 TEST(Registry, Flood_NothingIsLostAndQueriesAreStillAnswered) {
     MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};  // as in the configuration that is
                                                                          // shipped

@@ -111,6 +111,7 @@ TEST_F(BoardTest, Mark_PassesOnceItHasComeBack) {
     auto mark = caller->mark_retained();
     EXPECT_FALSE(mark.passed());
     ASSERT_EQ(sent.size(), 1u);
+    EXPECT_EQ(sent[0].qos, 1) << "it must not overtake messages of QoS 1";
     pass(7ms);
     receive(sent[0].topic, sent[0].payload);
     EXPECT_EQ(mark.passed_at(), now);

@@ -19,13 +19,15 @@ class FirstStateTest : public testing::Test {
     int complete = 0;
     FirstState first{
         bus::Topics(), "r1",
-        [this](const mqtt::Message& message) { sent.push_back(message.topic + ' ' + message.payload); },
+        [this](const mqtt::Message& message) {
+            sent.push_back(message.topic + ' ' + message.payload + " " + std::to_string(message.qos));
+        },
         [this] { ++complete; }};
 };
 
 TEST_F(FirstStateTest, MarkComesBack_StateIsWholeOnce) {
     first.begin("aa", now);
-    EXPECT_THAT(sent, ElementsAre("asip/registry/r1/query aa", "asip/servicebus/$probe "));
+    EXPECT_THAT(sent, ElementsAre("asip/registry/r1/query aa 1", "asip/servicebus/$probe  0"));
     EXPECT_FALSE(first.mark("bb")) << "a query";
     EXPECT_TRUE(first.active());
     EXPECT_TRUE(first.mark("aa"));

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "messages.hpp"
@@ -88,6 +89,130 @@ TEST_F(HistoryQuestion, ToOneThatKeepsNone_IsRefusedAtOnce) {
     const auto answers = ask(false, false);
     EXPECT_THAT(answers.at_once, ElementsAre("no-history"));
     EXPECT_THAT(answers.later, IsEmpty());
+}
+
+TEST(WaitingQuestionsTest, AskersTakeTurns_AndWhoAsksMuchWaitsForItself) {
+    WaitingQuestions<std::string> waiting;
+    for (int i = 0; i < 3; ++i)
+        EXPECT_FALSE(waiting.push("eve", "eve" + std::to_string(i)));
+    EXPECT_FALSE(waiting.push("ann", "ann0"));
+    std::vector<std::string> order;
+    while (!waiting.empty())
+        order.push_back(waiting.pop());
+    EXPECT_THAT(order, ElementsAre("eve0", "ann0", "eve1", "eve2"));
+}
+
+TEST(WaitingQuestionsTest, MoreThanItsShare_IsGivenBack_AndAFullOneMakesRoomForOthers) {
+    using Waiting = WaitingQuestions<std::string>;
+    Waiting waiting;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < 2 * Waiting::kMax; ++i)
+        left += waiting.push("eve" + std::to_string(i % 40), "eve").has_value();
+    EXPECT_EQ(left, Waiting::kMax) << "kMax have a place";
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(waiting.push("ann", "ann"), "eve") << "the one with most loses one";
+    std::size_t turns = 0;
+    while (waiting.pop() != "ann")
+        ++turns;
+    EXPECT_LE(turns, 40U);
+    for (std::size_t i = 0; i < Waiting::kMaxOfAsker; ++i)
+        waiting.push("bob", "bob");
+    EXPECT_EQ(waiting.push("bob", "one more"), "one more");
+}
+
+/// Boards whose whole descriptions take more than one packet, and a history of long rows.
+class LongAnswers : public testing::Test {
+  protected:
+    LongAnswers() {
+        for (int i = 0; i < 600; ++i) {
+            const auto board = description("uno" + std::to_string(i));
+            catalogue.apply(board.view(), at(0s));
+        }
+        dependencies.history = [this](const bus::Query& query, const Queries::Done& done) {
+            reads.push_back(query.limit);
+            if (reads_later) return later.push_back(done);
+            bus::Answer page;
+            page.find = bus::Find::kHistory;
+            page.history.resize(query.limit);
+            for (auto& row : page.history)
+                row.request = std::string(1000, 'x');
+            done(std::move(page));
+        };
+    }
+    mqtt::Message question(const std::string& text, const std::string& answers) {
+        mqtt::Message message;
+        message.payload = text;
+        message.response_topic = answers;
+        return message;
+    }
+
+    Catalogue catalogue;
+    Queries::Dependencies dependencies{catalogue, [] { return instant(at(0s)); }, [] { return 0; }, {}, {}};
+    std::vector<std::size_t> reads;
+    bool reads_later = false;
+    std::vector<Queries::Done> later;
+    std::vector<mqtt::Message> said;
+};
+
+TEST_F(LongAnswers, NoneIsLongerThanOurBrokersTake_WhateverTheBrokerSays) {
+    Queries queries("r1", dependencies);
+    for (const std::size_t told : {std::size_t{0}, std::size_t{1} << 20, std::size_t{100'000}}) {
+        QueryEndpoint endpoint(
+            queries, [this](mqtt::Message answer) { said.push_back(std::move(answer)); },
+            [](const std::string&) { return true; });
+        endpoint.set_max_bytes(told);
+        const auto limit = std::min(told == 0 ? bus::kBrokerPacketBytes : told, bus::kBrokerPacketBytes);
+        for (const auto* text : {R"({"find":"boards","limit":1000})", R"({"find":"boards","full":true})",
+                                 R"({"find":"history","limit":1000})"}) {
+            said.clear();
+            endpoint.request(question(text, "answers"), false, at(0s));
+            ASSERT_EQ(said.size(), 1U);
+            EXPECT_LE(said[0].payload.size(), limit) << text;
+            EXPECT_GT(said[0].payload.size(), limit / 5) << text;
+        }
+    }
+}
+
+TEST_F(LongAnswers, FloodOfAnAsker_IsRefused_AndOthersAreAnsweredInTheirTurn) {
+    Queries queries("r1", dependencies);
+    QueryEndpoint endpoint(
+        queries, [this](mqtt::Message answer) { said.push_back(std::move(answer)); },
+        [](const std::string&) { return true; });
+    // One user with many clients; the other user has one.
+    for (int i = 0; i < 500; ++i)
+        endpoint.request(question(R"({"find":"boards"})", "asip/reply/eve/registry/" + std::to_string(i)),
+                         false, at(0s));
+    const auto refused = std::count_if(said.begin(), said.end(), [](const auto& answer) {
+        return answer.payload.find("queue-full") != std::string::npos;
+    });
+    EXPECT_EQ(refused, 64) << "more is not told before the next tick";
+    endpoint.request(question(R"({"find":"boards"})", "asip/reply/ann/registry/1"), false, at(0s));
+    said.clear();
+    endpoint.turn();
+    endpoint.turn();
+    ASSERT_EQ(said.size(), 2U);
+    EXPECT_EQ(said[1].topic, "asip/reply/ann/registry/1");
+    while (endpoint.waits())
+        endpoint.turn();
+    EXPECT_EQ(said.size(), 33U);
+}
+
+TEST_F(LongAnswers, OneQuestionOfTheHistoryIsReadAtATime_AndDelaysNoOthers) {
+    reads_later = true;
+    Queries queries("r1", dependencies);
+    QueryEndpoint endpoint(
+        queries, [this](mqtt::Message answer) { said.push_back(std::move(answer)); },
+        [](const std::string&) { return true; });
+    for (int i = 0; i < 5; ++i)
+        endpoint.request(question(R"({"find":"history"})", "asip/reply/eve/registry/1"), false, at(0s));
+    endpoint.request(question(R"({"find":"boards"})", "asip/reply/ann/registry/1"), false, at(0s));
+    EXPECT_EQ(said.size(), 1U) << "the boards";
+    endpoint.tick(at(1s));
+    EXPECT_EQ(reads.size(), 1U);
+    later[0]({});
+    endpoint.tick(at(1s));
+    EXPECT_EQ(said.size(), 2U);
+    EXPECT_EQ(reads.size(), 2U);
 }
 
 /// The answer of a registry that knows the standard models.
