@@ -16,6 +16,7 @@ namespace {
 namespace log = program::log;
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
+constexpr int kReadingShare = 4;
 constexpr std::size_t kMaxUnsent = 64;  // messages; beyond, questions wait here and not answers
 
 Instant now() {
@@ -131,6 +132,7 @@ void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
 
 void Application::message(const mqtt::Message& received) {
     registry_->message(received, now());
+    arrived_ = true;
     schedule_turn();
     if (!registry_->id_taken_by() || status_ != 0) return;
     log::error("another registry uses this id; give this one another with --id",
@@ -151,14 +153,19 @@ void Application::schedule_tick() {
     });
 }
 
-/// Behind what the connection has to read: it goes on reading while questions wait.
+/// Behind what the connection has to read. While more comes, reading gets kReadingShare times what the last
+/// answer took, so that a flood of costly questions does not pile up in front of others.
 void Application::schedule_turn() {
     if (!registry_->questions_wait() || client_->counters().queued >= kMaxUnsent) return;
     if (std::exchange(turn_scheduled_, true)) return;
     boost::asio::post(io_, [this] {
         turn_scheduled_ = false;
         if (stopping_) return;
+        const auto begin = Clock::now();
+        if (std::exchange(arrived_, false) && begin < reads_until_) return schedule_turn();
         registry_->answer_in_turn(now());
+        const auto end = Clock::now();
+        reads_until_ = end + kReadingShare * (end - begin);
         schedule_turn();
     });
 }

@@ -48,6 +48,8 @@ class Application {
     std::unique_ptr<Webhook> webhook_;
     bool notify_fault_logged_ = false;
     bool turn_scheduled_ = false;
+    bool arrived_ = false;  // since the last turn
+    Time reads_until_{};
     program::BrokerLog broker_log_;
     int status_ = 0;
     bool stopping_ = false;

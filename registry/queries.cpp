@@ -2,6 +2,7 @@
 #include "registry/queries.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace asip::registry {
@@ -10,12 +11,13 @@ namespace {
 constexpr std::size_t kMaxForgottenAtOnce = 1000;
 constexpr std::size_t kEnvelopeBytes = 1024;  // of an answer beside its items, and more than enough
 
-bool fits(const bus::Answer& answer, std::size_t max_bytes) {
-    return max_bytes == 0 || bus::encode(answer).size() + kEnvelopeBytes <= max_bytes;
-}
-
-std::size_t half(std::size_t limit) {
-    return std::max<std::size_t>(1, std::min(limit, bus::Query::kMaxPage) / 2);
+/// How many items a page may have that fits, judged by this one, which had up to `limit`; nothing: it does.
+std::optional<std::size_t> limit_that_fits(const bus::Answer& page, std::size_t limit,
+                                           std::size_t max_bytes) {
+    const auto bytes = max_bytes == 0 ? 0 : bus::encode(page).size() + kEnvelopeBytes;
+    if (bytes <= max_bytes || limit == 1) return std::nullopt;
+    limit = std::min(limit, bus::Query::kMaxPage);
+    return std::max<std::size_t>(1, std::min(limit - 1, limit * max_bytes / bytes * 9 / 10));
 }
 
 bus::Answer refusal(std::string reason, std::string error) {
@@ -53,8 +55,9 @@ void Queries::answer(const Request& request, std::size_t max_bytes, const Done& 
 
 void Queries::history(bus::Query query, std::size_t max_bytes, const Done& done) {
     dependencies_.history(query, [this, query, max_bytes, done](bus::Answer page) mutable {
-        if (fits(page, max_bytes) || query.limit == 1) return done(complete(std::move(page)));
-        query.limit = half(query.limit);
+        const auto smaller = limit_that_fits(page, query.limit, max_bytes);
+        if (!smaller) return done(complete(std::move(page)));
+        query.limit = *smaller;
         history(std::move(query), max_bytes, done);
     });
 }
@@ -70,8 +73,9 @@ bus::Answer Queries::find(bus::Query query, std::size_t max_bytes) {
                                            ? models(query)
                                            : dependencies_.catalogue.find(query, dependencies_.now());
         if (!answer) return refusal("invalid", answer.error());
-        if (query.limit == 1 || fits(*answer, max_bytes)) return std::move(*answer);
-        query.limit = half(query.limit);
+        const auto smaller = limit_that_fits(*answer, query.limit, max_bytes);
+        if (!smaller) return std::move(*answer);
+        query.limit = *smaller;
     }
 }
 
