@@ -2,10 +2,14 @@
 // Events late and in any order: each event of a flow or of a broker at each moment of a connection. Nothing ends Node-RED, each message of a flow is
 // done once, and the next connection serves.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import test from 'node:test';
 import { Broker, Flow } from './flow.mjs';
 
 const description = { board: 'desk', session: 's', seq: 1, lease: 60, state: { is: 'online' }, services: [{ name: 'servo', model: 'servo@1' }, { name: 'distance', model: 'distance@1' }] };
+const { list } = JSON.parse(readFileSync(new URL('../../tests/vectors/properties.json', import.meta.url)));
+const told = { ...list, session: 's' };
+const values = (seq, number) => ({ version: 1, board: 'desk', session: 's', seq, values: { 'io/5': { value: true, how: 'reported', age: 0, events: [[number, 'press']] } } });
 const soon = () => new Promise(setImmediate);
 
 async function until(condition, what, seconds = 6) {
@@ -57,9 +61,11 @@ async function rigAt(moment) {
     rig.brokers.at(-1).emit('connect');
     rig.brokers.at(-1).hello(rig);
     rig.brokers.at(-1).tell('asip/servicebus/desk/$description', description);
+    rig.brokers.at(-1).tell('asip/servicebus/desk/$properties', told, true);
   };
   for (const [id, type, more] of [['turn', 'asip-command', { service: 'servo', command: 'write', timeout: 0.2 }], ['out', 'asip-pin-out', { pin: '13', restore: true }],
-    ['in', 'asip-pin-in', { pin: '2' }], ['value', 'asip-value', { service: 'distance', initial: true }], ['boards', 'asip-boards', {}]]) rig.add({ id, type, board: 'desk', ...more });
+    ['in', 'asip-pin-in', { pin: '2' }], ['value', 'asip-value', { service: 'distance', initial: true }], ['boards', 'asip-boards', {}],
+    ['button', 'asip-property-in', { property: 'io/5' }], ['plug', 'asip-property-out', { property: 'io/13', timeout: 0.2 }]]) rig.add({ id, type, board: 'desk', ...more });
   await MOMENTS[moment](rig);
   return rig;
 }
@@ -92,7 +98,7 @@ const EVENTS = {
     await new Promise((done) => { rig.nodes.get('turn')?.emit('close', done) ?? done(); });
     if (rig.nodes.has('turn')) rig.add({ id: 'turn', type: 'asip-command', board: 'desk', service: 'servo', command: 'write', timeout: 0.2 });
   },
-  'messages': (rig) => { for (const id of ['turn', 'out']) if (rig.nodes.has(id)) for (const payload of [[0, 1], true, 'on', 5n, null, { toString: 1 }]) rig.ask(id, { payload }); },
+  'messages': (rig) => { for (const id of ['turn', 'out', 'plug']) if (rig.nodes.has(id)) for (const payload of [[0, 1], true, 'on', 5n, null, { toString: 1 }]) rig.ask(id, { payload }); },
   'messages, then the flow ends': async (rig) => { for (let at = 0; at < 5; at += 1) if (rig.nodes.has('turn')) rig.ask('turn', { payload: [0, at] }); await closeAll(rig); },
   'a node whose outputs throw': (rig) => {
     const node = rig.nodes.get('turn');
@@ -111,6 +117,9 @@ const EVENTS = {
   'late error with a code': first((broker) => broker.emit('error', Object.assign(new Error('late'), { code: 132 }))),
   'late value': first((broker) => broker.tell('asip/desk/distance/out', { distance: [1, 2] })),
   'late description': first((broker) => broker.tell('asip/servicebus/desk/$description', { ...description, seq: 2 })),
+  'late list': first((broker) => broker.tell('asip/servicebus/desk/$properties', told, true)),
+  'late values': first((broker) => { for (const seq of [7, 8, 6]) broker.tell('asip/desk/$values', values(seq, seq), seq === 7); }),
+  'cleared list and values': first((broker) => { for (const topic of ['asip/servicebus/desk/$properties', 'asip/desk/$values']) broker.tell(topic, ''); }),
   'late answers': first((broker) => broker.answerAll()),
   'late answers twice': first((broker) => { broker.answerAll(); broker.answerAll(); }),
 };
@@ -129,6 +138,11 @@ async function serves(rig) {
   rig.sent.length = 0;
   rig.brokers.at(-1).tell('asip/desk/distance/out', { distance: [5, 6] });
   assert.ok(rig.sent.some(([id, msg]) => id === 'value' && msg.payload[0] === 5), 'a value that comes');
+  rig.brokers.at(-1).tell('asip/servicebus/desk/$properties', { ...told, seq: 1e6 });
+  rig.brokers.at(-1).tell('asip/desk/$values', values(1e6, 1e6));
+  assert.ok(rig.sent.some(([id, msg, output]) => id === 'button' && msg.payload === 'press' && output === 1), 'a button that is pressed');
+  rig.ask('plug', { payload: true });
+  await until(() => { rig.brokers.at(-1).answerAll(); return rig.brokers.at(-1).sent.some(([, request]) => request.write?.[0] === 13); }, 'a property that is set');
 }
 
 const strange = [];

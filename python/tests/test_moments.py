@@ -10,9 +10,14 @@ import unittest.mock
 
 import asip
 from asip.bus import Bus
+from asip.service import Watch
 from asip.settings import Settings
 from asip.testing import eventually
 
+LIST = {"version": 1, "board": "desk", "session": "s", "seq": 1, "properties": [
+    {"id": "io/2", "name": "Pin 2", "service": "io", "kind": "binary", "type": "boolean", "access": "read", "choices": [["off", 1], ["on", 0]], "read": "/digital/2",
+     "meaning": {"class": "button"}}]}
+VALUES = {"version": 1, "board": "desk", "session": "s", "seq": 2, "values": {"io/2": {"value": True, "how": "reported", "age": 0, "events": [[1, "press"]]}}}
 DESCRIPTION = {"board": "desk", "session": "s", "seq": 1, "lease": 60, "state": {"is": "online", "age": 0},
                "services": [{"name": "servo", "model": "servo@1"}, {"name": "distance", "model": "distance@1"}, {"name": "io", "model": "io@1"}]}
 
@@ -22,7 +27,7 @@ class HandLink:
 
     def __init__(self, rig, _broker, _settings, _id, v5, on_up, on_down, on_message, on_denied):
         self.rig, self.v5, self.on_up, self.on_down, self.on_message, self.on_denied = rig, v5, on_up, on_down, on_message, on_denied
-        self.sent, self.closed = [], False
+        self.sent, self.closed, self.frozen = [], False, False
         rig.links.append(self)
 
     def start(self):
@@ -49,13 +54,15 @@ class HandLink:
         self.tell(self.rig.bus._engine.session.topics.own(), b"hello")
 
     def tell(self, topic, payload, retained=False):
+        if self.frozen:  # it says nothing, and its connection does not even end
+            return
         self.on_message(topic, payload if isinstance(payload, bytes) else json.dumps(payload).encode(), retained, None)
 
     def answer_all(self):
         for topic, payload in [*self.sent]:
             request = json.loads(payload) if payload.startswith(b"{") else {}
             if "reply_to" in request:
-                self.tell(request["reply_to"], {"id": request["id"], "status": "ok", "proof": "fence"})
+                self.tell(request["reply_to"], {"id": request["id"], "status": "ok", "proof": "fence", **({"answer": {**LIST, **VALUES}} if "list" in request else {})})
 
 
 class Rig:
@@ -101,6 +108,7 @@ MOMENTS = {
     "accepted": lambda rig: rig.link.up(),
     "serving": lambda rig: rig.serve(),
     "asked": lambda rig: (rig.serve(), rig.call(lambda: rig.bus.board("desk").servo.write(0, 90)), eventually(lambda: any(b"write" in one for _, one in rig.link.sent))),
+    "frozen": lambda rig: (rig.serve(), setattr(rig.link, "frozen", True)),
     "lost": lambda rig: (rig.serve(), rig.link.on_down("cut", "other")),
     "closed": lambda rig: (rig.serve(), rig.bus.close()),
 }
@@ -129,6 +137,11 @@ EVENTS = {
     "read": lambda rig: rig.call(lambda: rig.bus.board("desk").distance.read()),
     "pin": lambda rig: rig.call(lambda: rig.bus.board("desk").pin(13).on()),
     "pin read": lambda rig: rig.call(lambda: rig.bus.board("desk").pin(13).read()),
+    "property read": lambda rig: rig.call(lambda: rig.bus.board("desk")["io/2"].read()),
+    "property write": lambda rig: rig.call(lambda: rig.bus.board("desk")["io/2"].write(True)),
+    "properties": lambda rig: rig.call(lambda: rig.bus.board("desk").properties),
+    "events of a button": lambda rig: rig.call(lambda: next(rig.bus.board("desk")["io/2"].events(timeout=0.4))),
+    "function for a button": lambda rig: rig.call(lambda: rig.bus.board("desk")["io/2"].on_event(raises(SystemExit(3)))),
     "query": lambda rig: rig.call(lambda: rig.bus.query({"find": "boards"})),
     "boards": lambda rig: rig.call(rig.bus.boards),
     "stop": lambda rig: rig.call(lambda: rig.bus.stop("desk")),
@@ -146,6 +159,8 @@ EVENTS = {
     "late end, again": late(lambda link: (link.on_down("late", "closed"), link.on_down("late", "silent"))),
     "late value": late(lambda link: link.tell("asip/desk/distance/out", {"distance": [1, 2]})),
     "late description": late(lambda link: link.tell("asip/servicebus/desk/$description", DESCRIPTION, True)),
+    "late list": late(lambda link: link.tell("asip/servicebus/desk/$properties", LIST, True)),
+    "late values": late(lambda link: [link.tell("asip/desk/$values", {**VALUES, "seq": seq}, seq == 2) for seq in (2, 3, 1)]),
     "late answer": late(lambda link: link.answer_all()),
     "late denial": late(lambda link: link.on_denied("python-x-1")),
     "garbage": lambda rig: (rig.bus._of("desk"), gc.collect()),
@@ -181,6 +196,8 @@ class Moments(unittest.TestCase):
 
     def serves(self, rig):
         """The connection that there is, or the next one, serves a command."""
+        if rig.link.frozen:  # until its keep-alive ends it
+            rig.link.on_down("silent", "other")
         with rig.engine._lock:
             gone = rig.engine._link is None
         if gone or rig.refuses:
@@ -205,6 +222,13 @@ class Moments(unittest.TestCase):
         rig.bus.board("desk").distance.on_value(seen.append)
         rig.link.tell("asip/desk/distance/out", {"distance": [5, 6]})
         eventually(lambda: [5, 6] in seen)
+        rig.bus.timeout = 5
+        rig.call(lambda: rig.bus.board("desk")["io/2"].on_event(seen.append))
+        asked = rig.calls[-1][1]
+        eventually(lambda: rig.link.answer_all() or asked)
+        self.assertIsInstance(asked[0], Watch)
+        rig.link.tell("asip/desk/$values", {**VALUES, "seq": 10**6, "values": {"io/2": {"value": True, "how": "reported", "age": 0, "events": [[10**6, "hold"]]}}})
+        eventually(lambda: "hold" in seen)
 
     def test_each_event_at_each_moment(self):
         unraisable = []
