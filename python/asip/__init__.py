@@ -11,6 +11,7 @@
 
 Importing the package opens no connection. `asip.aio` has the same names for asyncio, `asip.testing` a bus in memory.
 """
+# Type checkers know the name TYPE_CHECKING, which each module sets itself: importing `typing` would be a fifth of what this package adds to paho.
 from ._version import __version__
 from .board import Board
 from .bus import Bus, connect

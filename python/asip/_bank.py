@@ -8,12 +8,15 @@ import fnmatch
 import threading
 import time
 from concurrent.futures import Future, TimeoutError as FutureTimeout
-from typing import Any, Callable, Mapping
 
 from . import _wait, errors
 from ._followed import Followed
 from ._properties import Standing, Told, Value
 from .service import Service
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable, Mapping
 
 INPUT, PULLUP, OUTPUT, ANALOG, PWM = 1, 2, 3, 4, 5
 _AGENT_SECONDS = 0.7      # within what time an agent answers a question; then it is asked again

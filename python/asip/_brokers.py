@@ -8,9 +8,11 @@ took MQTT 5 before is not suspected. Where 3.1.1 fails in the same way the versi
 """
 from __future__ import annotations
 
-from typing import Sequence
-
 from .settings import Broker
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Sequence
 
 _CLOSED_UNTIL_311 = 2
 _SILENT_UNTIL_311 = 1

@@ -10,7 +10,10 @@ import collections
 import logging
 import threading
 import time
-from typing import Any, Callable
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable
 
 log = logging.getLogger("asip")
 MAX_WAITING = 10_000

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from concurrent.futures import Future
-from typing import Any, Callable
 
 from . import _envelope, errors
 from ._catalogue import Catalogue
@@ -12,9 +11,13 @@ from ._clock import Clocks
 from ._entry import THERE
 from ._topics import Topics
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable
+    Sink = Callable[..., None]
+
 ANSWER_GRACE = 0.5  # how long an answer may take behind the deadline that the agent was told
 MAX_OPEN_CALLS = 4096
-Sink = Callable[..., None]
 
 
 class Action:

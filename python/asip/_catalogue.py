@@ -8,12 +8,15 @@ only: the lease is over. A renewed description changes no state.
 from __future__ import annotations
 
 import re
-from typing import Any
 
 from . import _description, _model
 from ._description import STATES
 from ._entry import NEVER, THERE, WORDS, Challenger, Entry
 from ._topics import valid_board
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 # `$state` is published with this expiry, in seconds: what is left of it says how old a retained one is.
 _STATE_EXPIRY = 3_000_000_000

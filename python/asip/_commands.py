@@ -5,12 +5,15 @@ from __future__ import annotations
 import threading
 import time
 from concurrent.futures import Future
-from typing import Any, Mapping, Sequence
 
 from . import _model, _wait, errors
 from ._calls import Call
 from ._followed import Followed
 from ._session import Hold
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Mapping, Sequence
 
 
 class Commands:

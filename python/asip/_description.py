@@ -6,9 +6,12 @@ The bounds are those of asip/catalogue and asip/model: a document that these ref
 from __future__ import annotations
 
 import re
-from typing import Any
 
 from ._topics import valid_board, valid_name
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 STATES = ("online", "sleeping", "updating", "offline", "lost")
 DEFAULT_LEASE = 60

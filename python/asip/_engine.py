@@ -15,7 +15,6 @@ import threading
 import time
 import uuid
 import weakref
-from typing import Any, Callable
 
 from . import _wait, errors
 from ._brokers import Brokers
@@ -26,6 +25,10 @@ from ._calls import Action, Call, Drop, Publish, Resolve, Subscribe, Tell, Unsub
 from ._session import Hold, Session
 from ._topics import Topics
 from .settings import Settings
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable
 
 log = logging.getLogger("asip")
 ANSWER_SECONDS = 2.0  # a broker that did not answer by then may know no MQTT 5, or hang

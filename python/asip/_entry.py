@@ -2,9 +2,11 @@
 """What is known of one board, and its words for people. Pure."""
 from __future__ import annotations
 
-from typing import Any
-
 from . import _description
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 THERE = ("online", "sleeping", "updating")
 NEVER = float("-inf")

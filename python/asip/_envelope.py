@@ -9,7 +9,10 @@ from __future__ import annotations
 import json
 import math
 import re
-from typing import Any
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 _decode = json.JSONDecoder().decode
 _MAX_DEPTH = 32

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Protocol
 
 from . import _model, _wait, errors
 from ._description import STATES
 from ._engine import Engine
 from ._entry import THERE, Entry
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Protocol
 
-class Home(Protocol):
-    """The bus of a board."""
+    class Home(Protocol):
+        """The bus of a board."""
 
-    timeout: float
-    _engine: Engine
-    _models: dict[str, _model.Model]
+        timeout: float
+        _engine: Engine
+        _models: dict[str, _model.Model]
 
 
 class Followed:

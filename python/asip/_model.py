@@ -9,10 +9,11 @@ import json
 import keyword
 import math
 import re
-from typing import TYPE_CHECKING, Any, Iterable
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     import inspect
+    from typing import Any, Iterable
 
 _INT32 = (-2**31, 2**31 - 1)
 _MAX_REQUEST_BYTES = 62

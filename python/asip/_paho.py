@@ -10,7 +10,6 @@ import contextlib
 import socket
 import ssl
 import threading
-from typing import Any, Callable
 
 import paho.mqtt.client as mqtt
 from paho.mqtt.packettypes import PacketTypes
@@ -18,6 +17,10 @@ from paho.mqtt.properties import Properties
 
 from . import _wait
 from .settings import Broker, Settings, password_hint
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable
 
 KEEPALIVE_SECONDS = 10
 # MQTT 5 limits what a broker may have under way to us: without it one of QoS 1 messages beyond that waits unseen.

@@ -4,10 +4,13 @@ Pure. tests/vectors/properties.json binds it to the C++ programs, which make the
 from __future__ import annotations
 
 import math
-from typing import Any, Callable
 
 from ._description import whole
 from ._topics import valid_board, valid_name
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable
 
 VERSION = 1
 UNKNOWN = {"never": "nothing was reported or set yet", "restart": "nothing was reported or set since the board came back",

@@ -6,13 +6,16 @@ the actions in their order, on one connection at a time; a call that was sent on
 """
 from __future__ import annotations
 
-from typing import Any
-
 from . import _envelope
-from ._calls import ANSWER_GRACE, Action, Call, Calls, Drop, Publish, Sink, Subscribe, Tell, Unsubscribe
+from ._calls import ANSWER_GRACE, Action, Call, Calls, Drop, Publish, Subscribe, Tell, Unsubscribe
 from ._catalogue import Catalogue
 from ._clock import Clocks
 from ._topics import Topics
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+    from ._calls import Sink
 
 HELLO_SECONDS = 5.0    # within what time a message to ourselves comes back
 DEMAND_LEASE = 15      # seconds

@@ -7,9 +7,12 @@ import sys
 import threading
 import time
 from concurrent.futures import Future, TimeoutError as FutureTimeout
-from typing import Any
 
 from . import errors
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 # On Windows a thread that waits without a limit does not see Ctrl-C before Python 3.14, so it wakes up now and then.
 _SLICE = 0.1 if sys.platform == "win32" else 3600.0

@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 import os
 import threading
-from typing import Any, Iterator, Mapping
 
 from . import _model, _wait, errors
 from ._bank import Bank
-from ._followed import Followed, Home
+from ._followed import Followed
 from ._topics import valid_name
 from .pin import Pin
 from .property import Property
 from .service import Service, class_of
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Iterator, Mapping
+    from ._followed import Home
 
 _standard_models: dict[str, _model.Model] = {}
 

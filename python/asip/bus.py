@@ -6,7 +6,6 @@ import fnmatch
 import threading
 import time
 import weakref
-from typing import Any, Callable, Iterable, TypeVar, overload
 
 from . import _wait, errors
 from ._callbacks import takes
@@ -17,7 +16,11 @@ from .board import Board
 from .service import Watch
 from .settings import Settings, announced, find
 
-B = TypeVar("B", bound=Board)
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable, Iterable, TypeVar, overload
+    B = TypeVar("B", bound=Board)
+
 _REGISTRY_SECONDS = 1.0
 _SEARCH_SECONDS = 1.0
 _ASK_AGAIN_SECONDS = 60.0
@@ -60,10 +63,11 @@ class Bus:
 
     # Boards -------------------------------------------------------------------------------------------------------------
 
-    @overload
-    def board(self, name: str, kind: type[B], *, timeout: float | None = ...) -> B: ...
-    @overload
-    def board(self, name: str, *, timeout: float | None = ...) -> Board: ...
+    if TYPE_CHECKING:
+        @overload
+        def board(self, name: str, kind: type[B], *, timeout: float | None = ...) -> B: ...
+        @overload
+        def board(self, name: str, *, timeout: float | None = ...) -> Board: ...
 
     def board(self, name: str, kind: type[Any] = Board, *, timeout: float | None = None) -> Any:
         """The board of this name, when it is online. NotThere where it is not within `timeout`, with the reason or the nearest

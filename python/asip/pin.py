@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from typing import Any, Callable
 
 from . import _wait, errors
 from ._bank import ANALOG, INPUT, OUTPUT, PULLUP, PWM, Bank
@@ -11,6 +10,10 @@ from ._callbacks import takes
 from ._followed import Followed
 from ._properties import UNKNOWN
 from .service import Service
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable
 
 _WORDS = {"input": INPUT, "input-pullup": PULLUP, "output": OUTPUT, "analog": ANALOG, "pwm": PWM}
 

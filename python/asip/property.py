@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Callable, Mapping
 
 from . import _model, _wait, errors
 from ._bank import Bank
@@ -12,6 +11,10 @@ from ._followed import Followed
 from ._properties import UNKNOWN, Told
 from .service import Service, Watch
 from .stream import Stream
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable, Mapping
 
 _ASK_AGAIN_SECONDS = 0.25
 _EVENT = _model.Event("", {"name": "event"})

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Sequence
 
 from . import _model, _wait, errors
 from ._callbacks import takes
 from ._commands import Commands, Held
 from ._followed import Followed
 from .stream import Reading, Stream, Watch
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable, Iterator, Sequence
 
 # Names that stay ours where a model has a command of the same name: service.command("read") reaches that one.
 _OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "on_value", "hold", "begin", "plot")

@@ -13,24 +13,32 @@ from __future__ import annotations
 import logging
 import os
 import urllib.parse
-from typing import Any, Mapping, NamedTuple
 
 from . import errors
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Mapping
 
 log = logging.getLogger("asip")
 DEFAULT = "the default"
 _SCHEMES = {"": None, "mqtt": False, "tcp": False, "mqtts": True, "ssl": True}
 
 
-class Broker(NamedTuple):
+class Broker:
     """`tls` None: TLS is used where a certificate authority is given."""
 
-    host: str
-    port: int
-    tls: bool | None = None
+    def __init__(self, host: str, port: int, tls: bool | None = None):
+        self.host, self.port, self.tls = host, port, tls
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Broker) and self.__dict__ == other.__dict__
+
+    def __repr__(self) -> str:
+        return f"Broker({self.host!r}, {self.port}, {self.tls})"
 
     @staticmethod
-    def parse(text: str) -> "Broker":
+    def parse(text: str) -> Broker:
         """`HOST`, `HOST:PORT`, `mqtt://HOST:PORT` or `mqtts://HOST`. Raises ValueError, without any password in its text."""
         scheme, _, rest = text.strip().rpartition("://")
         shown = f"{scheme}://...@{rest.rsplit('@', 1)[1]}" if "@" in rest else text
@@ -51,18 +59,17 @@ class Broker(NamedTuple):
         return Broker(parts.hostname, port or (8883 if tls else 1883), tls)
 
 
-class Settings(NamedTuple):
+class Settings:
     """How the bus is reached. `source` says where that was read, for error texts."""
 
-    brokers: tuple[Broker, ...] = (Broker("127.0.0.1", 1883),)
-    user: str | None = None
-    password: str | None = None
-    ca: str | None = None
-    ca_text: str | None = None
-    certificate: str | None = None
-    key: str | None = None
-    root: str = "asip"
-    source: str = DEFAULT
+    def __init__(self, brokers: tuple[Broker, ...] = (Broker("127.0.0.1", 1883),), user: str | None = None, password: str | None = None,
+                 ca: str | None = None, ca_text: str | None = None, certificate: str | None = None, key: str | None = None,
+                 root: str = "asip", source: str = DEFAULT):
+        self.brokers, self.user, self.password, self.ca, self.ca_text = brokers, user, password, ca, ca_text
+        self.certificate, self.key, self.root, self.source = certificate, key, root, source
+
+    def replace(self, **changes: Any) -> Settings:
+        return Settings(**{**self.__dict__, **changes})
 
     def __repr__(self) -> str:
         """Without the password: what is shown in a notebook is copied into reports."""
@@ -79,9 +86,9 @@ class Settings(NamedTuple):
         """Nothing says where the bus is, and there are no credentials: they are for the broker that they were made for."""
         return self.source == DEFAULT and self.user is None and self.password is None and self.certificate is None and self.ca is None
 
-    def with_tls_decided(self) -> "Settings":
+    def with_tls_decided(self) -> Settings:
         secure = self.ca is not None or self.ca_text is not None
-        return self._replace(brokers=tuple(one._replace(tls=secure if one.tls is None else one.tls) for one in self.brokers))
+        return self.replace(brokers=tuple(Broker(one.host, one.port, secure if one.tls is None else one.tls) for one in self.brokers))
 
 
 def password_hint(password: bytes | None) -> str:
@@ -198,7 +205,7 @@ def find(broker: str | None = None, *, credentials: str | None = None, user: str
         chosen = None if given["broker"] or given["credentials"] else _profile(environment)
         made = chosen or _of_options(given, "the environment" if given["broker"] else DEFAULT)
     changes: dict[str, Any] = {name: value for name, value in (("user", user), ("password", password), ("ca", ca), ("root", root)) if value is not None}
-    return made._replace(**changes).with_tls_decided()
+    return made.replace(**changes).with_tls_decided()
 
 
 def announced(settings: Settings, seconds: float, environment: Mapping[str, str] = os.environ) -> Settings:
@@ -209,10 +216,10 @@ def announced(settings: Settings, seconds: float, environment: Mapping[str, str]
         return settings
     found = _mdns.search(seconds)
     if not found:
-        return settings._replace(source="the default: no broker is configured, none is on this machine, and none is announced on this network")
+        return settings.replace(source="the default: no broker is configured, none is on this machine, and none is announced on this network")
     every = ", ".join(f"mqtt://{one.host}:{one.port} ({one.name})" for one in found)
     if len(found) > 1:
         raise errors.Disconnected(f"several brokers are announced on this network: {every}; choose one: asip.connect(\"{found[0].host}:{found[0].port}\"), "
                                   "ASIP_BROKER, or asipctl context add", reason="several-brokers")
     log.warning("asip: no broker is configured: using %s, which is announced on this network", every)
-    return settings._replace(brokers=(Broker(found[0].host, found[0].port, False),), source="an announcement on this network")
+    return settings.replace(brokers=(Broker(found[0].host, found[0].port, False),), source="an announcement on this network")

@@ -8,10 +8,30 @@ import logging
 import queue
 import time
 import weakref
-from typing import Any, Callable, Iterator, NamedTuple, Protocol
 
 from . import _model, _wait, errors
 from ._followed import Followed
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Callable, NamedTuple, Protocol
+
+    class Source(Protocol):
+        """A service whose values come."""
+
+        name: str
+        board: Followed
+        updated: float | None
+
+        def _watched(self, sink: Callable[..., None], hz: float) -> Watch: ...
+        def _how_to_report(self) -> str: ...
+
+    class Reading(NamedTuple):
+        """One value: plain Python, its unit, and when it came, in seconds as `time.time()`."""
+
+        value: Any
+        unit: str
+        at: float
 
 # A loop that is woken for each of many values does little else. So where values that are kept come faster than one in
 # _FAST_SECONDS, it takes those of _GATHER_SECONDS together.
@@ -33,26 +53,11 @@ class Watch:
             cancel()
 
 
-class Source(Protocol):
-    """A service whose values come."""
-
-    name: str
-    board: Followed
-    updated: float | None
-
-    def _watched(self, sink: Callable[..., None], hz: float) -> Watch: ...
-    def _how_to_report(self) -> str: ...
+if not TYPE_CHECKING:
+    Reading = collections.namedtuple("Reading", "value unit at")
 
 
-class Reading(NamedTuple):
-    """One value: plain Python, its unit, and when it came, in seconds as `time.time()`."""
-
-    value: Any
-    unit: str
-    at: float
-
-
-class Stream(Iterator[Any]):
+class Stream:
     """The iterator that `service.stream()` returns. It begins to listen at once, and ends with `close()`, with the end of a
     `with` block, or when nothing refers to it any more. `dropped` counts values that newer ones replaced."""
 
@@ -166,7 +171,10 @@ class Stream(Iterator[Any]):
             self._watch.cancel()
             self._bell.put(None)
 
-    def __enter__(self) -> "Stream":
+    def __iter__(self) -> Stream:
+        return self
+
+    def __enter__(self) -> Stream:
         return self
 
     def __exit__(self, *_: Any) -> None:
