@@ -107,6 +107,8 @@ inline constexpr std::string_view kComponents = R"json({
   "Command": {"type": "object", "required": ["id", "target", "by", "at", "request"], "properties": {
     "id": {"type": "string"}, "target": {"type": "string"}, "by": {"type": "string"}, "at": {"type": "string"},
     "request": {}, "late": {"type": "boolean"}, "answer": {"$ref": "#/components/schemas/CommandAnswer"}}},
+  "BoardNames": {"type": "object", "additionalProperties": false, "properties": {
+    "boards": {"type": "array", "items": {"type": "string"}, "description": "Missing: all that you see"}}},
   "Stopped": {"type": "object", "required": ["boards"], "properties": {
     "boards": {"type": "object", "additionalProperties": {"$ref": "#/components/schemas/CommandAnswer"}}}},
   "Models": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {

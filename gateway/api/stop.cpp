@@ -68,16 +68,47 @@ void send_resume(const Call& call, const std::string& board, Commands::Done done
     call.gateway.command(std::move(start), std::move(done));
 }
 
-/// Asks each board and answers when all have answered.
-void ask_all(const Call& call, const std::vector<std::string>& boards,
-             void (*send)(const Call&, const std::string&, Commands::Done)) {
+using Send = void (*)(const Call&, const std::string&, Commands::Done);
+
+/// Asks each board and answers when all have answered; `known` is what is known before.
+void ask_all(const Call& call, const std::vector<std::string>& boards, Send send,
+             json known = json::object()) {
     auto answers = std::make_shared<Answers>(call.reply);
+    answers->boards = std::move(known);
     answers->missing = boards.size();
     if (boards.empty()) return answers->send();
     for (const auto& board : boards) {
         send(call, board,
              [answers, board](const CommandRecord& record) { answers->answered(board, *record.reply); });
     }
+}
+
+/// The boards that the body names; nothing where it names none, which is all that the client sees.
+Expected<std::optional<std::vector<std::string>>> named_boards(const Call& call) {
+    std::optional<std::vector<std::string>> names;
+    const auto& text = call.request.body;
+    if (text.empty()) return names;
+    const auto body = model::parse_json(text, {.max_bytes = text.size(), .max_depth = 3});
+    if (!body) return fail("the body is not JSON: " + body.error());
+    if (body->is_object() && body->empty()) return names;
+    const auto list = body->is_object() ? body->find("boards") : body->end();
+    if (!body->is_object() || body->size() != 1 || list == body->end() || !list->is_array() ||
+        !std::all_of(list->begin(), list->end(), [](const json& each) { return each.is_string(); }))
+        return fail(R"(the body must be {}, or name boards: {"boards":["uno1","uno2"]})");
+    names = list->get<std::vector<std::string>>();
+    std::sort(names->begin(), names->end());
+    names->erase(std::unique(names->begin(), names->end()), names->end());
+    return names;
+}
+
+void ask_named(const Call& call, std::vector<std::string> names, Send send) {
+    json unknown = json::object();
+    std::erase_if(names, [&](const std::string& name) {
+        if (call.sees(name) && call.gateway.mirror().known(name, call.now())) return false;
+        unknown[name] = {{"status", "refused"}, {"reason", "unknown-board"}, {"error", "no such board"}};
+        return true;
+    });
+    ask_all(call, names, send, std::move(unknown));
 }
 
 }  // namespace
@@ -91,6 +122,9 @@ void post_stop_board(Call& call) {
 
 void post_stop(Call& call) {
     if (!bus_is_there(call)) return;
+    auto names = named_boards(call);
+    if (!names) return send_problem(call, 400, names.error());
+    if (*names) return ask_named(call, std::move(**names), send_stop);
     auto boards = call.gateway.mirror().board_names();
     std::erase_if(boards, [&](const std::string& each) { return !call.sees(each); });
     stop_boards(call, boards);
@@ -119,6 +153,9 @@ void post_resume_board(Call& call) {
 // Those that are stopped, and have an agent that hears it.
 void post_resume(Call& call) {
     if (!bus_is_there(call)) return;
+    auto names = named_boards(call);
+    if (!names) return send_problem(call, 400, names.error());
+    if (*names) return ask_named(call, std::move(**names), send_resume);
     std::vector<std::string> stopped;
     for (auto& board : call.gateway.mirror().board_names()) {
         const auto item = call.gateway.mirror().known(board, call.now());

@@ -32,6 +32,30 @@ async function attempt(name, task, wait) {
   }
 }
 
+const kBodyBytes = 60_000;
+
+/// The names as lists, each of which fits into the body of one request.
+export function lists_of(names, most = kBodyBytes) {
+  const lists = [];
+  let bytes = most;
+  for (const name of names) {
+    bytes += name.length + 3;
+    if (bytes > most) {
+      lists.push([]);
+      bytes = name.length + 3;
+    }
+    lists.at(-1).push(name);
+  }
+  return lists;
+}
+
+/// What the answer to one request for these boards says, as for_each_board() says it.
+export function result_of(names, answer) {
+  const failed = names.map((name) => [name, answer?.boards?.[name]]).filter(([, of_board]) => of_board?.status !== "ok")
+    .map(([name, of_board]) => [name, of_board?.error ?? "no proof in time"]);
+  return { done: names.length - failed.length, failed };
+}
+
 /// "Done on 3 boards.", or what failed where.
 export function many_text({ done, failed }) {
   if (failed.length === 0) return `Done on ${done} ${done === 1 ? "board" : "boards"}.`;

@@ -2,7 +2,7 @@
 // What can be done with the boards that are selected in the table: stop them, resume them, label them, send them a command.
 import { command_order } from "../core/form.js";
 import { parse_assignments } from "../core/labels.js";
-import { for_each_board, many_text } from "../core/many.js";
+import { for_each_board, lists_of, many_text, result_of } from "../core/many.js";
 import { plural, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import "./command.js";
@@ -22,7 +22,7 @@ class Selection extends Part {
     this.count = h("strong", {});
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     const button = (text, work, more = {}) => h("button", { onclick: work, ...more }, text);
-    this.stops = [button("Stop", () => this.ask_each("stop"), { class: "stop" }), button("Resume", () => this.ask_each("resume"))];
+    this.stops = [button("Stop", () => this.ask_all("stop"), { class: "stop" }), button("Resume", () => this.ask_all("resume"))];
     this.send = button("Send …", () => this.open(() => this.send_form()));
     this.labels = button("Label …", () => this.open(() => this.label_form()));
     this.panel = h("div", { class: "selection-panel" });
@@ -57,13 +57,17 @@ class Selection extends Part {
     return { ...result, status: result.failed.length === 0 ? "ok" : "error", kind: result.failed.length === 0 ? "ok" : "error", text: many_text(result) };
   }
 
-  async ask_each(what) {
-    const { kind, text } = await this.each(async (name) => {
-      const answer = await request(path_of("boards", name, what), { method: "POST", body: {} });
-      const of_board = answer?.boards?.[name];
-      return of_board?.status === "ok" ? undefined : of_board?.error ?? "no proof in time";
-    });
-    this.tell(kind, text);
+  /// Stops or resumes them: however many they are, the gateway is asked once.
+  async ask_all(what) {
+    const all = { done: 0, failed: [] };
+    this.tell("", "Asked …");
+    for (const names of lists_of(this.picked)) {
+      const result = await request(path_of(what), { method: "POST", body: { boards: names } }).then(
+        (answer) => result_of(names, answer), (problem) => ({ done: 0, failed: names.map((name) => [name, problem.message]) }));
+      all.done += result.done;
+      all.failed.push(...result.failed);
+    }
+    this.tell(all.failed.length === 0 ? "ok" : "error", many_text(all));
   }
 
   label_form() {

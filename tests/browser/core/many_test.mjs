@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import test from "node:test";
-import { for_each_board, many_text } from "../../../gateway/page/core/many.js";
+import { for_each_board, lists_of, many_text, result_of } from "../../../gateway/page/core/many.js";
 
 const boards = Array.from({ length: 100 }, (_, i) => `b${i}`);
 const wait = () => Promise.resolve();
@@ -46,3 +46,20 @@ test("WhatFails_IsNamedWithItsReason", async () => {
 });
 
 test("NoBoards_IsNothing", async () => assert.deepEqual(await for_each_board([], () => assert.fail()), { done: 0, failed: [] }));
+
+test("ThousandBoards_AreOneList_AndLongNamesAreAsManyAsFit", () => {
+  const thousand = Array.from({ length: 1000 }, (_, i) => `student-${i}`);
+  assert.deepEqual(lists_of(thousand), [thousand]);
+  assert.deepEqual(lists_of([]), []);
+  const long = Array.from({ length: 1000 }, (_, i) => String(i).padStart(64, "x"));
+  const lists = lists_of(long);
+  assert.equal(lists.length, 2);
+  assert.deepEqual(lists.flat(), long);
+  for (const names of lists) assert.ok(JSON.stringify({ boards: names }).length <= 65536);
+});
+
+test("OneAnswerForManyBoards_IsReadAsThatOfEach", () => {
+  const answer = { boards: { a: { status: "ok" }, b: { status: "refused", error: "no such board" } } };
+  assert.deepEqual(result_of(["a", "b", "c"], answer), { done: 1, failed: [["b", "no such board"], ["c", "no proof in time"]] });
+  assert.deepEqual(result_of(["a"], undefined), { done: 0, failed: [["a", "no proof in time"]] });
+});

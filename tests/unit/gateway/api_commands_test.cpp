@@ -196,6 +196,37 @@ TEST_F(ApiTest, StopOfAllBehindAllCommandsThatMayWait_IsTheNextMessageOfEachBoar
                                              "asip/c-lost/$stop"));
 }
 
+TEST_F(ApiTest, StopOfNamedBoards_StopsThoseInOneRequest_AndNamesTheUnknown) {
+    for (const char* board : {"a", "b", "c"})
+        announce(board);
+    const auto before = published_.size();
+    const auto asked = ask("POST", "/api/stop", R"({"boards":["c","a","nowhere","a"]})");
+    ASSERT_EQ(published_.size(), before + 2) << "of each board one";
+    EXPECT_EQ(published_[before].topic, "asip/a/$stop");
+    EXPECT_EQ(published_[before + 1].topic, "asip/c/$stop");
+    EXPECT_EQ(asked->status(), 0) << "it waits for the boards";
+    EXPECT_EQ(ask("POST", "/api/resume", R"({"boards":["b"]})")->status(), 0);
+    EXPECT_EQ(published_.back().topic, "asip/b/in");
+
+    const auto unknown = ask("POST", "/api/stop", R"({"boards":["nowhere"]})");
+    EXPECT_EQ(unknown->status(), 207);
+    EXPECT_EQ(unknown->body()["boards"]["nowhere"]["reason"], "unknown-board");
+    EXPECT_EQ(ask("POST", "/api/stop", R"({"boards":[]})")->body()["boards"], json::object());
+}
+
+TEST_F(ApiTest, StopWithABodyThatNamesBoardsWrongly_IsRefusedAndStopsNoBoard) {
+    announce("a");
+    const auto before = published_.size();
+    for (const char* body :
+         {R"({"boards":"a"})", R"({"boards":[7]})", R"({"board":["a"]})", R"(["a"])", "a"}) {
+        for (const char* path : {"/api/stop", "/api/resume"})
+            EXPECT_EQ(ask("POST", path, body)->status(), 400) << path << " " << body;
+    }
+    EXPECT_EQ(published_.size(), before);
+    ask("POST", "/api/stop", "{}");
+    EXPECT_EQ(published_.size(), before + 1) << "the next one stops all";
+}
+
 TEST_F(ApiTest, QueueToTheBrokerFull_AWebSocketIsAnsweredAtOnce) {
     announce();
     const auto socket = ask("GET", "/api/stream", "",

@@ -211,6 +211,9 @@ TEST_F(LimitedApi, TokenLimitedToServices_StopsAndResumesNoWholeBoard) {
     EXPECT_EQ(as_anna("GET", "/api/status")->body()["you"]["stop"], true);
     as_anna("POST", "/api/boards/uno1/stop", "{}");
     EXPECT_EQ(published_.size(), 1u) << "of whole boards";
+    announce("uno2");
+    const auto two = as_anna("POST", "/api/stop", R"({"boards":["uno1","uno2"]})");
+    EXPECT_EQ(published_.size(), 2u) << "of uno1 alone: uno2 is as if it were not there";
     gateway_->gate().set_tokens(*Tokens::parse("admin anna " + hash_of("do") + " services=servo\n"));
     EXPECT_EQ(as_anna("DELETE", "/api/boards/uno1")->status(), 403) << "a board is forgotten as a whole";
 }
