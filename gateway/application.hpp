@@ -62,4 +62,8 @@ class Application {
 /// the service's group, alone. The exit status; what is wrong is printed, and then the file is as it was.
 int make_token(const TokenRequest& request);
 
+/// `asip-gateway export`: the installed service shows its boards to another system from now on, or does not
+/// any more. The exit status; what is wrong is printed, and then the file is as it was.
+int switch_export(const ExportSwitch& request);
+
 }  // namespace asip::gateway

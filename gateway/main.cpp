@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
         auto line = asip::gateway::read_options(argc, argv);
         if (!line) return line.error();
         if (line->token) return asip::gateway::make_token(*line->token);
+        if (line->export_switch) return asip::gateway::switch_export(*line->export_switch);
         if (line->clean) return asip::gateway::clean_exports(line->run.exports, line->run.mqtt);
         asip::gateway::Application application(std::move(line->run));
         return application.run();

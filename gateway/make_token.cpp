@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
-#include <grp.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -18,60 +13,14 @@
 #include "asip/text/printable.hpp"
 #include "gateway/application.hpp"
 #include "gateway/dashboard/dashboard.hpp"
+#include "gateway/replaced_file.hpp"
 
 namespace asip::gateway {
 namespace {
 
-constexpr const char* kServiceGroup = "asip";  // as the packages make it
-
 int refuse(const std::string& text) {
     std::cerr << "asip-gateway: " << text << "\n";
     return program::kExitUsage;
-}
-
-// The owner alone may read a new file. Made by root it belongs to the group of the service, too, which
-// runs as a user of its own; a file that was there keeps its owner and its rights.
-struct Owner {
-    uid_t user = geteuid();
-    gid_t group = getegid();
-    mode_t mode = 0600;
-};
-
-Owner owner_of(const std::string& path) {
-    struct stat found{};
-    if (stat(path.c_str(), &found) == 0)
-        return {found.st_uid, found.st_gid, static_cast<mode_t>(found.st_mode & 07777)};
-    Owner owner;
-    const group* service = geteuid() == 0 ? getgrnam(kServiceGroup) : nullptr;
-    if (service != nullptr) owner.group = service->gr_gid, owner.mode = 0640;
-    return owner;
-}
-
-bool write_whole(int file, std::string_view text) {
-    while (!text.empty()) {
-        const auto written = write(file, text.data(), text.size());
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) return false;
-        text.remove_prefix(static_cast<std::size_t>(written));
-    }
-    return true;
-}
-
-// Written beside it and renamed: a program that reads the file meanwhile finds the old one or the new one,
-// whole. The rights are set before anything is in it.
-bool replace(const std::string& path, const std::string& text) {
-    const auto target = std::filesystem::weakly_canonical(path).string();  // a link stays one
-    const auto owner = owner_of(target);
-    std::string draft = target + ".XXXXXX";
-    const int file = mkostemp(draft.data(), O_CLOEXEC);
-    if (file < 0) return false;
-    struct stat made{};
-    const bool same = fstat(file, &made) == 0 && made.st_uid == owner.user && made.st_gid == owner.group;
-    const bool done = (same || fchown(file, owner.user, owner.group) == 0) && fchmod(file, owner.mode) == 0 &&
-                      write_whole(file, text) && fsync(file) == 0;
-    if (close(file) == 0 && done && rename(draft.c_str(), target.c_str()) == 0) return true;
-    unlink(draft.c_str());
-    return false;
 }
 
 // As written in a list: blanks around a name are none of it.
@@ -162,12 +111,14 @@ int make_token(const TokenRequest& request) {
     const auto line = token_line(*rights, hash_of(secret));
     if (const auto check = Tokens::parse(line); !check) return refuse(check.error());
     if (!text.empty() && text.back() != '\n') text += '\n';
-    if (!replace(request.file, text + line + "\n"))
+    if (!replace_file(request.file, text + line + "\n"))
         return refuse("cannot write " + request.file + ": " + std::strerror(errno));
     std::cout << secret << "\n";
     std::cerr << "This token is not shown again. "
-              << (rights->role == Role::kKiosk ? "The link is http://GATEWAY/kiosk/TOKEN/"
-                                               : "Use it as: Authorization: Bearer TOKEN")
+              << (rights->role == Role::kKiosk
+                      ? "The link is http://GATEWAY/kiosk/TOKEN/"
+                      : "Type it at Sign in, on the gateway's page; a program sends it as the "
+                        "header Authorization: Bearer TOKEN")
               << "\n";
     return program::kExitOk;
 }

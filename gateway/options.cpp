@@ -31,6 +31,8 @@ constexpr const char* kExamples =
     "      For the whole network, over TLS, for users who have a token.\n"
     "  asip-gateway --home-assistant\n"
     "      Also shows every board to Home Assistant on the same broker.\n"
+    "  sudo asip-gateway export home-assistant\n"
+    "      The same of the installed service, from now on; --off ends it.\n"
     "  asip-gateway clean home-assistant\n"
     "      Removes from the broker what that left there.\n"
     "  curl http://127.0.0.1:8080/api/boards\n"
@@ -175,6 +177,19 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                       "log-format"});
 }
 
+CLI::App* declare_switch(CLI::App& app, ExportSwitch& request) {
+    auto* command =
+        app.add_subcommand("export", "Let the installed service show every board to another system");
+    command->add_option("system", request.system, "home-assistant, homie or sparkplug")
+        ->required()
+        ->check(CLI::IsMember({"home-assistant", "homie", "sparkplug"}));
+    command->add_option("value", request.value, "PREFIX, DOMAIN or GROUP[/EDGE], as of the option");
+    command->add_flag("--off", request.off, "Not any more");
+    command->add_option("--env", request.file, "The file of the service's environment")
+        ->capture_default_str();
+    return command;
+}
+
 Unexpected<int> usage(const std::string& text) {
     std::cerr << "asip-gateway: " << text << "\nTry asip-gateway --help\n";
     return Unexpected<int>(program::kExitUsage);
@@ -256,6 +271,8 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
                            "A kiosk's: it shows this dashboard and nothing else");
     make_token->add_flag("--control", token.control,
                          "With --dashboard: its switches, sliders and stops may be used, too");
+    ExportSwitch export_switch;
+    auto* exporting = declare_switch(app, export_switch);
     std::string dialect;
     auto* clean = app.add_subcommand("clean", "Remove from the broker what an export left there");
     clean->fallthrough();
@@ -268,6 +285,10 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     if (result.clean) raw.exports.clean = dialect;
     if (make_token->parsed()) {
         result.token = std::make_unique<TokenRequest>(std::move(token));
+        return result;
+    }
+    if (exporting->parsed()) {
+        result.export_switch = std::make_unique<ExportSwitch>(std::move(export_switch));
         return result;
     }
     auto& options = result.run;

@@ -36,10 +36,21 @@ struct TokenRequest {
     bool control = false;   ///< its switches, sliders and stops may be used
 };
 
+/// What is asked of `asip-gateway export SYSTEM [VALUE]`.
+struct ExportSwitch {
+    static constexpr const char* kFile = "/etc/asip/gateway.env";
+
+    std::string system;
+    std::string value;         ///< empty: the usual one
+    std::string file = kFile;  ///< what the service reads its environment from
+    bool off = false;
+};
+
 struct CommandLine {
     ProgramOptions run;
-    std::unique_ptr<TokenRequest> token;  ///< set: make a token and end
-    bool clean = false;                   ///< clear what `run.exports` left on the broker, and end
+    std::unique_ptr<ExportSwitch> export_switch;  ///< set: change the service's file and end
+    std::unique_ptr<TokenRequest> token;          ///< set: make a token and end
+    bool clean = false;                           ///< clear what `run.exports` left on the broker, and end
 };
 
 /// From command line, environment and configuration file. Error: the exit status; the reason was printed.

@@ -54,6 +54,18 @@ TEST_F(GatewayTokens, Made_IsShownOnceKeptHashedAndReadableByItsOwnerOnly) {
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-gateway", "token", "viewr", "lab", "--tokens", file_}).status, 2);
 }
 
+TEST_F(GatewayTokens, Made_SaysWhereItIsTyped) {
+    const auto told = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {ASIP_PROGRAMS "/asip-gateway", "token"});
+        words.insert(words.end(), {"--tokens", file_});
+        return run(words).errors;
+    };
+    EXPECT_THAT(told({"operator", "anna"}), HasSubstr("Type it at Sign in, on the gateway's page"));
+    const auto link = told({"kiosk", "hall", "--boards", "uno1"});
+    EXPECT_THAT(link, HasSubstr("/kiosk/TOKEN/"));
+    EXPECT_THAT(link, testing::Not(HasSubstr("Sign in"))) << "its address is all that a kiosk needs";
+}
+
 TEST_F(GatewayTokens, LastLineWithoutItsEnd_TheNextTokenIsALineOfItsOwn) {
     const auto first = make("viewer", "hall");
     std::ifstream in(file_);
