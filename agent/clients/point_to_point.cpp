@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
-#include <cctype>
 #include <utility>
 
 #include "asip/protocol/request_end.hpp"
@@ -17,8 +16,7 @@ constexpr Duration kRunsLate = std::chrono::milliseconds(100);
 
 std::string half_error(std::string_view half) {
     const auto letter = [&](std::size_t index) {
-        return half.size() > index && std::isalpha(static_cast<unsigned char>(half[index])) ? half[index]
-                                                                                            : '?';
+        return half.size() > index && half[index] > ' ' && half[index] <= '~' ? half[index] : '?';
     };
     return std::string{'~', letter(0), ',', letter(2)} + ",2{UNKNOWN_REQUEST}";
 }

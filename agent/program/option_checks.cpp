@@ -88,14 +88,14 @@ std::string serial_fault(const std::string& port) {
         return "\"" + port + "\" is no path; is it /dev/" + port + "?";
     if (std::filesystem::is_directory(port, error))
         return port + " is a folder; name a port, for example one in /dev/serial/by-id";
-    const auto colon = port.rfind(':');
-    const bool with_rate = colon != std::string::npos && colon + 1 < port.size() &&
-                           port.find_first_not_of("0123456789", colon + 1) == std::string::npos &&
-                           port.find('/', colon) == std::string::npos;
+    const auto behind = port.find_last_of(":,@ ");
+    const bool with_rate = behind != std::string::npos && behind + 1 < port.size() &&
+                           port.find_first_not_of("0123456789", behind + 1) == std::string::npos &&
+                           port.find('/', behind) == std::string::npos;
     // Names of by-path have colons, too; those are there, or will be.
     if (with_rate && port.starts_with("/dev/tty"))
-        return port + ": a rate is given by --baud " + port.substr(colon + 1) + ", behind --serial " +
-               port.substr(0, colon);
+        return port + ": a rate is given by --baud " + port.substr(behind + 1) + ", behind --serial " +
+               port.substr(0, behind);
     return {};
 }
 

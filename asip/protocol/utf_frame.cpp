@@ -1,20 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/protocol/utf_frame.hpp"
 
-#include <algorithm>
-
 namespace asip::protocol {
+
+namespace {
+
+/// The bytes of the character at the beginning of `text`; 0: it is none that Java encodes as UTF-8 does.
+std::size_t character(std::string_view text) {
+    const auto byte = [text](std::size_t at) {
+        return at < text.size() ? static_cast<unsigned char>(text[at]) : 0u;
+    };
+    const auto follows = [&](std::size_t at) { return (byte(at) & 0xC0u) == 0x80u; };
+    const auto lead = byte(0);
+    if (lead < 0x80) return lead == 0 ? 0 : 1;
+    if (lead >= 0xC2 && lead < 0xE0) return follows(1) ? 2 : 0;
+    if (lead < 0xE0 || lead >= 0xF0 || !follows(1) || !follows(2)) return 0;
+    const bool overlong = lead == 0xE0 && byte(1) < 0xA0, surrogate = lead == 0xED && byte(1) >= 0xA0;
+    return overlong || surrogate ? 0 : 3;
+}
+
+}  // namespace
 
 Expected<std::string> encode_utf_frame(std::string_view text) {
     if (text.size() > 0xffff) return fail("text is longer than a frame's 65535 bytes");
-    const bool plain =
-        std::all_of(text.begin(), text.end(), [](unsigned char c) { return c > 0 && c < 0x80; });
-    if (!plain) return fail("text holds NUL or bytes beyond ASCII");
-    std::string frame;
+    std::string frame(2, '\0');
     frame.reserve(text.size() + 2);
-    frame += static_cast<char>(text.size() >> 8);
-    frame += static_cast<char>(text.size() & 0xff);
-    frame += text;
+    while (!text.empty()) {
+        const auto size = character(text);
+        size == 0 ? frame += '?' : frame += text.substr(0, size);
+        text.remove_prefix(size == 0 ? 1 : size);
+    }
+    frame[0] = static_cast<char>((frame.size() - 2) >> 8);
+    frame[1] = static_cast<char>((frame.size() - 2) & 0xff);
     return frame;
 }
 

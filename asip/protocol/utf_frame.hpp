@@ -19,8 +19,8 @@ constexpr bool starts_utf_frame(unsigned char first_byte) {
     return first_byte == 0;
 }
 
-/// One frame with its length. Fails when the text is longer than 65535 bytes or is not ASCII without NUL, as
-/// Java encodes other characters differently.
+/// One frame with its length. A zero, what is beyond U+FFFF, and bytes that are no UTF-8 become `?`: Java
+/// encodes them otherwise. Fails when the text is longer than 65535 bytes.
 Expected<std::string> encode_utf_frame(std::string_view text);
 
 /// Cuts a byte stream into frames, given in pieces of any size. A frame longer than the limit is skipped and

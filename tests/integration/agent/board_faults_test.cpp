@@ -210,6 +210,7 @@ TEST(AgentService, PortThatIsNoPortOfThisMachine_IsRefusedWithWhatToWrite) {
              {"COM3", "/dev/ttyACM0"},
              {"socket://pi:6789", "--tcp pi:6789"},
              {"ttyACM0", "/dev/ttyACM0"},
+             {"/dev/ttyUSB0,115200", "--baud 115200, behind --serial /dev/ttyUSB0"},
              {"/dev/ttyACM0:9600", "--baud 9600, behind --serial /dev/ttyACM0"},
              {"/dev", "/dev is a folder"}}) {
         const auto ended = run({ASIP_PROGRAMS "/asip-agent", "--serial", port});
