@@ -53,7 +53,7 @@ class Broker:
             port = parts.port
         except ValueError as fault:
             raise errors.Invalid(f'broker "{shown}": {fault}') from None
-        if not parts.hostname or parts.path:
+        if not parts.hostname or parts.path or parts.netloc.endswith(":") or port == 0:
             raise errors.Invalid(f'broker "{shown}" is not HOST, HOST:PORT or mqtt://HOST:PORT')
         tls = _SCHEMES[scheme]
         return Broker(parts.hostname, port or (8883 if tls else 1883), tls)

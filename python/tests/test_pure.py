@@ -120,7 +120,8 @@ class Where(unittest.TestCase):
         self.assertEqual(settings.Broker.parse("[2001:db8::1]:99"), settings.Broker("2001:db8::1", 99, None))
 
     def test_mistakes_are_named_without_the_password(self):
-        for text, hint in (("http://x", "only mqtt://"), ("mqtt://ann:secret@pi", "password="), ("2001:db8::1", "brackets"), ("pi:x", "pi:x")):
+        for text, hint in (("http://x", "only mqtt://"), ("mqtt://ann:secret@pi", "password="), ("2001:db8::1", "brackets"), ("pi:x", "pi:x"),
+                           ("pi:0", "is not HOST"), ("pi:", "is not HOST"), ("pi:99999", "range")):
             with self.assertRaises(ValueError) as raised:
                 settings.Broker.parse(text)
             self.assertIn(hint, str(raised.exception))
