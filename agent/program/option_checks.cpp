@@ -120,6 +120,7 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
     if (!raw.tcp.empty()) {
         auto address = parse_framed_address(raw.tcp, {});
         if (!address) return fail("--tcp: " + address.error());
+        if (address->address.port == 0) return fail("--tcp: 0 is not a port (1 to 65535)");
         options.tcp_address = std::move(*address);
     }
     for (const std::string& text : raw.listen) {

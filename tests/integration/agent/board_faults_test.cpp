@@ -182,6 +182,7 @@ TEST(AgentBoard, OverTcp_IsOnlineAndBackWhenItsPortIs) {
 
 TEST(AgentOptions, BadOnes_EndWithStatus2) {
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent"}).status, 2);
+    EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--tcp", "127.0.0.1:0"}).status, 2);
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--name", "a/b"}).status, 2);
     EXPECT_EQ(run({ASIP_PROGRAMS "/asip-agent", "--serial", "/dev/null", "--config",
                    settings_file("reset = maybe\n")})
