@@ -82,11 +82,13 @@ std::vector<std::string> secrets(const WebhookAddress& asked) {
     const auto note = [&](std::string_view part) {
         if (part.size() >= kShort) found.emplace_back(part);
     };
-    for (const auto& all : {asked.target, percent_decoded(asked.target).value_or("")})
+    for (const auto& all : {asked.target, percent_decoded(asked.target).value_or("")}) {
+        note(all);
         for (std::size_t at = 0, end = 0; end != kNone; at = end + 1) {
             end = all.find_first_of(kBetween, at);
             note(std::string_view(all).substr(at, end - at));
         }
+    }
     note(std::string_view(asked.user).substr(asked.user.find(':') + 1));
     note(basic(asked.user));
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
