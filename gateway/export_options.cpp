@@ -7,6 +7,7 @@
 #include "asip/bus/topics.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/printable.hpp"
+#include "asip/text/wall_time.hpp"
 #include "gateway/export/exporter.hpp"
 #include "gateway/export/sparkplug_node.hpp"
 
@@ -61,6 +62,7 @@ Expected<void> home_assistant_of(ExportOptions& raw, bool enabled, ProgramOption
     home.root = options.gateway.topic_root;
     home.version = ASIP_VERSION;
     home.page = page_of(options);
+    home.started = text::iso_time(text::wall_now());
     if (!raw.home_assistant.empty()) home.prefix = raw.home_assistant;
     if (!bus::Topics::valid_root(home.prefix))
         return fail("--home-assistant: \"" + text::printable(home.prefix) + "\" is no beginning of a topic");

@@ -62,6 +62,11 @@ class Dialect {
                                          const std::string& /*on_bus*/) const {
         return {};
     }
+    /// Whether it names the boards.
+    virtual bool lists_boards() const { return false; }
+    /// How the gateway stands, retained beside its document. Empty: it is not told.
+    virtual std::string standing_topic() const { return {}; }
+    virtual std::string standing(std::size_t /*boards_online*/) const { return {}; }
     /// Where the other system says "online" when it starts; empty: nowhere.
     virtual std::string status() const { return {}; }
 

@@ -239,7 +239,7 @@ void Exporter::finish_scan(Time now) {
     }
     if (options_.enabled)
         wanted.insert({dialect().lease(), dialect().sessions(), dialect().gateway_state(),
-                       dialect().gateway_document_topic()});
+                       dialect().gateway_document_topic(), dialect().standing_topic()});
     std::set<std::string> ours;
     for (const auto& place : places(dialect(), holder))
         for (auto& topic : dialect().ours(found, place))
@@ -256,8 +256,12 @@ void Exporter::finish_scan(Time now) {
         if (!dialect().read_only()) port_.subscribe(dialect().commands());
         for (const auto& filter : dialect().watched())
             port_.watch(filter);
-        const auto document = found.find(dialect().gateway_document_topic());
-        gateway_document_ = document == found.end() ? std::string() : document->second;
+        const auto on_bus = [&found](const std::string& topic) {
+            const auto each = found.find(topic);
+            return each == found.end() ? std::string() : each->second;
+        };
+        gateway_document_ = on_bus(dialect().gateway_document_topic());
+        standing_ = on_bus(dialect().standing_topic());
         if (dialect().changing().empty())
             show_gateway();
         else
@@ -268,28 +272,11 @@ void Exporter::finish_scan(Time now) {
     pump(now);
 }
 
-/// Its document, and that it exports.
-void Exporter::show_gateway() {
-    gateway_due_ = false;
-    if (const auto topic = dialect().gateway_document_topic(); !topic.empty()) {
-        std::vector<std::string> boards;
-        for (const auto& [name, record] : records_)
-            boards.push_back(name);
-        std::sort(boards.begin(), boards.end());
-        auto document = dialect().gateway_document(boards, gateway_document_);
-        if (document != gateway_document_) {
-            retain(dialect().gateway_state(), dialect().changing());
-            retain(topic, document);
-            gateway_document_ = std::move(document);
-        }
-    }
-    retain(dialect().gateway_state(), dialect().online());
-}
-
 void Exporter::become_idle(const std::string& why) {
     phase_ = Phase::kIdle;
     turn_.release();
     records_.clear();
+    online_ = 0;
     dirty_.clear();
     later_.clear();
     clear_.clear();
@@ -333,6 +320,7 @@ void Exporter::tick(Time now) {
     }
     dirty_.merge(later_);
     pump(now);
+    show_standing();
 }
 
 void Exporter::leave() {

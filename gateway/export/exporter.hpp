@@ -101,6 +101,7 @@ class Exporter final : public Export {
     void finish_scan(Time now);
     void take_retained(Record& record, Present present, const Dialect::Retained& found, bool same, Time now);
     void show_gateway();
+    void show_standing();
     void show_sessions(Time now);
     /// No state that waits for its turn is of an earlier session on the broker.
     bool states_are_of_their_sessions() const;
@@ -142,6 +143,8 @@ class Exporter final : public Export {
     std::set<std::pair<std::string, std::size_t>> pending_;  // states that wait for their turn
     RetainedScan scan_;
     std::string gateway_document_;    // as it was published
+    std::string standing_;            // likewise
+    std::size_t online_ = 0;          // of the records
     std::uint64_t acknowledged_ = 0;  // messages that are, or will be
     bool gateway_due_ = false;        // its document or its state
     bool sessions_due_ = false;

@@ -32,6 +32,7 @@ void Exporter::put_back(Time now) {
             waiting.insert(topic);
     };
     again(dialect().gateway_document_topic(), gateway_document_);
+    again(dialect().standing_topic(), standing_);
     if (emptied_.erase(dialect().sessions()) > 0) sessions_due_ = true, sessions_at_ = {};
     for (const auto& [name, record] : records_) {
         if (emptied_.empty()) break;
@@ -79,7 +80,8 @@ void Exporter::update(const std::string& name, Time now) {
     if (!present) return remove(name);
     const auto [found, added] = records_.try_emplace(name);
     auto& record = found->second;
-    gateway_due_ = gateway_due_ || (added && !dialect().gateway_document_topic().empty());
+    gateway_due_ = gateway_due_ || (added && dialect().lists_boards());
+    online_ = online_ - (record.there ? 1U : 0U) + (present->there ? 1U : 0U);
     record.there = present->there;
     if (record.session != present->session) {
         record.session = std::move(present->session);
@@ -169,6 +171,7 @@ void Exporter::remove(const std::string& name) {
     const auto found = records_.find(name);
     if (found == records_.end()) return;
     const auto& record = found->second;
+    if (record.there) --online_;
     const auto document = dialect().document_topic(name);
     if (!document.empty() && dialect().last_cleared().empty()) retain(document, {});
     retain(dialect().board_state(name), {});
@@ -179,7 +182,7 @@ void Exporter::remove(const std::string& name) {
     if (!document.empty() && !dialect().last_cleared().empty()) clear_.push_back(document);
     records_.erase(found);
     sessions_due_ = true;
-    gateway_due_ = gateway_due_ || !dialect().gateway_document_topic().empty();
+    gateway_due_ = gateway_due_ || dialect().lists_boards();
     clear_some();
 }
 

@@ -144,6 +144,7 @@ std::string HomeAssistant::document_topic(std::string_view board) const {
 bool HomeAssistant::is_document(const std::string& topic, const std::string& place) const {
     constexpr std::string_view kEnd = "/config";
     const auto begin = place + "/device/" + device_id("");
+    if (topic == place + "/device/" + gateway_id() + std::string(kEnd)) return true;
     return topic.starts_with(begin) && topic.ends_with(kEnd) &&
            topic.find('/', begin.size()) == topic.size() - kEnd.size();
 }
@@ -244,11 +245,7 @@ void HomeAssistant::describe_device(ObjectText& document, const ExportedBoard& b
         if (!board.room.empty()) device.add("sa", board.room);
         if (!options_.page.empty()) device.add("cu", options_.page + "#/board/" + board.board);
     }
-    {
-        auto origin = document.object("o");
-        origin.add("name", "asip-gateway");
-        if (!options_.version.empty()) origin.add("sw", options_.version);
-    }
+    describe_origin(document);
     std::string available = "[";
     ObjectText(available).add("t", gateway_state());
     available += ',';

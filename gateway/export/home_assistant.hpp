@@ -20,6 +20,8 @@ using model::ObjectText;
 /// its properties. Pure: what is published is decided here, when is not.
 ///
 ///     PREFIX/device/ID/config             the document, retained
+///     PREFIX/device/ROOT_gateway/config   the document of the gateway
+///     ROOT/export/ha/$gateway             {"boards":3,"started":"2026-11-27T09:00:00.000Z"}
 ///     ROOT/export/ha/$state               online: the gateway exports; its will says offline
 ///     ROOT/export/ha/BOARD/$state         online: the board is there
 ///     ROOT/export/ha/BOARD/ENTITY         the value
@@ -32,6 +34,7 @@ class HomeAssistant final : public Dialect {
         std::string root = "asip";
         std::string prefix = "homeassistant";
         std::string version;      ///< of the gateway
+        std::string started;      ///< when it did, as in ISO 8601; may be empty
         std::string page;         ///< its address, "http://10.0.0.2:8080/"; empty: it is not known
         bool read_only = false;   ///< nothing can be set
         bool entity_ids = false;  ///< propose the ids of properties: sensor.uno1_distance_0
@@ -51,9 +54,16 @@ class HomeAssistant final : public Dialect {
         return {place + "/device/+/config"};
     }
     std::vector<std::string> ours(const Retained& found, const std::string& place) const override;
-    /// Whether a topic is the document of some board of this bus.
+    /// Whether a topic is the document of some board of this bus, or of its gateway.
     bool is_document(const std::string& topic, const std::string& place) const;
     std::string gateway_state() const override { return base() + "/$state"; }
+    std::string gateway_document_topic() const override {
+        return options_.prefix + "/device/" + gateway_id() + "/config";
+    }
+    std::string gateway_document(const std::vector<std::string>& boards,
+                                 const std::string& on_bus) const override;
+    std::string standing_topic() const override { return base() + "/$gateway"; }
+    std::string standing(std::size_t boards_online) const override;
     std::string status() const override { return options_.prefix + "/status"; }
     std::string board_state(std::string_view board) const override {
         return base() + "/" + std::string(board) + "/$state";
@@ -106,6 +116,8 @@ class HomeAssistant final : public Dialect {
     std::string platform(const Property& property) const;
     bool shown(const Property& property) const;
     std::string device_id(std::string_view board) const;
+    std::string gateway_id() const;  ///< that no board has
+    void describe_origin(ObjectText& document) const;
 
     Options options_;
 };

@@ -47,6 +47,7 @@ class Homie final : public Dialect {
     std::string leaving() const override { return "disconnected"; }
     std::string lost() const override { return "lost"; }
     std::string changing() const override { return "init"; }
+    bool lists_boards() const override { return true; }
     std::string gateway_document_topic() const override { return topic(gateway_id(), kDescription); }
     std::string gateway_document(const std::vector<std::string>& boards,
                                  const std::string& on_bus) const override;

@@ -19,6 +19,8 @@ constexpr const char* kState = "asip/export/ha/$state";
 constexpr const char* kBoard = "asip/export/ha/uno1/$state";
 constexpr const char* kDistance = "asip/export/ha/uno1/distance-0";
 constexpr const char* kServo = "asip/export/ha/uno1/servo-0-angle";
+constexpr const char* kGateway = "asip/export/ha/$gateway";
+constexpr const char* kGatewayDocument = "homeassistant/device/asip_gateway/config";
 constexpr const char* kError = "asip/export/ha/uno1/last-error";
 
 class ExporterTest : public testing::Test {
@@ -26,9 +28,12 @@ class ExporterTest : public testing::Test {
     std::set<std::string> topics() const {
         std::set<std::string> result;
         for (const auto& [topic, payload] : world.retained)
-            if (topic != "asip/export/ha/$lease" && topic != "asip/export/ha/$sessions") result.insert(topic);
+            if (topic != "asip/export/ha/$lease" && topic != "asip/export/ha/$sessions" &&
+                topic != kGateway && topic != kGatewayDocument)
+                result.insert(topic);
         return result;
     }
+    std::size_t boards_shown() const { return world.devices.size() - world.devices.count(kGatewayDocument); }
     ExportWorld world;
 };
 
@@ -47,6 +52,28 @@ TEST_F(ExporterTest, BoardIsExported_WithDocumentAvailabilityAndValues) {
                 UnorderedElementsAre("sensor distance-0", "number servo-0-angle", "sensor last-error"));
     for (const auto* topic : {kDocument, kBoard, kDistance, kServo, kState})
         EXPECT_EQ(world.times_sent(topic), 1u) << topic;
+}
+
+TEST_F(ExporterTest, Gateway_IsADeviceWithDiagnostics) {
+    world.put("uno1", exported(1));
+    world.put("uno2", exported(1));
+    world.start();
+    world.pass(3s);
+    EXPECT_THAT(world.devices[kGatewayDocument],
+                UnorderedElementsAre("binary_sensor connection", "sensor boards"));
+    EXPECT_EQ(world.retained[kGateway], R"({"boards":2})");
+    world.boards["uno1"].there = false;
+    world.changed("uno1");
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kGateway], R"({"boards":1})");
+    world.boards.erase("uno2");
+    world.changed("uno2");
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kGateway], R"({"boards":0})");
+    EXPECT_EQ(world.times_sent(kGatewayDocument), 1u);
+    world.publish(kGateway, "", true);
+    world.pass(2s);
+    EXPECT_EQ(world.retained[kGateway], R"({"boards":0})") << "what somebody empties is there again";
 }
 
 TEST_F(ExporterTest, BoardThatIsLost_IsNotAvailable_AndIsWhenItIsBack) {
@@ -69,7 +96,7 @@ TEST_F(ExporterTest, BoardThatIsForgotten_LeavesNothing) {
     world.value("uno1", "distance", R"({"distance":[42,43]})");
     world.forget("uno1");
     EXPECT_THAT(topics(), UnorderedElementsAre(kState));
-    EXPECT_TRUE(world.devices.empty());
+    EXPECT_EQ(boards_shown(), 0u);
 }
 
 TEST_F(ExporterTest, SquareWave_IsSentFiveTimesASecond_NewestLast) {
@@ -162,6 +189,25 @@ TEST_F(ExporterTest, CommandThatFails_IsTheLastErrorOfTheBoard) {
     world.publish(std::string(kServo) + "/set", "90");
     world.pass(1s);
     EXPECT_EQ(world.retained[kError], "Servo angle: the board is not there");
+    EXPECT_EQ(gateway.commands.size(), 1u);
+}
+
+TEST_F(ExporterTest, CommandThatThePropertyRefuses_IsTheLastErrorAndNotSent) {
+    auto board = exported(1);
+    for (auto& each : board.properties)
+        each.refused = each.settable() ? "a command made pin 9 an input" : "";
+    world.put("uno1", board);
+    auto& gateway = world.start();
+    world.pass(3s);
+    world.publish(std::string(kServo) + "/set", "90");
+    world.pass(1s);
+    EXPECT_EQ(world.retained[kError], "a command made pin 9 an input");
+    EXPECT_TRUE(gateway.commands.empty());
+    world.put("uno1", exported(1));
+    world.changed("uno1");
+    world.pass(3s);
+    world.publish(std::string(kServo) + "/set", "90");
+    world.pass(1s);
     EXPECT_EQ(gateway.commands.size(), 1u);
 }
 
@@ -341,13 +387,13 @@ TEST_F(ExporterTest, OptionThatIsTakenAway_ClearsWhatThisMachineExported) {
     options.host = "another machine";
     world.start(options);
     world.pass(20s);
-    EXPECT_EQ(world.devices.size(), 1u) << "of another machine's gateway";
+    EXPECT_EQ(boards_shown(), 1u) << "of another machine's gateway";
     options.host = "host";
     auto& last = world.start(options);
     world.pass(20s);
     EXPECT_TRUE(last.exporter->finished());
     EXPECT_TRUE(world.retained.empty()) << world.retained.begin()->first;
-    EXPECT_TRUE(world.devices.empty());
+    EXPECT_EQ(boards_shown(), 0u);
 }
 
 TEST_F(ExporterTest, OptionThatIsTakenAway_LeavesAnExportThatLives) {
@@ -358,7 +404,7 @@ TEST_F(ExporterTest, OptionThatIsTakenAway_LeavesAnExportThatLives) {
     options.enabled = false;
     world.start(options);
     world.pass(60s);
-    EXPECT_EQ(world.devices.size(), 1u);
+    EXPECT_EQ(boards_shown(), 1u);
 }
 
 TEST_F(ExporterTest, AnotherPrefix_ClearsTheOldOne) {
@@ -383,9 +429,9 @@ TEST_F(ExporterTest, ManyBoards_WaitForRoom) {
     world.room = 2;
     world.start();
     world.pass(5s);
-    EXPECT_LT(world.devices.size(), 60u);
+    EXPECT_LT(boards_shown(), 60u);
     world.pass(60s);
-    EXPECT_EQ(world.devices.size(), 100u);
+    EXPECT_EQ(boards_shown(), 100u);
 }
 
 TEST_F(ExporterTest, ManyBoards_AreSentInSlices_AndAStopIsNotBehindThem) {
@@ -395,18 +441,18 @@ TEST_F(ExporterTest, ManyBoards_AreSentInSlices_AndAStopIsNotBehindThem) {
     auto& gateway = world.start();
     while (world.devices.empty())
         world.step();
-    EXPECT_LE(world.devices.size(), 3 * Exporter::kSlice);
+    EXPECT_LE(boards_shown(), 3 * Exporter::kSlice);
     gateway.exporter->sent(world.now);
-    EXPECT_LE(world.devices.size(), 4 * Exporter::kSlice);
+    EXPECT_LE(boards_shown(), 4 * Exporter::kSlice);
     world.end(gateway);
     EXPECT_EQ(world.sent.back().topic, kState);
-    EXPECT_LE(world.devices.size(), 4 * Exporter::kSlice);
+    EXPECT_LE(boards_shown(), 4 * Exporter::kSlice);
 
     auto& next = world.start();
     world.pass(5s);
     for (int i = 0; i < 2 * kBoards; ++i)
         next.exporter->sent(world.now);
-    EXPECT_EQ(world.devices.size(), kBoards);
+    EXPECT_EQ(boards_shown(), kBoards);
     for (const auto& [topic, device] : world.devices)
         EXPECT_EQ(world.times_sent(topic), 1u) << topic;
 }

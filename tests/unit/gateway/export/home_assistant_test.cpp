@@ -203,6 +203,28 @@ TEST(HomeAssistantDocument, LinksToThePageOfTheBoard) {
     EXPECT_EQ(document_of(options)["dev"]["cu"], "http://10.0.0.2:8080/#/board/uno1");
 }
 
+TEST(HomeAssistantDocument, OfTheGateway_HasConnectionBoardsAndStart) {
+    HomeAssistant::Options options;
+    options.version = "1.2.3";
+    options.page = "http://10.0.0.2:8080/";
+    options.started = "2026-11-27T09:00:00.000Z";
+    const HomeAssistant home(options);
+    EXPECT_EQ(home.gateway_document_topic(), "homeassistant/device/asip_gateway/config");
+    const auto document = json::parse(home.gateway_document({}, {}));
+    EXPECT_EQ(document["dev"],
+              json::parse(R"({"ids":["asip_gateway"],"name":"ASIP gateway","mf":"ASIP","sw":"1.2.3",)"
+                          R"("cu":"http://10.0.0.2:8080/"})"));
+    EXPECT_EQ(document["cmps"].size(), 3u);
+    for (const auto& component : document["cmps"])
+        EXPECT_EQ(component["ent_cat"], "diagnostic");
+    const auto standing = json::parse(home.standing(3));
+    EXPECT_EQ(standing["boards"], 3);
+    EXPECT_EQ(standing["started"], options.started);
+    const Dialect::Retained found{{home.gateway_document_topic(), "{}"},
+                                  {"homeassistant/device/other/config", "{}"}};
+    EXPECT_THAT(home.ours(found, "homeassistant"), testing::ElementsAre(home.gateway_document_topic()));
+}
+
 TEST(HomeAssistantDocument, ReadOnly_HasNothingToSet) {
     HomeAssistant::Options options;
     options.read_only = true;
