@@ -132,6 +132,7 @@ class Getter {
             const auto& property = values.properties()[each];
             const auto shown = values.of(each);
             known = known || shown.how != property::How::kNone;
+            note_refused(environment_, what_.target.board, property);
             if (!options_.output.for_people()) {
                 records_.print(value_record(what_.target.board, property, shown));
                 continue;
@@ -280,9 +281,9 @@ Run declare_get(Declaration& verb) {
     verb.flag("-w,--watch", options->watch,
               "Continue and print each value that the board reports, until Ctrl-C");
     verb.flag("--raw", options->raw, "Without the unit");
-    verb.output(
-        options->output, {Output::kText},
-        {"board", "service", "property", "name", "event", "value", "unit", "time", "how", "unknown", "age"});
+    verb.output(options->output, {Output::kText},
+                {"board", "service", "property", "name", "event", "value", "unit", "time", "how", "unknown",
+                 "age", "refused", "events"});
     return [options](Environment& environment) { return run_get(*options, environment); };
 }
 

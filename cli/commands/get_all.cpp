@@ -77,6 +77,7 @@ class AllValues {
             for (std::size_t i = 0; i < board.values->properties().size(); ++i) {
                 const auto shown = board.values->of(i);
                 any = true;
+                note_refused(environment_, board.known.item.board, board.values->properties()[i]);
                 if (options_.output.for_people())
                     table.add(value_row(board.known.item.board, board.values->properties()[i], shown,
                                         options_.raw));
@@ -116,6 +117,11 @@ std::vector<Cell> value_row(const std::string& board, const property::Property& 
             known ? text::duration_text(std::chrono::duration<double>(shown.age)) : std::string()};
 }
 
+void note_refused(Environment& environment, const std::string& board, const property::Property& property) {
+    if (!property.refused.empty())
+        environment.note(board + "/" + property.id + " cannot be set: " + property.refused);
+}
+
 nlohmann::json value_record(const std::string& board, const property::Property& property,
                             const property::ShownValue& shown) {
     nlohmann::json record{{"board", board},
@@ -124,6 +130,9 @@ nlohmann::json value_record(const std::string& board, const property::Property& 
                           {"name", property.name},
                           {"how", property::to_text(shown.how)}};
     if (!property.unit.empty()) record["unit"] = property.unit;
+    if (!property.refused.empty()) record["refused"] = property.refused;
+    for (const auto& event : shown.events)
+        record["events"].push_back(property::to_text(event.act));
     if (shown.how == property::How::kNone) {
         record["unknown"] = property::to_text(shown.why);
         return record;

@@ -19,5 +19,7 @@ std::vector<Cell> value_row(const std::string& board, const property::Property& 
 /// The same for programs.
 nlohmann::json value_record(const std::string& board, const property::Property& property,
                             const property::ShownValue& shown);
+/// Says on standard error why a property cannot be set now, if so.
+void note_refused(Environment& environment, const std::string& board, const property::Property& property);
 
 }  // namespace asip::cli

@@ -9,6 +9,7 @@
 #include "asip/bus/registry/board_match.hpp"
 #include "asip/catalogue/bus_view.hpp"
 #include "cli/declaration.hpp"
+#include "cli/events/button_events.hpp"
 #include "cli/events/context_event.hpp"
 #include "cli/events/event_pace.hpp"
 
@@ -105,7 +106,8 @@ class Subscriber {
           labels_(std::move(labels)),
           view_(environment.topics),
           printer_(options, environment),
-          pace_(options.changes, options.max_hz) {}
+          pace_(options.changes, options.max_hz),
+          buttons_(environment.topics) {}
 
     void subscribe(BusSession& session) {
         // First: they attribute lines and letters to services, and name models.
@@ -124,6 +126,14 @@ class Subscriber {
             subscriptions_.push_back(
                 session.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
         }
+        for (const auto& target : targets_)
+            if (!options_.raw && options_.field.empty())
+                subscriptions_.push_back(
+                    session.subscribe(environment_.topics.values(target.is_pattern() ? "+" : target.board),
+                                      [this](const mqtt::Message& message) {
+                                          for (auto& event : buttons_.take(message))
+                                              take(std::move(event));
+                                      }));
     }
 
     bool enough() const { return options_.count != 0 && count_ >= options_.count; }
@@ -194,20 +204,24 @@ class Subscriber {
     }
 
     void take(const mqtt::Message& message) {
-        if (enough()) return;
         auto event = context_event(environment_.topics, message.topic, message.payload);
-        if (!event || !is_wanted(*event, targets_, view_.description(event->board))) return;
-        if (!is_chosen(event->board)) return;
+        if (!event) return;
         event->retained = message.retain;
-        event->time = std::chrono::system_clock::now();
+        take(std::move(*event));
+    }
+
+    void take(ContextEvent event) {
+        if (enough() || !is_wanted(event, targets_, view_.description(event.board))) return;
+        if (!is_chosen(event.board)) return;
+        event.time = std::chrono::system_clock::now();
         const auto now = Clock::now();
-        auto& last = last_[event->topic];
-        if (last) event->age = now - *last;
+        auto& last = last_[event.topic];
+        if (last) event.age = now - *last;
         last = now;
-        const auto model = needs_models() ? model_of(*event) : nullptr;
-        auto decoded = decode_event(*event, model.get(), options_.field);
+        const auto model = needs_models() ? model_of(event) : nullptr;
+        auto decoded = decode_event(event, model.get(), options_.field);
         if (!decoded) return;
-        if (const auto seen = pace_.offer({std::move(*event), std::move(*decoded)}, now)) print(*seen);
+        if (const auto seen = pace_.offer({std::move(event), std::move(*decoded)}, now)) print(*seen);
     }
 
     const SubscribeOptions& options_;
@@ -218,6 +232,7 @@ class Subscriber {
     EventPrinter printer_;
     EventPace pace_;
     std::map<std::string, std::optional<Time>> last_;
+    ButtonEvents buttons_;
     std::size_t count_ = 0;
     std::vector<BusSession::Subscription> subscriptions_;
     std::vector<BusSession::Demand> demands_;

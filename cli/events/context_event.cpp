@@ -26,6 +26,8 @@ std::string_view kind_text(ContextEvent::Kind kind) {
             return "event";
         case ContextEvent::Kind::kError:
             return "error";
+        case ContextEvent::Kind::kButton:
+            return "button";
         case ContextEvent::Kind::kRaw:
             break;
     }

@@ -15,7 +15,7 @@ namespace asip::cli {
 
 /// One message of the context bus, as `asipctl subscribe` prints it.
 struct ContextEvent {
-    enum class Kind { kValue, kError, kRaw };
+    enum class Kind { kValue, kError, kRaw, kButton };
     Kind kind = Kind::kValue;
     std::string board;
     std::string service;  ///< empty for raw lines
@@ -52,7 +52,7 @@ std::string event_text(const ContextEvent& event, const std::string& text, bool 
                        bool colour);
 /// What stands above such lines: `SERVICE  VALUE`.
 std::string event_header(bool with_time, bool with_age, bool colour);
-/// Members time, board, service; event, error or line; and age (seconds) where known.
+/// Members time, board, service; event, error, line or button; and age (seconds) where known.
 nlohmann::json event_json(const ContextEvent& event);
 /// Names that a template may use: of ContextEvent, and `data`, which is the payload.
 std::vector<std::string> event_fields();

@@ -111,6 +111,11 @@ std::optional<DecodedEvent> decode_event(const ContextEvent& event, const model:
     }
     const auto document = model::parse_json(event.payload, {.max_bytes = 1U << 20U, .max_depth = 32});
     if (!document || !document->is_object()) return field.empty() ? std::optional(plain) : std::nullopt;
+    if (event.kind == ContextEvent::Kind::kButton) {
+        const auto& [id, word] = *document->items().begin();
+        plain.text = "button " + id.substr(event.service.size() + 1) + " " + word.get<std::string>();
+        return plain;
+    }
     if (field.empty()) {
         plain.what = keys_of(*document);
         if (model != nullptr) plain.text = whole_text(*document, *model);

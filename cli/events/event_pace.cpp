@@ -12,7 +12,9 @@ EventPace::EventPace(bool changes, double max_hz)
 
 std::optional<SeenEvent> EventPace::offer(SeenEvent event, Time now) {
     const bool all = !changes_ && least_ == Duration::zero();
-    if (all || event.event.kind == ContextEvent::Kind::kError) return event;
+    const bool counts =
+        event.event.kind == ContextEvent::Kind::kError || event.event.kind == ContextEvent::Kind::kButton;
+    if (all || counts) return event;
     auto& series = series_[event.event.topic + ' ' + event.decoded.what];
     if (changes_ && series.value == event.decoded.value) return std::nullopt;
     if (changes_) series.value = event.decoded.value;

@@ -18,7 +18,8 @@ struct SeenEvent {
 
 /// Thins out what boards report: `changes` leaves out a report that says the same as the one before it,
 /// `max_hz` lets at most so many a second of each kind of report through (0: all). The newest is never lost:
-/// what came too early is given out once its time has come. Errors pass always. Pure.
+/// what came too early is given out once its time has come. Errors pass always, and what is
+/// done with buttons. Pure.
 class EventPace {
   public:
     EventPace(bool changes, double max_hz);

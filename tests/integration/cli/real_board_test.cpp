@@ -129,11 +129,43 @@ TEST_P(RealBoardTest, MeaningOfAPin_ShowsInItsValue) {
     EXPECT_THAT(wrong.errors, HasSubstr("did you mean \"door\""));
 }
 
+TEST_P(RealBoardTest, ButtonThatBounces_IsOnePressAndOneRelease) {
+    EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
+    EXPECT_EQ(asipctl({"label", "desk/io/2", "class=button"}).status, 0);
+    ASSERT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "released\n"; }));
+    ChildProcess watch(program({"subscribe", "desk"}), environment());
+    ASSERT_TRUE(probe_.wait_for([](const mqtt::Message& message) {
+        return message.topic.starts_with("asip/servicebus/desk/$demand/");
+    }));
+    probe_.clear();
+    for (int i = 0; i < 3; ++i) {
+        sim_.write_input("press desk/button\n");
+        EXPECT_TRUE(watch.wait_for_output("button 2 press\n"));
+        ASSERT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "pressed\n"; }));
+        sim_.write_input("release desk/button\n");
+        ASSERT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "released\n"; }));
+    }
+    const auto said = [&](std::string_view word) {
+        std::size_t times = 0;
+        const auto& all = watch.output();
+        for (auto at = all.find(word); at != std::string::npos; at = all.find(word, at + 1))
+            ++times;
+        return times;
+    };
+    EXPECT_TRUE(wait_until([&] { return said("button 2 release") == 3; })) << watch.output();
+    EXPECT_EQ(said("button 2 press"), 3u) << watch.output();
+    EXPECT_GT(probe_.count("asip/desk/io/out"), 6u) << "each level of the contact is reported";
+}
+
 TEST_P(RealBoardTest, PinsInWords_AreSetAndRead) {
     EXPECT_EQ(asipctl({"pin", "desk", "13", "high"}).output, "13 output high\n");
     EXPECT_TRUE(sim_.wait_for_output("led13 on"));
     EXPECT_EQ(asipctl({"pin", "desk", "13"}).output, "13 output high\n");
+    EXPECT_EQ(asipctl({"pin", "desk", "13", "toggle"}).output, "13 output low\n");
+    EXPECT_TRUE(sim_.wait_for_output("led13 off"));
+    EXPECT_EQ(asipctl({"pin", "desk", "13", "toggle"}).output, "13 output high\n");
     EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
+    EXPECT_EQ(asipctl({"pin", "desk", "2", "toggle"}).status, 4) << "what an input would become is not known";
     EXPECT_EQ(asipctl({"pin", "desk", "2"}).output, "2 input-pullup high\n");
     sim_.write_input("press desk/button\n");
     EXPECT_TRUE(

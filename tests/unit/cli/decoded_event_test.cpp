@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "asip/model/model_set.hpp"
+#include "cli/events/button_events.hpp"
 #include "cli/events/event_pace.hpp"
 
 namespace asip::cli {
@@ -78,6 +81,34 @@ TEST(EventPace, TooManyASecond_TheNewestIsNotLost) {
     EXPECT_FALSE(pace.offer(seen(R"({"distance":[4]})"), kStart + 600ms));
     EXPECT_TRUE(pace.offer(seen(R"({"distance":[5]})"), kStart + 1100ms)) << "in place of the one that waits";
     EXPECT_THAT(pace.due(kStart + 5s), IsEmpty());
+}
+
+mqtt::Message values_of(const std::string& events, int seq, bool retained = false) {
+    mqtt::Message message;
+    message.topic = "asip/uno1/$values";
+    message.payload = R"({"version":1,"board":"uno1","session":"s1","seq":)" + std::to_string(seq) +
+                      R"(,"values":{"io/2":{"value":true,"how":"reported","age":0,"events":)" + events +
+                      "}}}";
+    message.retain = retained;
+    return message;
+}
+
+TEST(ButtonEvents, EachIsTakenOnce_AndNoneThatTheBrokerKept) {
+    const bus::Topics topics("asip");
+    ButtonEvents buttons(topics);
+    EXPECT_THAT(buttons.take(values_of(R"([[4,"press"]])", 1, true)), IsEmpty());
+    const auto events = buttons.take(values_of(R"([[4,"press"],[5,"hold"]])", 2));
+    ASSERT_THAT(events, SizeIs(1));
+    EXPECT_EQ(events[0].where(), "uno1/io");
+    EXPECT_EQ(decode_event(events[0], nullptr, "")->text, "button 2 hold");
+    EXPECT_EQ(event_json(events[0])["button"]["io/2"], "hold");
+    EXPECT_THAT(buttons.take(values_of(R"([[5,"hold"]])", 3)), IsEmpty());
+    auto odd = values_of("[7]", 4);
+    EXPECT_THAT(buttons.take(odd), IsEmpty());
+    EXPECT_THAT(buttons.take(values_of(R"([[6,"release"]])", 5)), SizeIs(1)) << "the next one works";
+    EventPace pace(true, 1);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_TRUE(pace.offer({events[0], *decode_event(events[0], nullptr, "")}, kStart)) << "each counts";
 }
 
 TEST(EventPace, Errors_PassAlways) {

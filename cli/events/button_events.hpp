@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "asip/mqtt/message.hpp"
+#include "cli/events/context_event.hpp"
+
+namespace asip::cli {
+
+/// What is done with buttons, each once: the agent alone tells a press from bouncing, on `$values`. The
+/// payload of such an event is {"io/2":"press"}.
+class ButtonEvents {
+  public:
+    explicit ButtonEvents(const bus::Topics& topics) : topics_(topics) {}
+    /// What is new in it. What the broker kept is past, and what is no such document is passed over.
+    std::vector<ContextEvent> take(const mqtt::Message& message);
+
+  private:
+    struct Acts {
+        std::string session;
+        std::uint64_t last = 0;
+    };
+    const bus::Topics& topics_;
+    std::map<std::string, Acts> acts_;  // by board
+};
+
+}  // namespace asip::cli
