@@ -123,6 +123,22 @@ TEST_F(StandingTest, PutOfAValue_IsTheCommandThatSetsIt) {
     EXPECT_EQ(published_.size(), 1u) << "nothing of it was sent";
 }
 
+TEST_F(StandingTest, PutOfAValueThatIsRefused_SaysWhyAndSendsNothing) {
+    auto held = servo();
+    held.refused = "a command made pin 9 an input";
+    bus("asip/servicebus/uno1/$properties",
+        property::to_text(property::PropertyList{{"uno1", "s1", 1}, {distance(), held}}));
+    settle();
+    const auto put = ask("PUT", "/api/boards/uno1/values", R"({"servo/0/angle":90})");
+    EXPECT_EQ(put->status(), 409);
+    EXPECT_EQ(put->detail(), "a command made pin 9 an input");
+    EXPECT_TRUE(published_.empty());
+    list(2);
+    EXPECT_EQ(ask("PUT", "/api/boards/uno1/values", R"({"servo/0/angle":90})")->status(), 0)
+        << "it is on its way";
+    EXPECT_EQ(published_.size(), 1u);
+}
+
 TEST_F(StandingTest, ReportedValue_CountsOverWhatTheAgentSays_UntilARestart) {
     list();
     values({{"distance/0", {{"value", 1}, {"how", "reported"}, {"age", 9}}}});

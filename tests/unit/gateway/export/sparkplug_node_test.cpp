@@ -288,6 +288,19 @@ TEST_F(SparkplugNodeTest, CommandThatFails_LeavesTheValue_AndMarksItsQuality_Unt
     EXPECT_THAT(said(), AllOf(HasSubstr(kGoodQuality), Not(HasSubstr("error"))));
 }
 
+TEST_F(SparkplugNodeTest, CommandThatThePropertyRefuses_IsAnsweredAndNotSent) {
+    auto board = exported(2);
+    for (auto& each : board.properties)
+        each.refused = each.settable() ? "a command made pin 9 an input" : "";
+    world.put("uno1", board);
+    auto& gateway = active();
+    world.set("uno1", "servo/0/angle", whole(90));
+    world.pass(1s);
+    EXPECT_THAT(gateway.commands, IsEmpty());
+    EXPECT_THAT(world.view().devices["uno1"].bytes,
+                AllOf(HasSubstr(kBadQuality), HasSubstr("a command made pin 9 an input")));
+}
+
 TEST_F(SparkplugNodeTest, FloodOfCommandsThatFail_IsNoFloodOfData) {
     active();
     const auto before = world.view().data["uno1"];
