@@ -176,7 +176,7 @@ class Bridge {
     void on_message(const PortRequest& request, Time now, Effects& out);
     void on_message(const LabelRequest& request, Time now, Effects& out);
     void on_message(const DemandMessage& demand, Time now, Effects& out);
-    void on_message(const OldSet& old, Time now, Effects& out);
+    void on_message(const Leftover& left, Time now, Effects& out);
     void on_message(const Announcement& announcement, Time now, Effects& out);
     void name_board(Effects& out);
     void announce_unreached(model::StateReason reason, Time now, Effects& out);

@@ -153,15 +153,16 @@ void Bridge::on_message(const LabelRequest& request, Time now, Effects& out) {
 }
 
 void Bridge::on_message(const DemandMessage& demand, Time now, Effects& out) {
-    const auto wanted = demand.retained ? fail("stored") : bus::parse_demand(demand.payload);
+    const auto wanted = bus::parse_demand(demand.payload);
     periods_.demand(demand.demander, wanted, now);
     if (wanted && !wanted->reply_to.empty() && may_publish())
         values_.answer(demand.demander, *wanted, announcer_->session(), now, out);
     send_periods(now, out);
 }
 
-void Bridge::on_message(const OldSet& old, Time, Effects& out) {
-    out.publish.push_back({member::retained(old.topic), mqtt::Priority::kAnnouncement});
+/// However many there are, they take no place in the queue that an announcement or an answer needs.
+void Bridge::on_message(const Leftover& left, Time, Effects& out) {
+    out.publish.push_back({member::retained(left.topic), mqtt::Priority::kContext});
 }
 
 void Bridge::on_message(const Announcement& announcement, Time now, Effects& out) {

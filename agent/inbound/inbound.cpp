@@ -115,10 +115,11 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
         case TopicKind::kDescription:
             return Announcement{message};
         case TopicKind::kDemand:
-            return DemandMessage{std::string(topic->demander), message.payload, message.retain};
+            if (message.retain) return Leftover{message.topic};
+            return DemandMessage{std::string(topic->demander), message.payload};
         case TopicKind::kServiceSet:
             if (!message.retain || message.payload.empty()) return std::nullopt;
-            return OldSet{message.topic};
+            return Leftover{message.topic};
         case TopicKind::kStop:
             return read_stop(read_request(message, {}, age, now));
         case TopicKind::kServiceIn:

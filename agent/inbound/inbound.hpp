@@ -62,11 +62,10 @@ struct LabelRequest : BusRequest {
 struct DemandMessage {
     std::string demander;  ///< USER/CLIENT
     std::string payload;
-    bool retained = false;
 };
-/// A topic `set` on which an agent of an earlier build left what was set on this board; no program reads it
-/// any more.
-struct OldSet {
+/// Retained where nothing is to be, and to be cleared: a demand, or a topic `set` of an agent of an earlier
+/// build.
+struct Leftover {
     std::string topic;
 };
 /// A message for the announcer: a probe, or another announcement of this board. Not parsed yet.
@@ -74,8 +73,8 @@ struct Announcement {
     mqtt::Message message;
 };
 
-using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage, OldSet,
-                             Announcement>;
+using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage,
+                             Leftover, Announcement>;
 
 /// The board and its agent, as far as they decide what a message is.
 struct Addressee {

@@ -53,8 +53,8 @@ TopicRule asked_of_registry(std::string topic) {
             kWriteOnly,
             kWriteOnly,
             kBoth,
-            "registry: an answer up to the packet limit of the broker",
-            "registry: an answer; pages of 1,000 boards at most",
+            "registry: 32 questions of a user, an answer up to 256 KiB",
+            "registry: an answer in turn; pages of 1,000 boards at most",
             "-"};
 }
 
@@ -89,11 +89,11 @@ TopicRule rule_of(TopicKind kind) {
                              "each reader, at most ten times a second", "-");
         case TopicKind::kDemand:
             return {"servicebus/BOARD/$demand/USER/CLIENT",
-                    {kReadOfBoard},
+                    {kReadOfBoard, kWriteOfBoard},
                     {kWriteOwn},
                     {kWriteOwn},
                     kBoth,
-                    "broker: one message, retained; agent: 1,024 demands",
+                    "broker: a retained one, until the agent reads it; agent: 1,024 demands",
                     "agent: reports up to its fastest period",
                     "-"};
         case TopicKind::kProbe:

@@ -63,9 +63,9 @@ TEST_F(InboundTest, EachTopic_IsItsKind) {
     EXPECT_EQ(as<Stop>("asip/uno1/$stop", R"({"reply_to":"r","deadline_ms":700})").deadline(),
               kReadAt + 700ms);
     EXPECT_EQ(as<Stop>("asip/uno1/$stop", "").deadline(), kReadAt + kUsualDeadline);
-    const auto demand = as<DemandMessage>("asip/servicebus/uno1/$demand/ann/c1", "{}", true);
-    EXPECT_EQ(demand.demander, "ann/c1");
-    EXPECT_TRUE(demand.retained);
+    EXPECT_EQ(as<DemandMessage>("asip/servicebus/uno1/$demand/ann/c1", "{}").demander, "ann/c1");
+    for (const std::string left : {"asip/servicebus/uno1/$demand/ann/c1", "asip/uno1/servo/set"})
+        EXPECT_EQ(as<Leftover>(left, "{}", true).topic, left);
     for (const auto* topic :
          {"asip/servicebus/$probe", "asip/servicebus/uno1/$state", "asip/servicebus/uno1/$description"})
         EXPECT_EQ(as<Announcement>(topic, "x").message.payload, "x");
