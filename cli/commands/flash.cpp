@@ -104,6 +104,8 @@ class Flasher {
         if (description.agent.host != program::host_name())
             return failure(program::kExitFailure, board_ + " is at a port of " + description.agent.host +
                                                       "; run asipctl flash there");
+        if (const auto port = check_port(description.link.path); !port)
+            return failure(program::kExitFailure, board_ + ": " + port.error());
         if (!std::filesystem::is_regular_file(options_.programming.image))
             return failure(program::kExitUsage, options_.programming.image + " is not a file");
         const bool by_avrdude = options_.simulated.empty() && !options_.avrdude.empty();
@@ -120,6 +122,7 @@ class Flasher {
     }
 
     Outcome<void> program(const std::vector<std::string>& call, const std::string& path) {
+        if (const auto port = check_port(path); !port) return failure(program::kExitFailure, port.error());
         const auto lock = PortLock::take(path, [this](Duration time) { session_.run_for(time); });
         if (!lock) return failure(program::kExitFailure, lock.error());
         auto programmer = RunningProgram::start(call);

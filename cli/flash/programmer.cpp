@@ -63,6 +63,15 @@ bool is_simulated_port(const std::string& path) {
     return std::filesystem::canonical(path, error).string().starts_with("/dev/pts/");
 }
 
+Expected<void> check_port(const std::string& path) {
+    std::error_code error;
+    const auto device = std::filesystem::canonical(path, error);
+    const auto known = "/sys/class/tty/" + device.filename().string() + "/device";
+    if (is_simulated_port(path) || (device.parent_path() == "/dev" && std::filesystem::exists(known, error)))
+        return {};
+    return fail(path + " is no serial port of this machine");
+}
+
 Expected<RunningProgram> RunningProgram::start(const std::vector<std::string>& call) {
     std::vector<char*> arguments;
     for (const auto& word : call)

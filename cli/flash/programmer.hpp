@@ -33,6 +33,10 @@ std::vector<std::string> simulator_call(const std::string& board, const std::str
 /// Whether a port is a pseudo-terminal: that of a simulated board.
 bool is_simulated_port(const std::string& path);
 
+/// Fails for what is neither that nor a serial device of this machine: the board's agent names the port, and
+/// no other file is opened on its word.
+Expected<void> check_port(const std::string& path);
+
 /// A program that runs beside this one; what it prints goes to standard error. It inherits descriptors that
 /// are not closed on exec, and goes on when this program dies.
 class RunningProgram {

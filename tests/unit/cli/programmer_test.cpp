@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/flash/programmer.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
 
 #include "tests/support/temp_dir.hpp"
 #include "tests/support/wait.hpp"
@@ -45,6 +50,18 @@ TEST_F(ProgrammerTest, UnknownChipOrFile_IsRefusedWithWhatToGive) {
     EXPECT_THAT(avrdude_call({.image = folder_.write("x", "x"), .path = "p", .chip = "ATmega328P"}).error(),
                 HasSubstr("neither"));
     EXPECT_FALSE(avrdude_call({.image = folder_.file("nothing"), .path = "p", .chip = "ATmega328P"}));
+}
+
+/// A board says where it is, and any board may say anything.
+TEST_F(ProgrammerTest, WhatABoardNamesAsItsPort_IsNotOpenedUnlessItIsOne) {
+    std::filesystem::create_symlink("/dev/null", folder_.file("ttyACM0"));
+    for (const auto& path : {hex_, folder_.file("nothing"), folder_.file("ttyACM0"), std::string("/dev/null"),
+                             std::string("/dev/tty"), std::string("net:10.0.0.1:23"), std::string()})
+        EXPECT_THAT(check_port(path).error(), HasSubstr("no serial port")) << path;
+    const int board = ::posix_openpt(O_RDWR | O_NOCTTY);
+    ASSERT_TRUE(board >= 0 && ::grantpt(board) == 0 && ::unlockpt(board) == 0);
+    EXPECT_TRUE(check_port(::ptsname(board)));
+    ::close(board);
 }
 
 TEST_F(ProgrammerTest, Program_EndsWithItsStatus) {
