@@ -53,10 +53,7 @@ void Settings::add_broker_options(BrokerOptions& options) {
     setting(app.add_option("--user", options.user, "User name for the broker"))
         ->type_name("NAME")
         ->group(group);
-    setting(app.add_option("--password", options.password,
-                           "Password (others on this machine can see it: prefer a file)"))
-        ->type_name("TEXT")
-        ->group(group);
+    never_typed(app.add_option("--password", options.password, "Password"));
     setting(app.add_option("--password-file", options.password_file, "File whose first line is the password"))
         ->type_name("FILE")
         ->group(group);

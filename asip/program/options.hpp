@@ -65,6 +65,10 @@ class Settings {
     /// Returns it.
     CLI::Option* setting(CLI::Option* option);
 
+    /// The same for what others on this machine must not see among the arguments: file and environment set
+    /// it.
+    void never_typed(CLI::Option* option);
+
     /// For a program with many settings, once all are declared, by their long names. `shown`: the options
     /// that
     /// --help shows; --help-all shows the others, too. `file_only`: those that are no options of the command

@@ -217,13 +217,19 @@ CLI::Option* Settings::setting(CLI::Option* option) {
     return option;
 }
 
+void Settings::never_typed(CLI::Option* option) {
+    setting(option)->group("");
+    state_->file_only.push_back(option->get_lnames().front());
+}
+
 void Settings::arrange(std::vector<std::string> shown, std::vector<std::string> file_only) {
     for (const auto& names : {shown, file_only})
         for (const auto& name : names)
             if (state_->named(name) == nullptr) throw std::logic_error("there is no setting " + name);
     state_->app.add_flag("--help-all")->description("Print all options and settings, and exit");
     state_->shown = std::move(shown);
-    state_->file_only = std::move(file_only);
+    for (auto& name : file_only)
+        state_->file_only.push_back(std::move(name));
 }
 
 int Settings::print_help(const CLI::Success& asked, bool all) {

@@ -12,10 +12,17 @@ namespace {
 
 using testing::HasSubstr;
 
+/// A file with this password.
+std::string password(const std::string& text) {
+    static const TempDir folder;
+    return folder.write(text, text + "\n");
+}
+
 TEST(AgentBroker, WrongPassword_EndsWithStatus3) {
     MosquittoBroker broker({.users = {{"pi", "right"}}});
     FakePort port;
-    const auto ended = run(agent_command(broker.url(), port.path(), {"--user", "pi", "--password", "wrong"}));
+    const auto ended =
+        run(agent_command(broker.url(), port.path(), {"--user", "pi", "--password-file", password("wrong")}));
     EXPECT_EQ(ended.status, 3) << ended.errors;
 }
 
@@ -23,7 +30,7 @@ TEST(AgentBroker, RightPassword_IsOnline) {
     MosquittoBroker broker({.users = {{"pi", "right"}}});
     FakePort port;
     BusProbe probe(broker.port(), {"#"}, {.user = "pi", .password = "right"});
-    Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
+    Agent agent(broker, port.path(), {"--user", "pi", "--password-file", password("right")});
     EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
 }
 
@@ -32,7 +39,7 @@ TEST(AgentBroker, AnnouncingDenied_IsWarnedOfWithWhatToDo) {
     const auto rules = folder.write("acl", "user pi\ntopic read #\ntopic write asip/uno1/#\n");
     MosquittoBroker broker({.users = {{"pi", "right"}}, .extra_lines = {"acl_file " + rules}});
     FakePort port;
-    Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
+    Agent agent(broker, port.path(), {"--user", "pi", "--password-file", password("right")});
     ASSERT_TRUE(agent.process().wait_for_errors("access control denied announcing board uno1"))
         << agent.process().errors();
     EXPECT_THAT(agent.process().errors(), HasSubstr("asipctl secure add board uno1"));
@@ -56,7 +63,7 @@ TEST(AgentBroker, EverythingAllowed_NoDenialIsWarnedOf) {
     MosquittoBroker broker({.users = {{"pi", "right"}}, .extra_lines = {"acl_file " + rules}});
     FakePort port;
     BusProbe probe(broker.port(), {"#"}, {.user = "pi", .password = "right"});
-    Agent agent(broker, port.path(), {"--user", "pi", "--password", "right"});
+    Agent agent(broker, port.path(), {"--user", "pi", "--password-file", password("right")});
     ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     EXPECT_THAT(agent.process().errors(), testing::Not(HasSubstr("access control")));
 }
@@ -110,7 +117,8 @@ TEST(AgentBroker, FirstOfTheListRefusesThePassword_UsesTheSecond) {
     MosquittoBroker open;
     FakePort port;
     BusProbe probe(open.port());
-    Agent agent(refusing, port.path(), {"--broker", open.url(), "--user", "pi", "--password", "wrong"});
+    Agent agent(refusing, port.path(),
+                {"--broker", open.url(), "--user", "pi", "--password-file", password("wrong")});
     EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
     EXPECT_TRUE(agent.process().running());
 }
@@ -119,8 +127,9 @@ TEST(AgentBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3) {
     MosquittoBroker first({.users = {{"pi", "right"}}});
     MosquittoBroker second({.users = {{"pi", "right"}}});
     FakePort port;
-    const auto ended = run(agent_command(first.url(), port.path(),
-                                         {"--broker", second.url(), "--user", "pi", "--password", "wrong"}));
+    const auto ended =
+        run(agent_command(first.url(), port.path(),
+                          {"--broker", second.url(), "--user", "pi", "--password-file", password("wrong")}));
     EXPECT_EQ(ended.status, 3) << ended.errors;
 }
 

@@ -99,7 +99,7 @@ responder
 ! ASIP_NO_MDNS=true $asipctl list
 ! $asipctl list --broker 127.0.0.1:1883
 ! ASIP_BROKER=127.0.0.1 $asipctl list
-! $asipctl list --user ann --password secret
+! ASIP_PASSWORD=secret $asipctl list --user ann
 $asipctl model -o name >/dev/null
 broker 127.0.0.1 1883
 $asipctl list --from-bus -o name

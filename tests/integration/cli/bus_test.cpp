@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/integration/cli/bus_fixture.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
 namespace {
@@ -26,9 +27,11 @@ TEST(NoBroker, AnyCommand_EndsWithStatus3AndSaysWhere) {
 TEST_F(BusTest, FirstBrokerOfTheListIsOfNoUse_UsesTheSecond) {
     announce("uno1");
     MosquittoBroker refusing({.users = {{"ada", "right"}}});
+    const TempDir folder;
     for (const auto& first : {refusing.address(), "127.0.0.1:" + std::to_string(free_port())}) {
-        const auto list = run({ASIP_PROGRAMS "/asipctl", "list", "--from-bus", "-o", "name", "--broker",
-                               first, "--broker", broker_.address(), "--user", "ada", "--password", "wrong"});
+        const auto list =
+            run({ASIP_PROGRAMS "/asipctl", "list", "--from-bus", "-o", "name", "--broker", first, "--broker",
+                 broker_.address(), "--user", "ada", "--password-file", folder.write("password", "wrong\n")});
         EXPECT_EQ(list.status, 0) << list.errors;
         EXPECT_EQ(list.output, "uno1\n");
     }
@@ -37,11 +40,27 @@ TEST_F(BusTest, FirstBrokerOfTheListIsOfNoUse_UsesTheSecond) {
 TEST(NoBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3AndNamesThemAll) {
     MosquittoBroker one({.users = {{"ada", "right"}}});
     MosquittoBroker two({.users = {{"ada", "right"}}});
-    const auto list = run({ASIP_PROGRAMS "/asipctl", "list", "--broker", one.address(), "--broker",
-                           two.address(), "--user", "ada", "--password", "wrong"});
+    const TempDir folder;
+    const auto list =
+        run({ASIP_PROGRAMS "/asipctl", "list", "--broker", one.address(), "--broker", two.address(), "--user",
+             "ada", "--password-file", folder.write("password", "wrong\n")});
     EXPECT_EQ(list.status, 3);
     EXPECT_THAT(list.errors, HasSubstr(one.address()));
     EXPECT_THAT(list.errors, HasSubstr(two.address()));
+}
+
+/// Others on the machine see it among the arguments.
+TEST(WrongUse, PasswordOnTheCommandLine_IsRefusedByEachProgram_AndNotShown) {
+    for (const auto* program : {"/asipctl", "/asip-agent", "/asip-registry", "/asip-gateway"}) {
+        std::vector<std::string> words{ASIP_PROGRAMS + std::string(program)};
+        if (program == std::string("/asipctl")) words.emplace_back("list");
+        for (const auto* word : {"--user", "ada", "--password", "hunter2"})
+            words.emplace_back(word);
+        const auto finished = run(words);
+        EXPECT_EQ(finished.status, 2) << program;
+        EXPECT_THAT(finished.errors, HasSubstr("ASIP_PASSWORD")) << program;
+        EXPECT_THAT(finished.errors, Not(HasSubstr("hunter2"))) << program;
+    }
 }
 
 TEST(WrongUse, EachEndsWithStatus2) {
