@@ -98,15 +98,56 @@ Outcome<std::vector<Retained>> read_retained(const Environment& environment, Bus
     return result;
 }
 
+namespace {
+
+/// Below what may wait in our own queue.
+constexpr std::size_t kClearedAtOnce = 1000;
+constexpr std::size_t kMaxTopicsOfPass = 100'000;
+constexpr int kMaxVainPasses = 3;
+constexpr auto kTimeOfPass = std::chrono::minutes(2);
+
+}  // namespace
+
 Outcome<void> clear_retained(const Environment& environment, BusSession& session,
                              const std::vector<std::string>& topics) {
-    for (const auto& topic : topics)
-        session.publish(topic, "", 1, true);
-    const auto mark = session.mark_retained();
-    const auto patience = environment.timeout + std::chrono::milliseconds(topics.size());
-    if (session.run_until([&mark] { return mark.passed(); }, Clock::now() + patience)) return {};
-    return tl::unexpected(
-        session.unanswered("the broker did not confirm in time; run it again to see what is left"));
+    for (std::size_t begin = 0; begin < topics.size(); begin += kClearedAtOnce) {
+        const auto end = std::min(begin + kClearedAtOnce, topics.size());
+        for (auto i = begin; i < end; ++i)
+            session.publish(topics[i], "", 1, true);
+        const auto mark = session.mark_retained();
+        const auto patience = environment.timeout + std::chrono::seconds(1);
+        if (!session.run_until([&mark] { return mark.passed(); }, Clock::now() + patience))
+            return tl::unexpected(
+                session.unanswered("the broker did not confirm in time; run it again to see what is left"));
+    }
+    return {};
+}
+
+Outcome<std::size_t> clear_all_retained(const Environment& environment, BusSession& session,
+                                        const std::vector<std::string>& filters) {
+    std::size_t cleared = 0;
+    std::set<std::string> before;
+    for (int vain = 0; vain < kMaxVainPasses;) {
+        std::set<std::string> found;
+        std::vector<BusSession::Subscription> subscriptions;
+        for (const auto& filter : filters)
+            subscriptions.push_back(session.subscribe(filter, [&found](const mqtt::Message& message) {
+                if (message.retain && !message.payload.empty() && found.size() < kMaxTopicsOfPass)
+                    found.insert(message.topic);
+            }));
+        const auto mark = session.mark_retained();
+        const bool whole = session.run_until([&mark] { return mark.passed(); }, Clock::now() + kTimeOfPass);
+        subscriptions.clear();
+        if (session.stopped()) return interrupted();
+        if (!whole) return tl::unexpected(session.unanswered("the broker does not answer"));
+        if (found.empty()) return cleared;
+        if (const auto done = clear_retained(environment, session, {found.begin(), found.end()}); !done)
+            return tl::unexpected(done.error());
+        vain = found == before ? vain + 1 : 0;
+        if (vain == 0) cleared += found.size();
+        before = std::move(found);
+    }
+    return failure(program::kExitFailure, "the broker keeps " + *before.begin() + " whatever is asked");
 }
 
 std::vector<Lingering> find_lingering(const bus::Topics& topics, const std::vector<Retained>& all) {

@@ -27,6 +27,11 @@ Outcome<std::vector<Retained>> read_retained(const Environment& environment, Bus
 Outcome<void> clear_retained(const Environment& environment, BusSession& session,
                              const std::vector<std::string>& topics);
 
+/// The same for all that `filters` match, however much it is: the broker holds only a part of it ready for
+/// one reader, so it is asked again until nothing comes. Returns how many topics there were.
+Outcome<std::size_t> clear_all_retained(const Environment& environment, BusSession& session,
+                                        const std::vector<std::string>& filters);
+
 /// Something retained that is no longer needed, and why.
 struct Lingering {
     enum class Kind {

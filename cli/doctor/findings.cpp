@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/packet_limit.hpp"
 #include "asip/model/description.hpp"
 #include "asip/mqtt/options.hpp"
 #include "asip/text/duration.hpp"
@@ -88,8 +89,9 @@ Findings check_limit(const Observations& seen) {
              ? std::string("the broker takes messages of any size")
              : fmt::format("the broker takes messages up to {} bytes", seen.max_packet_bytes)) +
         fmt::format(", and our programs up to {}: a few larger ones make a program deaf for a minute", kOurs);
-    const std::string advice =
-        "Mosquitto: add the line  max_packet_size 1048576  to its configuration and restart it";
+    const auto advice =
+        fmt::format("Mosquitto: add the line  max_packet_size {}  to its configuration and restart it",
+                    bus::kBrokerPacketBytes);
     return {seen.open == true ? note(what, advice) : problem(what, advice)};
 }
 

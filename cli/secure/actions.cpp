@@ -293,9 +293,11 @@ Outcome<void> secure_revoke(const SecureOptions& options, const Environment& env
     names.insert(names.begin(), options.what);
     for (const auto& name : names) {
         if (auto known = check_known(*bus, name); !known) {
-            // It may have been taken out by a run that was interrupted before the broker heard of it.
+            // It may have been taken out by a run that was interrupted before the broker heard of it, or that
+            // could not clear what the user left.
             if (auto done = write_users(*folder, *bus); !done) return done;
-            report_reload(options, *folder, *bus, report);
+            if (report_reload(options, *folder, *bus, report))
+                clear_leftovers(*folder, *bus, {{name, Role::kViewer}}, environment, report);
             return known;
         }
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/packet_limit.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/options.hpp"
@@ -145,11 +146,12 @@ std::string broker_configuration(const BrokerPlaces& places) {
         "QoS 1\n# message the rules deny.\n"
         "max_queued_messages 10000000\n"
         "max_queued_bytes 268435456\n"
-        "# Pages of a registry's answers are the largest messages. A program that sends more is "
-        "disconnected. Programs\n# take 2 MiB: the limit here must stay clearly below that, or else a "
-        "message "
-        "that is too large for a program stays\n# in its way for ever.\n"
-        "max_packet_size 1048576\n";
+        "# Lists of properties (128 KiB), exports of large boards and pages of a registry's answers are the "
+        "largest\n# messages. A longer one only delays others, and its sender is disconnected. Programs take "
+        "2 MiB: the limit here\n# must stay clearly below that, or else a message that is too large for a "
+        "program stays in its way for ever.\n"
+        "max_packet_size " +
+        std::to_string(bus::kBrokerPacketBytes) + "\n";
     return text;
 }
 

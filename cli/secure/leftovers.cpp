@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/leftovers.hpp"
 
-#include <algorithm>
 #include <map>
 
 #include "asip/program/credentials.hpp"
@@ -24,26 +23,11 @@ Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string&
     return std::move(*options);
 }
 
-std::vector<std::string> left_by(const bus::Topics& topics, const std::vector<std::string>& retained,
-                                 const std::string& user) {
+std::vector<std::string> filters_of(const bus::Topics& topics, const std::string& user) {
     const auto& root = topics.root();
-    const std::vector<std::string> own{root + "/servicebus/" + user, root + "/" + user,
-                                       root + "/reply/" + user};
-    const auto is_below = [](std::string_view topic, std::string_view parent) {
-        return topic.starts_with(parent) && (topic.size() == parent.size() || topic[parent.size()] == '/');
-    };
-    std::vector<std::string> found;
-    for (const auto& topic : retained) {
-        const bool of_board =
-            std::any_of(own.begin(), own.end(), [&](const auto& parent) { return is_below(topic, parent); });
-        // ROOT/servicebus/BOARD/$demand/USER/CLIENT, ROOT/reply/USER/BOARD/CLIENT
-        const bool demanded = topic.find("/$demand/" + user + "/") != std::string::npos;
-        const auto answers = root + "/reply/";
-        const bool answered =
-            topic.starts_with(answers) && topic.find("/" + user + "/", answers.size()) != std::string::npos;
-        if (of_board || demanded || answered) found.push_back(topic);
-    }
-    return found;
+    return {root + "/servicebus/" + user + "/#", root + "/" + user + "/#", root + "/reply/" + user + "/#",
+            // ROOT/servicebus/BOARD/$demand/USER/CLIENT, ROOT/reply/USER/BOARD/CLIENT
+            root + "/servicebus/+/$demand/" + user + "/#", root + "/reply/+/" + user + "/#"};
 }
 
 std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& retained, Role role) {
@@ -52,7 +36,7 @@ std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& r
     const bool registries = role == Role::kRegistry || role == Role::kAdmin;
     std::map<std::string, std::size_t> found;
     for (const auto& one : find_lingering(topics, retained)) {
-        const bool named = one.topic.find("/$demand/") != std::string::npos;  // by its USER: left_by()
+        const bool named = one.topic.find("/$demand/") != std::string::npos;  // by its USER: filters_of()
         if (commands && !named && one.kind == Lingering::Kind::kCommand) ++found["command"];
         if (registries && one.kind == Lingering::Kind::kGoneRegistry) ++found["message"];
     }
@@ -74,7 +58,13 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
                      const Environment& environment, SecureReport& report) {
     const auto as_admin = "asipctl --credentials " + folder.credentials("admin").string();
     const auto cannot = [&](const std::string& why) {
-        report.next("what they left in the broker could not be cleared (" + why + ")", as_admin + " prune");
+        std::string names;
+        for (const auto& user : gone)
+            names += " " + user.name;
+        report.next("what they left in the broker could not be cleared (" + why +
+                        "); where the broker has no memory left, give it more (memory_limit in " +
+                        bus.configuration + ") and start it again. Then repeat",
+                    "asipctl secure revoke" + names + " --dir " + folder.path().string());
     };
     auto options = options_of(folder, "admin");
     if (!options) return cannot(options.error().text);
@@ -84,23 +74,15 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
     BusSession session(admin);
     session.on_connection_change({});
     if (const auto connected = session.connect(); !connected) return cannot(connected.error().text);
-    auto retained = read_retained(admin, session, {bus.topic_root + "/#", "homeassistant/device/#"});
+    for (const auto& [name, role] : gone) {
+        const auto left = clear_all_retained(admin, session, filters_of(admin.topics, name));
+        if (!left) return cannot(left.error().text);
+        if (*left > 0)
+            report.did("cleared", counted(*left, "message") + " that " + name + " left in the broker");
+    }
+    const auto retained = read_retained(admin, session, {bus.topic_root + "/#", "homeassistant/device/#"});
     if (!retained) return cannot(retained.error().text);
     for (const auto& [name, role] : gone) {
-        std::vector<std::string> topics;
-        for (const auto& message : *retained)
-            topics.push_back(message.topic);
-        const auto left = left_by(admin.topics, topics, name);
-        if (!left.empty()) {
-            if (const auto cleared = clear_retained(admin, session, left); !cleared)
-                return cannot(cleared.error().text);
-            report.did("cleared", std::to_string(left.size()) +
-                                      (left.size() == 1 ? " message that " : " messages that ") + name +
-                                      " left in the broker");
-        }
-        std::erase_if(*retained, [&](const Retained& message) {
-            return std::find(left.begin(), left.end(), message.topic) != left.end();
-        });
         const auto unnamed = unnamed_of(admin.topics, *retained, role);
         if (unnamed.empty()) continue;
         report.next(

@@ -11,9 +11,8 @@ namespace asip::cli {
 /// How this user connects, by the credentials that are kept in the folder.
 Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string& user);
 
-/// What is retained on `topics` and was written by a user with this name, or for its board. Pure.
-std::vector<std::string> left_by(const bus::Topics& topics, const std::vector<std::string>& retained,
-                                 const std::string& user);
+/// Filters of all topics that are written by a user with this name, or for its board. Pure.
+std::vector<std::string> filters_of(const bus::Topics& topics, const std::string& user);
 
 /// What a user with this role may have left on topics without a user's name, in words: "3 commands". Empty:
 /// nothing. Pure.

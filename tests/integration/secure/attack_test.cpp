@@ -6,6 +6,7 @@
 #include <regex>
 #include <set>
 
+#include "asip/bus/packet_limit.hpp"
 #include "tests/integration/secure/running_bus.hpp"
 
 namespace asip::test {
@@ -13,8 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-constexpr std::size_t kBrokerLimit = 1 << 20;
 
 class AttackedBus : public RunningBus {
   protected:
@@ -66,7 +65,7 @@ TEST_F(AttackedBus, MessagesOfEverySizeAroundTheLimit_MakeNobodyDeaf) {
     for (const auto& [user, topic] : targets) {
         bool taken = true;
         for (int below = 200; below >= 0 && taken; below -= below > 60 ? 20 : below > 20 ? 3 : 1)
-            taken = publishes(user, topic, kBrokerLimit - static_cast<std::size_t>(below) - topic.size());
+            taken = publishes(user, topic, bus::kBrokerPacketBytes - static_cast<std::size_t>(below) - topic.size());
         EXPECT_FALSE(taken) << "the broker has a limit";
     }
     EXPECT_TRUE(agent_answers()) << agent_->errors();

@@ -90,6 +90,13 @@ TEST_F(KeptBus, Revoked_LeavesNothingInTheBroker) {
     EXPECT_NE(revoked.output.find("5 messages that uno1 left"), std::string::npos) << revoked.output;
     EXPECT_NE(revoked.output.find("3 messages that bob left"), std::string::npos) << revoked.output;
     EXPECT_EQ(retained(), Words{"asip/servicebus/uno2/$state"});
+    {
+        auto admin = probe("admin", {});
+        admin.publish("asip/servicebus/uno2/$demand/bob/c1", "left by a run that was interrupted", true);
+        ASSERT_TRUE(wait_until([&] { return admin.all_acknowledged(); }));
+    }
+    EXPECT_EQ(secure(Words{"revoke", "bob"} + reload()).status, 1) << "there is no bob any more";
+    EXPECT_EQ(retained(), Words{"asip/servicebus/uno2/$state"});
 }
 
 /// No topic says whose a command is. It would be executed again by whatever subscribes to it.
@@ -162,8 +169,8 @@ TEST_F(KeptBus, BrokerThatAUserFills_StaysBelowItsLimitAndServesTheOthers) {
     auto admin = probe("admin", {});
     auto attacker = probe("uno1", {});
     try {
-        for (int i = 0; i < 100; ++i)
-            attacker.publish("asip/uno1/s" + std::to_string(i) + "/out", std::string(1'000'000, 'x'), true);
+        for (int i = 0; i < 400; ++i)
+            attacker.publish("asip/uno1/s" + std::to_string(i) + "/out", std::string(250'000, 'x'), true);
     } catch (const std::runtime_error&) {
         // A broker that has no memory left closes the connection.
     }

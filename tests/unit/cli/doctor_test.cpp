@@ -152,7 +152,7 @@ TEST(Doctor, LimitOfTheBrokerThatIsNotBelowOurs_IsReportedWithTheLineToAdd) {
         seen.open = false;
         EXPECT_THAT(problems(check_broker(seen)), ElementsAre(HasSubstr("up to 2097152"))) << limit;
         EXPECT_TRUE(has_problem(check_broker(seen))) << limit;
-        EXPECT_THAT(check_broker(seen)[1].advice, HasSubstr("max_packet_size 1048576"));
+        EXPECT_THAT(check_broker(seen)[1].advice, HasSubstr("max_packet_size 262144"));
         seen.open = true;
         seen.loopback = true;
         EXPECT_FALSE(has_problem(check_broker(seen))) << "whoever reaches it may do worse";
