@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from . import _model, _wait, errors
+from . import _wait, errors
 from ._bank import Bank
 from ._callbacks import takes
 from ._followed import Followed
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from typing import Any, Callable, Mapping
 
 _ASK_AGAIN_SECONDS = 0.25
-_EVENT = _model.Event("", {"name": "event"})
 
 
 class Property:
@@ -166,7 +165,7 @@ class Property:
     def events(self, *, keep: int = 100, timeout: float | None = None) -> Stream:
         """What is done with a button, as it is done: `for event in desk["io/2"].events():` gives `press` at once, `release`, `hold` (0.8 s)
         and `double` (within 0.4 s), each once. It goes on when the board was away. `keep` and `timeout` are those of `service.stream()`."""
-        return Stream(_Button(self), _EVENT, hz=10, keep=keep, wait_for_board=True, details=False, timeout=timeout)
+        return Stream(self.board, self.id, "event", "", self._watched_button, keep=keep, timeout=timeout)
 
     def on_event(self, function: Callable[..., Any]) -> Watch:
         """Calls `function(event)` for each of the `events()`, in the thread `asip-callbacks`. Returns a Watch; `cancel()` ends it."""
@@ -190,20 +189,6 @@ class Property:
 
     def __repr__(self) -> str:
         return f"<asip property {self.board.name}/{self.id}>"
-
-
-class _Button:
-    """The source of a stream of events."""
-
-    def __init__(self, one: Property):
-        self.name, self.board, self.updated = one.id, one.board, None
-        self._one = one
-
-    def _watched(self, sink: Callable[..., None], _hz: float) -> Watch:
-        return self._one._watched_button(sink)
-
-    def _how_to_report(self) -> str:
-        return ""
 
 
 def _fault(told: Told, value: Any) -> str:

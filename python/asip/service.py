@@ -98,7 +98,9 @@ class Service(Commands):
             _wait.seconds(timeout)
         if lost not in ("raise", "wait"):
             raise errors.Invalid(f'lost={lost!r}: "raise" or "wait"')
-        return Stream(self, self._event(event), hz=hz, keep=keep, wait_for_board=lost == "wait", details=details, timeout=timeout)
+        found = self._event(event)
+        return Stream(self.board, self.name, found.name, found.unit, lambda sink: self._watched(sink, hz), keep=keep, wait_for_board=lost == "wait",
+                      details=details, timeout=timeout, hint=self._how_to_report)
 
     def plot(self, *, seconds: float = 30, hz: float = 10, event: str | None = None) -> Any:
         """Draws the values that come within `seconds`, a line for each number in them; in a notebook while they come. Ctrl-C ends
@@ -116,18 +118,21 @@ class Service(Commands):
 
         def sink(payload: dict[str, Any], *_: Any) -> None:
             if found.name in payload:
-                self.updated = time.time()
                 engine.dispatcher.put(function, (payload[found.name],)[:count], key)
         return self._watched(sink, hz)
 
     def _watched(self, sink: Callable[..., None], hz: float) -> Watch:
         engine, board, name = self.board._engine, self.board.name, self.name
         self.board._follow()
-        engine.do(lambda session, now: session.watch(now, board, name, sink, hz))
+
+        def told(payload: dict[str, Any], *more: Any) -> None:
+            self.updated = time.time()
+            sink(payload, *more)
+        engine.do(lambda session, now: session.watch(now, board, name, told, hz))
 
         def cancel() -> None:
             if not engine.closed and not engine.forked:
-                engine.do(lambda session, now: session.unwatch(now, board, name, sink))
+                engine.do(lambda session, now: session.unwatch(now, board, name, told))
         return Watch(cancel)
 
     # Hold ---------------------------------------------------------------------------------------------------------------

@@ -9,22 +9,12 @@ import queue
 import time
 import weakref
 
-from . import _model, _wait, errors
+from . import _wait, errors
 from ._followed import Followed
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any, Callable, NamedTuple, Protocol
-
-    class Source(Protocol):
-        """A service whose values come."""
-
-        name: str
-        board: Followed
-        updated: float | None
-
-        def _watched(self, sink: Callable[..., None], hz: float) -> Watch: ...
-        def _how_to_report(self) -> str: ...
+    from typing import Any, Callable, NamedTuple
 
     class Reading(NamedTuple):
         """One value: plain Python, its unit, and when it came, in seconds as `time.time()`."""
@@ -61,38 +51,36 @@ class Stream:
     """The iterator that `service.stream()` returns. It begins to listen at once, and ends with `close()`, with the end of a
     `with` block, or when nothing refers to it any more. `dropped` counts values that newer ones replaced."""
 
-    def __init__(self, service: Source, event: _model.Event, *, hz: float, keep: int, wait_for_board: bool, details: bool,
-                 timeout: float | None):
+    def __init__(self, board: Followed, what: str, event: str, unit: str, watched: Callable[[Callable[..., None]], Watch], *, keep: int,
+                 wait_for_board: bool = True, details: bool = False, timeout: float | None = None, hint: Callable[[], str] = str):
         self.dropped = 0
-        self._service, self._event, self._details, self._timeout = service, event, details, timeout
+        self._board, self._what, self._details, self._timeout, self._hint = board, what, details, timeout, hint
         self._wait_for_board = wait_for_board
         self._waiting: "collections.deque[Reading]" = collections.deque()
-        self._keep, self._unit = max(1, keep), event.unit
+        self._keep, self._unit = max(1, keep), unit
         self._busy = False
         self._silent = True  # no value came yet
         self._bell: "queue.SimpleQueue[None]" = queue.SimpleQueue()
         self._closed = False
         self._news: Callable[[], object] | None = None
-        engine, this = service.board._engine, weakref.ref(self)
+        engine, this = board._engine, weakref.ref(self)
 
         def sink(payload: dict[str, Any], *_: Any) -> None:
             stream = this()
-            if stream is not None and event.name in payload:
-                stream._take(payload[event.name])
-        self._watch = service._watched(sink, hz)
+            if stream is not None and event in payload:
+                stream._take(payload[event])
+        self._watch = watched(sink)
         engine.listen(self)
         # Garbage may be collected in any thread: the clock's ends what nothing refers to any more.
         self._end = weakref.finalize(self, engine.later, self._watch.cancel)
         self._end.atexit = False
 
     def _take(self, value: Any) -> None:
-        at = time.time()
-        self._service.updated = at
         if len(self._waiting) >= self._keep:
             with contextlib.suppress(IndexError):  # the loop took it meanwhile
                 self._waiting.popleft()
                 self.dropped += 1
-        self._waiting.append(Reading(value, self._unit, at))
+        self._waiting.append(Reading(value, self._unit, time.time()))
         self._told()
 
     def _told(self) -> None:
@@ -108,7 +96,7 @@ class Stream:
 
     def wait(self, seconds: float | None) -> Reading | None:
         """The next value; None where none came within `seconds`. Raises NotThere, Closed."""
-        engine, end = self._service.board._engine, None if seconds is None else time.monotonic() + seconds
+        engine, end = self._board._engine, None if seconds is None else time.monotonic() + seconds
         while True:
             try:
                 return self._waiting.popleft()
@@ -127,11 +115,11 @@ class Stream:
             self._busy = self._keep > 1 and time.monotonic() - began < _FAST_SECONDS
         engine.check_open()
         if self._gone():
-            self._service.board._must_be_there()
+            self._board._must_be_there()
         return None
 
     def _gone(self) -> bool:
-        return not self._wait_for_board and self._service.board._is_gone()
+        return not self._wait_for_board and self._board._is_gone()
 
     def __next__(self) -> Any:
         if self._closed:
@@ -147,8 +135,8 @@ class Stream:
             if self._closed:
                 raise StopIteration
             self.close()
-            raise errors.Unproven(f"{self._service.board.name}/{self._service.name}: no value within {self._timeout:g} s{self._service._how_to_report()}",
-                                  board=self._service.board.name, service=self._service.name, reason="no-value")
+            raise errors.Unproven(f"{self._board.name}/{self._what}: no value within {self._timeout:g} s{self._hint()}", board=self._board.name,
+                                  service=self._what.partition("/")[0], reason="no-value")
         return reading if self._details else reading.value
 
     def _next(self) -> Reading | None:
@@ -158,10 +146,10 @@ class Stream:
         self._silent = False
         patience = _SILENCE_SECONDS if self._timeout is None else min(_SILENCE_SECONDS, self._timeout)
         reading = self.wait(patience)
-        hint = self._service._how_to_report()
+        hint = self._hint()
         if reading is not None or self._closed or not hint or self._timeout == patience:
             return reading
-        log.warning("asip: %s/%s has told nothing for %g s%s", self._service.board.name, self._service.name, patience, hint)
+        log.warning("asip: %s/%s has told nothing for %g s%s", self._board.name, self._what, patience, hint)
         return self.wait(None if self._timeout is None else self._timeout - patience)
 
     def close(self) -> None:
