@@ -7,6 +7,7 @@
 #include <ostream>
 #include <utility>
 
+#include "asip/model/board_state.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/commands/watch.hpp"
@@ -135,6 +136,13 @@ Colour state_colour(std::string_view state) {
     return Colour::kDim;
 }
 
+Cell state_cell(const bus::BriefBoard& board) {
+    if (board.state == "lost" && board.reason == model::to_text(model::StateReason::kSilent) &&
+        board.chip.empty() && board.services.empty())
+        return {"no ASIP sketch yet", Colour::kYellow};
+    return {state_text(board.state, board.reason, board.state_age), state_colour(board.state)};
+}
+
 Table board_table(bool wide) {
     std::vector<Column> columns{
         {"BOARD"},    {"STATE", false, 7}, {"CHIP", false, 6}, {"SKETCH", false, 6}, {"SERVICES", false, 10},
@@ -155,7 +163,8 @@ void add_board(Table& table, const bus::BriefBoard& board, const bus::BriefBoard
     if (board.conflict) {
         table.add_cell(std::string(board.state) + "!", Colour::kRed);
     } else {
-        table.add_cell(state_text(board.state, board.reason, board.state_age), state_colour(board.state));
+        const auto state = state_cell(board);
+        table.add_cell(state.text, state.colour);
     }
     if (above != nullptr && board.like(*above)) {
         table.add_cells_above(3);

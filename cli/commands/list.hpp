@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "asip/bus/registry/brief.hpp"
 #include "asip/bus/registry/items.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "cli/environment.hpp"
@@ -50,5 +51,7 @@ void sort_list(std::vector<bus::BoardItem>& boards, const std::string& by, bool 
 void sort_list(std::vector<bus::ServiceItem>& services, const std::string& by, bool reverse);
 
 Colour state_colour(std::string_view state);
+/// The state of a board with its reason. A port where nothing has ever answered was never there to be lost.
+Cell state_cell(const bus::BriefBoard& board);
 
 }  // namespace asip::cli

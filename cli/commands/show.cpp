@@ -17,7 +17,6 @@
 #include "cli/commands/list.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
-#include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
@@ -285,8 +284,10 @@ std::string service_text(const std::string& board, const model::ServiceInfo& ser
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width, bool colour,
                        const KnownProperties& known) {
     const auto& item = board.item;
+    const auto brief = bus::brief_of({&item, 1});
+    const auto state = state_cell(brief.rows().front());
     auto text = painted(for_terminal(item.board), Colour::kBold, colour) + "  " +
-                painted(for_terminal(state_text(item)), state_colour(item.state), colour) + "\n";
+                painted(for_terminal(state.text), state.colour, colour) + "\n";
     if (!item.reported.empty() && item.reported != item.state)
         text += labelled("reported", item.reported, colour);
     if (item.conflict) {

@@ -45,6 +45,25 @@ TEST(ListBoards, NameConflict_IsMarked) {
     EXPECT_THAT(boards_text({board}, Output::kTable, 0, false), HasSubstr("online!"));
 }
 
+TEST(ListBoards, PortWhereNothingEverAnswered_IsNotLost) {
+    bus::BoardItem bare;
+    bare.board = "lab-usb-140-3";
+    bare.state = "lost";
+    bare.reason = "silent";
+    bare.state_age = 60;
+    const std::string amber = "\033[33mno ASIP sketch yet";
+    EXPECT_THAT(boards_text({bare}, Output::kTable, 0, true), HasSubstr(amber));
+    EXPECT_THAT(boards_text({bare}, Output::kWide, 0, true), HasSubstr(amber));
+    auto silent = uno1();
+    silent.state = "lost";
+    silent.reason = "silent";
+    silent.state_age = 60;
+    EXPECT_THAT(boards_text({silent}, Output::kTable, 0, false),
+                HasSubstr("lost 60 s ago: the board answers nothing"));
+    bare.reason = "agent-gone";
+    EXPECT_THAT(boards_text({bare}, Output::kTable, 0, false), HasSubstr("lost 60 s ago"));
+}
+
 TEST(ListBoards, NamesThatStrangersMade_MoveNoCursor) {
     auto board = uno1();
     board.board = "küche\033[2J";
