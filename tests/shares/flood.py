@@ -72,7 +72,7 @@ class Flood:
         own = {"BOARD": user} if self.role == "board" else {"USER": user}
         own.update(*(names for start, names in NAMED.items() if self.name.startswith(start)))
         root = "" if self.name.startswith(OUTSIDE) else "asip/"
-        numbers = range({"large": 1, "many": NAMES}.get(self.shape, NAMES // 10))
+        numbers = range({"large": 2, "many": NAMES}.get(self.shape, NAMES // 10))
         topics = [root + filled(self.name, own, n, self.shape == "many") for n in numbers]
         if self.shape in ("small", "large"):
             length = 16 if self.shape == "small" else self.place["largest"] - 200

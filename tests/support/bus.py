@@ -24,7 +24,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ["ASIP_BUILD"])
 BIN = BUILD / "bin"
 IMAGES = BUILD / "firmware" / "images"
-NOT_YET = (urllib.error.URLError, ConnectionError)
+NOT_YET = (urllib.error.URLError, ConnectionError, TimeoutError)
 
 DESK = {
     "name": "desk", "board": "uno", "image": str(IMAGES / "asip_uno_services.elf"), "link": "desk.port",
