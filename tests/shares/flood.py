@@ -22,7 +22,7 @@ def text(data):
 
 
 def packet(kind, body):
-    """Of MQTT."""
+    """A packet of MQTT."""
     length, size = b"", len(body)
     while size > 127:
         length += bytes([size % 128 | 128])
@@ -43,7 +43,7 @@ def publish(topic, payload, number, retain=False):
 
 
 def frame(message):
-    """Of a WebSocket."""
+    """A message of a WebSocket, whose mask is 0."""
     data = message.encode()
     length = bytes([0x80 | len(data)]) if len(data) < 126 else b"\xfe" + struct.pack(">H", len(data))
     return b"\x81" + length + b"\0\0\0\0" + data

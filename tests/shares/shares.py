@@ -189,7 +189,7 @@ def limits():
 
 
 def processor_seconds(bus):
-    """Of each program, of this one with its floods, and of the whole machine."""
+    """What each program used, this one with its floods, and the whole machine."""
     found = {}
     tick = os.sysconf("SC_CLK_TCK")
     for name, program in bus.programs.items():
@@ -233,7 +233,7 @@ def measure(bus, askers, row, seconds=SECONDS):
 
 
 def faults(figures):
-    """Of the musts: which do not hold."""
+    """Which of the musts do not hold."""
     delay = figures["delay"]
     found = [f"{name} ended" for name in figures["gone"]]
     found += [name for name, must in MUSTS.items() if delay[name] > (max(must, 2 * delay["bare"]) if name == "stop" else must)]
