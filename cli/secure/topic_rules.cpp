@@ -191,7 +191,7 @@ std::vector<TopicRule> exported() {
     return {home("export/ha/NAME", kReadOnly, "each reader"),
             home("export/ha/EXPORTED/NAME", kReadOnly, "each reader"),
             home("export/ha/EXPORTED/NAME/set", kWriteOnly, kCommand),
-            home("homeassistant/device/NAME/config", kReadOnly, "Home Assistant: 64 KiB a board", true),
+            home("homeassistant/device/NAME/config", kReadOnly, "Home Assistant: 128 KiB a board", true),
             std::move(status),
             rule("export/dashboard/NAME", "each gateway: a dashboard of at most 32 KiB"),
             shown("export/wot/NAME"),

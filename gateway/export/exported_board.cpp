@@ -30,6 +30,23 @@ std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const st
     return board;
 }
 
+std::shared_ptr<const ExportedBoard> fitting(std::shared_ptr<const ExportedBoard> board,
+                                             const std::function<std::size_t(const ExportedBoard&)>& bytes) {
+    for (auto size = bytes(*board); size > kMaxDocument && !board->properties.empty(); size = bytes(*board)) {
+        auto shorter = *board;
+        const auto count = shorter.properties.size();
+        shorter.properties.resize(std::min(count - 1, count * kMaxDocument / size));
+        board = std::make_shared<const ExportedBoard>(std::move(shorter));
+    }
+    return board;
+}
+
+std::string left_out_text(std::string_view system, const ExportedBoard& whole, std::size_t shown) {
+    return "board " + whole.board + ": " + std::string(system) + " is shown " + std::to_string(shown) +
+           " of " + std::to_string(whole.properties.size()) + " properties: a document has at most " +
+           std::to_string(kMaxDocument / 1024) + " KiB";
+}
+
 std::vector<Shown> reported_values(const ExportedBoard& board, const std::vector<std::size_t>& properties,
                                    std::string_view text, std::uint64_t& refused) {
     std::vector<Shown> result;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -46,6 +48,17 @@ struct ExportedBoard {
 /// properties, as its agent says; null: they are made here.
 std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const std::vector<Property>* list,
                                             const property::FindModel& find_model);
+
+/// What a document of one board may have at most, so that one board does not fill the broker or another
+/// system.
+inline constexpr std::size_t kMaxDocument = std::size_t{96} * 1024;
+/// The board with as many of its properties, from the first, as a document of kMaxDocument has room for.
+/// `bytes`: of the document of a board.
+std::shared_ptr<const ExportedBoard> fitting(std::shared_ptr<const ExportedBoard> board,
+                                             const std::function<std::size_t(const ExportedBoard&)>& bytes);
+
+/// What is logged of a board of which so many properties are shown.
+std::string left_out_text(std::string_view system, const ExportedBoard& whole, std::size_t shown);
 
 /// What is shown of one property; a null value: it is not known.
 struct Shown {

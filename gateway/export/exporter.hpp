@@ -78,7 +78,8 @@ class Exporter final : public Export {
   private:
     enum class Phase { kIdle, kConnecting, kScanning, kActive, kFinished };
     struct Record {
-        std::shared_ptr<const ExportedBoard> board;
+        std::shared_ptr<const ExportedBoard> board;  // as far as its document has room
+        std::shared_ptr<const ExportedBoard> whole;
         bool there = false;
         std::string session;
         std::string state;     // as it was published

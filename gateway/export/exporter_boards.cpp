@@ -88,7 +88,7 @@ void Exporter::update(const std::string& name, Time now) {
         sessions_due_ = true;
     }
     const bool changed =
-        record.board != present->board && (!record.board || !(*record.board == *present->board));
+        record.whole != present->board && (!record.whole || !(*record.whole == *present->board));
     if (changed) take(record, std::move(present->board));
     if (record.document_due) publish_document(record, now);
     if (changed || std::exchange(record.values_due, false)) all_values(record, now);
@@ -109,7 +109,13 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
     for (std::size_t i = 0; i < record.states.size(); ++i)
         old[state_topic(record, i)] = std::move(record.states[i]);
     auto targets = std::exchange(record.targets, {});
-    record.board = std::move(board);
+    record.whole = std::move(board);
+    record.board = fitting(record.whole, [this](const ExportedBoard& each) {
+        return dialect().document_topic(each.board).empty() ? 0
+                                                            : dialect().next_document(each, {}).text.size();
+    });
+    if (const auto shown = record.board->properties.size(); shown < record.whole->properties.size())
+        seldom_.say(record.board->board, left_out_text(dialect().title(), *record.whole, shown), now_);
     record.document_due = true;
     record.states.clear();
     record.states.resize(record.board->properties.size() + error_slots());

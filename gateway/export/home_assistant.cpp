@@ -121,41 +121,6 @@ void describe_number(ObjectText& component, const Property& property) {
 
 }  // namespace
 
-std::string HomeAssistant::device_id(std::string_view board) const {
-    // Ids may hold `A-Za-z0-9_-` only; two names that differ in other characters must not become one.
-    std::string id = options_.root + "-" + std::string(board);
-    bool exact = true;
-    for (char& c : id) {
-        if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_') continue;
-        c = '_';
-        exact = false;
-    }
-    if (exact) return id;
-    std::uint32_t sum = 2166136261;  // FNV-1a
-    for (const char c : board)
-        sum = (sum ^ static_cast<unsigned char>(c)) * 16777619;
-    return id + "_" + std::to_string(sum);
-}
-
-std::string HomeAssistant::document_topic(std::string_view board) const {
-    return options_.prefix + "/device/" + device_id(board) + "/config";
-}
-
-bool HomeAssistant::is_document(const std::string& topic, const std::string& place) const {
-    constexpr std::string_view kEnd = "/config";
-    const auto begin = place + "/device/" + device_id("");
-    if (topic == place + "/device/" + gateway_id() + std::string(kEnd)) return true;
-    return topic.starts_with(begin) && topic.ends_with(kEnd) &&
-           topic.find('/', begin.size()) == topic.size() - kEnd.size();
-}
-
-std::vector<std::string> HomeAssistant::ours(const Retained& found, const std::string& place) const {
-    auto result = below(base() + "/", found);
-    for (auto& topic : below(place + "/", found))
-        if (is_document(topic, place)) result.push_back(std::move(topic));
-    return result;
-}
-
 bool HomeAssistant::shown(const Property& property) const {
     return !options_.read_only || property.kind != Kind::kButton;
 }

@@ -118,6 +118,7 @@ class HomeAssistant final : public Dialect {
     std::string device_id(std::string_view board) const;
     std::string gateway_id() const;  ///< that no board has
     void describe_origin(ObjectText& document) const;
+    std::string device_begin() const;
 
     Options options_;
 };

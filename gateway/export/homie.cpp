@@ -33,31 +33,19 @@ bool is_id(std::string_view text) {
     });
 }
 
-/// "Left Arm #2" -> "left-arm-2"; "x" where nothing is left.
-std::string slug_of(std::string_view text) {
-    std::string slug;
+/// `text` where it is an id without two hyphens, else with two of them and two hexadecimal digits in place of
+/// each character that is no letter or digit: two names never become one.
+std::string id_from(std::string_view text) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    if (is_id(text) && text.find("--") == std::string_view::npos) return std::string(text);
+    std::string id;
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x80 && std::isalnum(byte) != 0)
-            slug += static_cast<char>(std::tolower(byte));
-        else if (!slug.empty() && slug.back() != '-')
-            slug += '-';
+        if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
+            id += c;
+        else
+            (id += "--") += {kDigits[byte >> 4U], kDigits[byte & 15U]};
     }
-    while (!slug.empty() && slug.back() == '-')
-        slug.pop_back();
-    return slug.empty() ? "x" : slug;
-}
-
-/// Two names that differ in what an id may not hold must not become one.
-std::string with_sum(std::string_view name) {
-    constexpr std::string_view kDigits = "0123456789abcdef";
-    constexpr int kBits = 32;
-    std::uint32_t sum = 2166136261;  // FNV-1a
-    for (const char c : name)
-        sum = (sum ^ static_cast<unsigned char>(c)) * 16777619;
-    auto id = slug_of(name) + "-";
-    for (int shift = kBits - 4; shift >= 0; shift -= 4)
-        id += kDigits[sum >> shift & 15];
     return id;
 }
 
@@ -235,11 +223,11 @@ bool Homie::valid_domain(std::string_view text) {
 }
 
 std::string Homie::gateway_id() const {
-    return is_id(options_.root) ? options_.root : with_sum(options_.root);
+    return id_from(options_.root);
 }
 
 std::string Homie::id_of(std::string_view board) const {
-    return is_id(board) && board != gateway_id() ? std::string(board) : with_sum(board);
+    return board == gateway_id() ? std::string(board) + "--" : id_from(board);
 }
 
 std::vector<std::string> Homie::ours(const Retained& found, const std::string& place) const {

@@ -59,7 +59,7 @@ void SparkplugNode::update(const std::string& name, Time now) {
     auto& record = found->second;
     record.there = present->there;
     const bool changed =
-        record.board != present->board && (!record.board || !(*record.board == *present->board));
+        record.whole != present->board && (!record.whole || !(*record.whole == *present->board));
     if (changed) take(record, std::move(present->board));
     const bool other = std::exchange(record.session, present->session) != present->session;
     if (!record.there || (other && record.born)) death(record);  // it may have forgotten what was set
@@ -70,7 +70,10 @@ void SparkplugNode::take(Record& record, std::shared_ptr<const ExportedBoard> bo
     std::map<std::string, State> old;
     for (std::size_t i = 0; i < record.states.size(); ++i)
         old[record.board->properties[i].id] = std::move(record.states[i]);
-    record.board = std::move(board);
+    record.whole = std::move(board);
+    record.board = fitting(record.whole, [this](const ExportedBoard& each) { return birth_bytes(each); });
+    if (const auto shown = record.board->properties.size(); shown < record.whole->properties.size())
+        seldom_.say(record.board->board, left_out_text("Sparkplug", *record.whole, shown), now_);
     record.states.clear();
     record.states.resize(record.board->properties.size());
     record.slots.clear();
@@ -87,6 +90,21 @@ void SparkplugNode::take(Record& record, std::shared_ptr<const ExportedBoard> bo
     for (const auto& [service, properties] : record.by_service)
         wants.push_back(port_.want(record.board->board, service, options_.per_second));
     record.wants = std::move(wants);
+}
+
+/// Without values.
+std::size_t SparkplugNode::birth_bytes(const ExportedBoard& board) const {
+    sparkplug::Payload payload;
+    for (const auto& property : board.properties) {
+        if (property.kind == Kind::kButton && options_.dialect.read_only) continue;
+        for (auto& metric : Sparkplug::slots(property)) {
+            auto& each = payload.metrics.emplace_back();
+            each.name = metric.name;
+            each.alias = each.timestamp = std::uint64_t{1} << 48;
+            each.properties = dialect_.properties(property, metric);
+        }
+    }
+    return sparkplug::write(payload).size();
 }
 
 sparkplug::Metric SparkplugNode::metric(const Record& record, const Slot& slot, std::uint64_t time_ms) const {

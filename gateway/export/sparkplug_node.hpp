@@ -87,7 +87,8 @@ class SparkplugNode final : public Export {
         std::optional<Time> fault_at;
     };
     struct Record {
-        std::shared_ptr<const ExportedBoard> board;
+        std::shared_ptr<const ExportedBoard> board;  // as far as its birth has room
+        std::shared_ptr<const ExportedBoard> whole;
         std::string session;
         bool there = false;
         bool born = false;
@@ -112,6 +113,7 @@ class SparkplugNode final : public Export {
     void update(const std::string& name, Time now);
     void take(Record& record, std::shared_ptr<const ExportedBoard> board);
     void birth(Record& record, Time now);
+    std::size_t birth_bytes(const ExportedBoard& board) const;
     void death(Record& record);
     void publish_data(Record& record, const std::vector<std::size_t>& properties);
     void all_values(Record& record, Time now);
