@@ -16,13 +16,21 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 /// more bytes is as near as one edit.
 std::optional<std::size_t> misspelling_distance(std::string_view word, std::string_view candidate);
 
+/// How many pairs of letters are looked at for a suggestion: some hundred usual names. It costs about a
+/// millisecond.
+inline constexpr std::size_t kMaxPairs = std::size_t{1} << 17;
+
 /// The candidate that was probably meant by `word`, or nothing when none is near. Of several that are equally
-/// near, the first. `candidates` is any range of strings or string views.
+/// near, the first. Those beyond kMaxPairs are not looked at. `candidates` is any range of strings or string
+/// views.
 template <class Range>
 std::optional<std::string> nearest(std::string_view word, const Range& candidates) {
     std::optional<std::string> found;
     std::size_t best = 0;
+    std::size_t pairs = 0;
     for (const auto& candidate : candidates) {
+        pairs += (word.size() + 1) * (std::string_view(candidate).size() + 1);
+        if (pairs > kMaxPairs) break;
         const auto distance = misspelling_distance(word, candidate);
         if (!distance || (found && *distance >= best)) continue;
         best = *distance;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <ranges>
 #include <vector>
 
 namespace asip::text {
@@ -22,6 +23,20 @@ TEST(EditDistance, KnownPairs_AreCounted) {
 
 TEST(EditDistance, VeryLongTexts_CompareOnlyTheirBeginnings) {
     EXPECT_EQ(edit_distance(std::string(1'000'000, 'a'), std::string(1'000'000, 'a') + "b"), 0u);
+}
+
+TEST(Nearest, ThousandsOfNames_AreNotAllLookedAt) {
+    std::size_t looked_at = 0;
+    const Words names(10'000, "board-of-the-hall");
+    const auto counted = std::views::transform(names, [&](const std::string& name) -> const std::string& {
+        ++looked_at;
+        return name;
+    });
+    EXPECT_EQ(nearest("board-of-no-house", counted), std::nullopt);
+    EXPECT_LT(looked_at, 1000u);
+    looked_at = 0;
+    EXPECT_EQ(nearest(std::string(10'000, 'x'), counted), std::nullopt);
+    EXPECT_LT(looked_at, 20u);
 }
 
 TEST(Nearest, Misspelling_IsFound) {
