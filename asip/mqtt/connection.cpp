@@ -25,9 +25,9 @@ namespace {
 namespace asio = boost::asio;
 using Kind = ConnectionFailure::Kind;
 
-/// libmosquitto reads about one packet a call; this many are read before other work of the program gets its
-/// turn.
-constexpr int kReadsPerTurn = 64;
+/// libmosquitto reads about one packet a call; so long it reads before other work of the program gets its
+/// turn, whatever the packets cost.
+constexpr Duration kTurn = std::chrono::milliseconds(2);
 constexpr int kInvalidSocket = -1;
 
 struct Library {
@@ -162,7 +162,8 @@ int Connection::write_out() {
 }
 
 void Connection::read_all() {
-    for (int i = 0; i < kReadsPerTurn && phase_ != Phase::kDown; ++i) {
+    const auto until = Clock::now() + kTurn;
+    do {
         const auto before = packets_seen_;
         const int error = mosquitto_loop_read(mosquitto_.get(), 1);
         if (error != MOSQ_ERR_SUCCESS) {
@@ -171,7 +172,7 @@ void Connection::read_all() {
         }
         if (!still_open()) return;
         if (packets_seen_ == before) return;
-    }
+    } while (phase_ != Phase::kDown && Clock::now() < until);
     // What TLS has already decrypted no longer shows on the socket: come back without waiting for it.
     if (broker_.tls && phase_ != Phase::kDown) {
         asio::post(io_, [self = shared_from_this()] { self->serve(); });
