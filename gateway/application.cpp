@@ -2,6 +2,8 @@
 #include "gateway/application.hpp"
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
+#include <ctime>
 #include <utility>
 
 #include "asip/mqtt/failure.hpp"
@@ -27,9 +29,26 @@ Instant present() {
     return {Clock::now(), text::wall_now()};
 }
 
+/// Of this thread: what other programs use meanwhile is no client's.
+Duration processor_time() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
 }  // namespace
 
-Application::Application(ProgramOptions options) : options_(std::move(options)), timer_(io_), soon_(io_) {
+Application::Application(ProgramOptions options)
+    : options_(std::move(options)),
+      timer_(io_),
+      soon_(io_),
+      shares_(processor_time, [this] { turn(); }),
+      boards_(
+          shares_, [this](const mqtt::Message& received) { handle(received); },
+          [this](const std::string& topic) {
+              if (gateway_->mirror().topics().parse(topic).value().kind == bus::TopicKind::kServiceOut)
+                  gateway_->mirror().values().count_left_out(1);
+          }) {
     program::allow_many_open_files();  // each connection needs one
     auto models = model::ModelSet::standard_and(options_.services);
     if (!models) throw std::runtime_error(models.error());
@@ -55,14 +74,23 @@ Application::Application(ProgramOptions options) : options_(std::move(options)),
     if (!options_.http_cert.empty())
         server.tls =
             std::make_unique<http::Server::Tls>(http::Server::Tls{options_.http_cert, options_.http_key});
-    server_ = std::make_unique<http::Server>(io_, std::move(server),
-                                             [this](const http::Request& request, const http::Reply& reply) {
-                                                 gateway_->request(request, reply);
-                                             });
+    server_ = std::make_unique<http::Server>(
+        io_, std::move(server), shares_,
+        [this](const http::Request& request) { return gateway_->asker_of(request); },
+        [this](const http::Request& request, const http::Reply& reply) {
+            gateway_->request(request, reply);
+        });
     stop_signal_ = std::make_unique<program::StopSignal>(io_, [this](int) { stop(); });
 }
 
 Application::~Application() = default;
+
+// Sockets are looked at between two turns.
+void Application::turn() {
+    boost::asio::post(io_, [this] {
+        if (shares_.run()) turn();
+    });
+}
 
 Gateway::Port Application::port() {
     Gateway::Port port;
@@ -115,7 +143,16 @@ mqtt::Client::Handlers Application::handlers() {
     return result;
 }
 
+// Of what is retained each message is looked at ahead of the mirror's own, by which all of it has come.
 void Application::message(const mqtt::Message& received) {
+    const auto topic = gateway_->mirror().topics().parse(received.topic);
+    const bool of_board = topic && !topic->board.empty() && topic->kind != bus::TopicKind::kDemand &&
+                          topic->kind < bus::TopicKind::kRegistryState;
+    if (!of_board || gateway_->mirror().reading()) return handle(received);
+    boards_.message(topic->board, received, Clock::now());
+}
+
+void Application::handle(const mqtt::Message& received) {
     const auto topic = gateway_->mirror().topics().parse(received.topic);
     // A value that is exported goes through a broker once more: ahead of what is kept of it here.
     if (topic)
@@ -201,6 +238,7 @@ void Application::schedule_tick() {
             read_tokens(false);
         }
         gateway_->tick();
+        boards_.tick(Clock::now());
         for (const auto& each : exports_)
             each->tick();
         schedule_tick();

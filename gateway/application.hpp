@@ -10,6 +10,7 @@
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"
+#include "gateway/board_shares.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/options.hpp"
@@ -31,12 +32,14 @@ class Application {
 
   private:
     Gateway::Port port();
+    void turn();
     mqtt::Client::Handlers handlers();
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void schedule_tick();
     void read_tokens(bool first);
     void log_access() const;
     void message(const mqtt::Message& received);
+    void handle(const mqtt::Message& received);
     void stop();
     void end();
 
@@ -47,6 +50,8 @@ class Application {
     std::unique_ptr<program::StopSignal> stop_signal_;
     std::unique_ptr<mqtt::Client> client_;
     std::unique_ptr<mqtt::Client> urgent_;  // for stops: what waits in the other does not wait in this
+    Shares shares_;
+    BoardShares boards_;
     std::unique_ptr<Gateway> gateway_;
     std::vector<std::unique_ptr<Exports>> exports_;
     bool home_assistant_seen_ = false;

@@ -112,6 +112,10 @@ void Gateway::request(const http::Request& request, const http::Reply& reply) {
     api::serve(*this, request, reply);
 }
 
+http::Asker Gateway::asker_of(const http::Request& request) {
+    return api::asker_of(*this, request);
+}
+
 const std::string& Gateway::openapi() {
     if (openapi_.empty()) openapi_ = api::openapi_document(api::routes(), options_.base_path);
     return openapi_;

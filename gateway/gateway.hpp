@@ -82,6 +82,8 @@ class Gateway {
     /// Serves a request: `reply` is answered before this returns, or later, once. What the client sends can
     /// do no more than get a status of 400 and above.
     void request(const http::Request& request, const http::Reply& reply);
+    /// To whom a request is counted, by the same rights.
+    http::Asker asker_of(const http::Request& request);
     /// To be subscribed to before connecting: filter, and whether what is retained is wanted.
     std::vector<std::pair<std::string, bool>> subscriptions() const;
     /// The broker has granted subscriptions(), after the first connection or a later one.

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "asip/bus/registry/query.hpp"
+#include "asip/bus/pattern.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 
@@ -12,72 +12,94 @@ namespace {
 
 constexpr std::size_t kMaxPatterns = 20;
 
-/// Of the properties of a service that are numbers, or true or false.
-void add_values(Call& call, const std::string& board, const std::string& service,
-                std::vector<metrics::ValueSample>& values) {
-    auto& mirror = call.gateway.mirror();
-    const auto found = call.gateway.things().find(mirror, board, call.now());
-    if (!found) return;
-    for (const auto& each : found->board->properties) {
-        if (each.service != service || each.kind == property::Kind::kButton) continue;
-        const auto shown = mirror.shown(board, each, call.now());
-        if (!shown || !(shown->value.is_number() || shown->value.is_boolean())) continue;
-        values.push_back({board, each.id,
-                          shown->value.is_boolean() ? (shown->value.get<bool>() ? 1.0 : 0.0)
-                                                    : shown->value.get<double>()});
-    }
-}
+/// Which services' values are asked for.
+using Patterns = std::vector<std::pair<std::string, std::string>>;
 
-/// The last values of the services that a pattern BOARD/SERVICE means, as far as they are seen and there is
-/// room.
-Expected<void> add_pattern(Call& call, std::string_view pattern, metrics::Snapshot& snapshot) {
-    const auto slash = pattern.find('/');
-    if (slash == std::string_view::npos || slash == 0 || slash + 1 == pattern.size())
-        return fail("values: must be BOARD/SERVICE, with * and ? as in a shell, and commas between several");
-    auto& mirror = call.gateway.mirror();
-    const auto& rights = call.principal.rights;
-    const auto view = view_of(rights);
-    bus::Query query;
-    query.find = bus::Find::kServices;
-    query.board = pattern.substr(0, slash);
-    query.service = pattern.substr(slash + 1);
-    query.limit = bus::Query::kMaxPage;
-    do {
-        const auto page = mirror.find(query, call.now(), rights.limited() ? &view : nullptr);
-        if (!page) return fail("values: " + page.error());
-        for (const auto& item : page->services) {
-            if (!snapshot.part.takes(item.board) || !rights.sees_service(item.board, item.name)) continue;
-            add_values(call, item.board, item.name, snapshot.values);
-            if (snapshot.values.size() <= metrics::kMaxValues) continue;
-            snapshot.values.resize(metrics::kMaxValues);
-            snapshot.values_left_out = true;
-            return {};
-        }
-        query.cursor = page->cursor;
-    } while (!query.cursor.empty());
-    return {};
-}
-
-/// What the parameters `part` and `values` ask for.
-Expected<void> read_parameters(Call& call, metrics::Snapshot& snapshot) {
-    if (const auto* text = call.request.parameter("part")) {
-        const auto part = metrics::Part::parse(*text);
-        if (!part) return fail(part.error());
-        snapshot.part = *part;
-    }
+Expected<Patterns> patterns_of(const Call& call) {
+    Patterns patterns;
     const auto* text = call.request.parameter("values");
-    if (text == nullptr) return {};
-    std::size_t count = 0;
-    for (std::size_t at = 0; at <= text->size() && !snapshot.values_left_out;) {
-        if (++count > kMaxPatterns)
+    for (std::size_t at = 0; text != nullptr && at <= text->size();) {
+        if (patterns.size() == kMaxPatterns)
             return fail("values: at most " + std::to_string(kMaxPatterns) + " patterns");
         const auto comma = std::min(text->find(',', at), text->size());
-        if (auto added = add_pattern(call, std::string_view(*text).substr(at, comma - at), snapshot); !added)
-            return added;
+        const auto pattern = text->substr(at, comma - at);
+        const auto slash = pattern.find('/');
+        if (slash == std::string::npos || slash == 0 || slash + 1 == pattern.size())
+            return fail(
+                "values: must be BOARD/SERVICE, with * and ? as in a shell, and commas between several");
+        patterns.emplace_back(pattern.substr(0, slash), pattern.substr(slash + 1));
         at = comma + 1;
     }
-    metrics::drop_repeated(snapshot.values);
-    return {};
+    return patterns;
+}
+
+/// An answer on its way: the values of one board are read in each step, then it is written.
+struct Scrape {
+    Gateway& gateway;
+    http::Reply reply;
+    Rights rights;
+    Patterns patterns;
+    metrics::Exposition::Format format;
+    metrics::Snapshot snapshot;
+    std::vector<std::string> boards;  ///< whose values are to be read
+    std::optional<metrics::Writer> writer{};
+
+    bool step() {
+        if (!boards.empty() && !snapshot.values_left_out) {
+            const auto board = std::move(boards.back());
+            boards.pop_back();
+            add_values(board);
+            return true;
+        }
+        if (!writer) writer.emplace(std::move(snapshot), format);
+        if (writer->step()) return true;
+        http::Response response;
+        response.content_type = metrics::Exposition::content_type(format);
+        response.body = writer->text();
+        response.headers = {{"Cache-Control", "no-store"}};
+        reply.send(std::move(response));
+        return false;
+    }
+
+    bool wanted(const std::string& board, const std::string& service) const {
+        return rights.sees_service(board, service) &&
+               std::any_of(patterns.begin(), patterns.end(), [&](const auto& each) {
+                   return bus::matches_pattern(each.first, board) &&
+                          bus::matches_pattern(each.second, service);
+               });
+    }
+
+    /// Of properties that are numbers, or true or false.
+    void add_values(const std::string& board) {
+        const auto now = gateway.now();
+        const auto found = gateway.things().find(gateway.mirror(), board, now);
+        if (!found) return;
+        for (const auto& each : found->board->properties) {
+            if (each.kind == property::Kind::kButton || !wanted(board, each.service)) continue;
+            const auto shown = gateway.mirror().shown(board, each, now);
+            if (!shown || !(shown->value.is_number() || shown->value.is_boolean())) continue;
+            if (snapshot.values.size() == metrics::kMaxValues) {
+                snapshot.values_left_out = true;
+                return;
+            }
+            snapshot.values.push_back({board, each.id,
+                                       shown->value.is_boolean() ? (shown->value.get<bool>() ? 1.0 : 0.0)
+                                                                 : shown->value.get<double>()});
+        }
+    }
+};
+
+/// The boards of which some service may be asked for; the first one last.
+std::vector<std::string> boards_for(Call& call, const Patterns& patterns, const metrics::Part& part) {
+    std::vector<std::string> boards;
+    if (!patterns.empty()) boards = call.gateway.mirror().board_names();
+    std::erase_if(boards, [&](const std::string& board) {
+        return !part.takes(board) || !call.sees(board) ||
+               std::none_of(patterns.begin(), patterns.end(),
+                            [&](const auto& each) { return bus::matches_pattern(each.first, board); });
+    });
+    std::sort(boards.rbegin(), boards.rend());
+    return boards;
 }
 
 }  // namespace
@@ -90,8 +112,13 @@ void get_metrics(Call& call) {
     if (rights.role == Role::kKiosk)
         return send_problem(call, 403, "a kiosk sees its boards only, and not what the bus counts");
     metrics::Snapshot snapshot;
-    if (const auto read = read_parameters(call, snapshot); !read)
-        return send_problem(call, 400, read.error());
+    if (const auto* text = call.request.parameter("part")) {
+        const auto part = metrics::Part::parse(*text);
+        if (!part) return send_problem(call, 400, part.error());
+        snapshot.part = *part;
+    }
+    auto patterns = patterns_of(call);
+    if (!patterns) return send_problem(call, 400, patterns.error());
     metrics::read_process(snapshot);
     snapshot.server = gateway.server_counters();
     snapshot.commands = gateway.commands().counters();
@@ -129,11 +156,10 @@ void get_metrics(Call& call) {
     const bool open =
         call.request.header("accept").find("application/openmetrics-text") != std::string_view::npos;
     const auto format = open ? metrics::Exposition::Format::kOpenMetrics : metrics::Exposition::Format::kText;
-    http::Response response;
-    response.content_type = metrics::Exposition::content_type(format);
-    response.body = metrics::exposition(snapshot, format);
-    response.headers = {{"Cache-Control", "no-store"}};
-    call.reply.send(std::move(response));
+    auto wanted = boards_for(call, *patterns, snapshot.part);
+    const auto answer = std::make_shared<Scrape>(Scrape{gateway, call.reply, rights, std::move(*patterns),
+                                                        format, std::move(snapshot), std::move(wanted)});
+    call.reply.in_turns([answer] { return answer->step(); });
 }
 
 }  // namespace asip::gateway::api

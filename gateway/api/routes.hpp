@@ -47,6 +47,8 @@ struct Route {
 /// repeated in each.
 const std::vector<Route>& routes();
 
+/// Whose request it is; a stop that its asker may send is urgent.
+http::Asker asker_of(Gateway& gateway, const http::Request& request);
 /// Finds the route and serves the request; also what is none: 404, 405, OPTIONS.
 void serve(Gateway& gateway, const http::Request& request, const http::Reply& reply);
 

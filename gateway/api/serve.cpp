@@ -6,54 +6,14 @@
 #include "asip/program/log.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
+#include "gateway/api/paths.hpp"
 #include "gateway/api/routes.hpp"
+#include "gateway/http/address.hpp"
 
 namespace asip::gateway::api {
 namespace {
 
 namespace log = program::log;
-
-/// A route's path in its levels: taken apart once, since each request is compared with many.
-struct Pattern {
-    const Route* route;
-    std::vector<std::string_view> levels;
-};
-
-std::vector<Pattern> split_patterns() {
-    std::vector<Pattern> patterns;
-    for (const auto& route : routes()) {
-        auto& levels = patterns.emplace_back(Pattern{&route, {}}).levels;
-        for (auto rest = route.path; !rest.empty();) {
-            rest.remove_prefix(1);
-            levels.push_back(rest.substr(0, rest.find('/')));
-            rest.remove_prefix(levels.back().size());
-        }
-    }
-    return patterns;
-}
-
-bool is_parameter(std::string_view level) {
-    return level.starts_with('{');
-}
-
-// From the end: paths that are as long differ there most often.
-bool fits(const Pattern& pattern, const std::vector<std::string>& segments) {
-    const auto& levels = pattern.levels;
-    return levels.size() == segments.size() &&
-           std::equal(levels.rbegin(), levels.rend(), segments.rbegin(), [](auto level, const auto& segment) {
-               return is_parameter(level) || level == segment;
-           });
-}
-
-/// The parameters in a path that fits.
-std::map<std::string, std::string, std::less<>> parameters_of(const Pattern& pattern,
-                                                              const std::vector<std::string>& segments) {
-    std::map<std::string, std::string, std::less<>> path;
-    for (std::size_t i = 0; i < segments.size(); ++i)
-        if (const auto level = pattern.levels[i]; is_parameter(level))
-            path.emplace(level.substr(1, level.size() - 2), segments[i]);
-    return path;
-}
 
 bool allowed(const Rights& rights, Need need) {
     switch (need) {
@@ -92,7 +52,8 @@ void secure(http::Response& response, const std::string& origin) {
     response.headers.emplace_back("Vary", "Origin");
 }
 
-constexpr std::size_t kWorthCompressing = 1400;  // what fits into one packet gains nothing
+constexpr std::size_t kWorthCompressing = 1400;     // what fits into one packet gains nothing
+constexpr std::size_t kMaxCompressed = 256 * 1024;  // more would take longer than a turn may
 
 struct Served {
     std::string origin;
@@ -115,7 +76,8 @@ void count(const Served& served, http::Response& response) {
 
 http::Reply finished(const http::Reply& reply, Served served) {
     return reply.with([served = std::move(served)](http::Response& response) {
-        const bool worth = !response.compressed && response.body.size() >= kWorthCompressing;
+        const bool worth = !response.compressed && response.body.size() >= kWorthCompressing &&
+                           response.body.size() <= kMaxCompressed;
         if (worth || response.status == 304) response.by_encoding = true;
         if (worth && served.gzip) {
             response.body = http::compress(response.body);
@@ -203,35 +165,6 @@ void log_change(const Call& call) {
                           {"target", text::printable(call.request.target, 200)}});
 }
 
-/// A request as it is behind the prefixes of its path.
-struct Inner {
-    http::Request request;
-    std::string prefix;               // "/asip/kiosk/TOKEN"
-    std::optional<std::string> link;  // the token of a kiosk's link
-};
-
-bool take_prefix(Inner& inner, std::size_t levels) {
-    auto& segments = inner.request.segments;
-    if (segments.size() < levels) return false;
-    for (std::size_t i = 0; i < levels; ++i)
-        inner.prefix += "/" + segments[i];
-    segments.erase(segments.begin(), segments.begin() + static_cast<std::ptrdiff_t>(levels));
-    return true;
-}
-
-// Nothing: it is not below the base path.
-std::optional<Inner> inner_of(const http::Request& request, const std::string& base) {
-    Inner inner{request, {}, {}};
-    const auto& segments = inner.request.segments;
-    if (!base.empty() && (segments.empty() || "/" + segments[0] != base || !take_prefix(inner, 1)))
-        return std::nullopt;
-    if (segments.size() >= 2 && segments[0] == "kiosk") {
-        inner.link = segments[1];
-        take_prefix(inner, 2);
-    }
-    return inner;
-}
-
 // The page's own addresses are relative to the folder in which it is.
 bool redirect_to_folder(const Inner& inner, const http::Reply& reply) {
     const auto& request = inner.request;
@@ -257,10 +190,9 @@ struct Asker {
 
 void serve_route(Gateway& gateway, const http::Request& request, const http::Reply& reply, Asker asker) {
     auto& principal = asker.principal;
-    static const auto patterns = split_patterns();
     std::string methods;
     const std::string_view method = request.method == "HEAD" ? "GET" : std::string_view(request.method);
-    for (const auto& pattern : patterns) {
+    for (const auto& pattern : patterns()) {
         if (!fits(pattern, request.segments)) continue;
         const auto& route = *pattern.route;
         if (route.method != method) {
@@ -297,21 +229,50 @@ void serve_route(Gateway& gateway, const http::Request& request, const http::Rep
     serve_page(gateway, request, reply, asker.peer, asker.link ? &principal.rights : nullptr);
 }
 
+Expected<Principal, Denied> admit(Gateway& gateway, const http::Request& request,
+                                  const std::optional<Inner>& inner) {
+    const bool link = inner && inner->link;
+    return link ? gateway.gate().admit_link(request, *inner->link, gateway.now())
+                : gateway.gate().admit(request, gateway.now());
+}
+
+/// A stop that its asker may send.
+bool stops(Gateway& gateway, const http::Request& request, const Rights& rights) {
+    if (request.method != "POST" || !(rights.may_stop() || rights.control)) return false;
+    for (const auto& pattern : patterns()) {
+        if (pattern.route->method != request.method || !fits(pattern, request.segments)) continue;
+        const auto serve = pattern.route->serve;
+        if (serve != post_widget) return serve == post_stop || serve == post_stop_board;
+        const auto path = parameters_of(pattern, request.segments);
+        const auto* dashboard = gateway.dashboards().find(path.find("dashboard")->second);
+        const auto* widget = dashboard == nullptr ? nullptr : dashboard->widget(path.find("widget")->second);
+        return widget != nullptr && widget->kind == Widget::Kind::kStop;
+    }
+    return false;
+}
+
 }  // namespace
+
+http::Asker asker_of(Gateway& gateway, const http::Request& received) {
+    const auto& base = gateway.options().base_path;
+    const auto inner = at_root(received, base) ? std::nullopt : inner_of(received, base);
+    const auto& request = inner ? inner->request : received;
+    const auto peer = gateway.gate().peer_of(request);
+    const auto principal = admit(gateway, request, inner);
+    if (!principal) return {"address " + http::network_of(peer.address)};
+    return {client_of(*principal, peer), stops(gateway, request, principal->rights)};
+}
 
 void serve(Gateway& gateway, const http::Request& received, const http::Reply& plain) {
     const auto& base = gateway.options().base_path;
-    const bool kiosk = !received.segments.empty() && received.segments[0] == "kiosk";
-    const bool at_root = received.is_asterisk() || (base.empty() && !kiosk);
-    std::optional<Inner> inner;
-    if (!at_root) inner = inner_of(received, base);
-    if (!at_root && !inner) return plain.send(problem(404, "the gateway is at " + base + "/"));
+    const bool root = at_root(received, base);
+    const auto inner = root ? std::nullopt : inner_of(received, base);
+    if (!inner && !root) return plain.send(problem(404, "the gateway is at " + base + "/"));
     const auto& request = inner ? inner->request : received;
     Served served{gateway.gate().allowed_origin(request), http::accepts_gzip(request), {}};
     auto peer = gateway.gate().peer_of(request);
     const bool link = inner && inner->link;
-    auto principal = link ? gateway.gate().admit_link(request, *inner->link, gateway.now())
-                          : gateway.gate().admit(request, gateway.now());
+    auto principal = admit(gateway, request, inner);
     if (principal) {
         served.part = [&gateway, client = client_of(*principal, peer)] {
             return gateway.budget().part(client);

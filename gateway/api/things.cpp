@@ -4,7 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/registry/board_match.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
@@ -21,47 +20,6 @@ using exports::Kind;
 using exports::Property;
 using exports::WebOfThings;
 using nlohmann::json;
-
-std::optional<Things::Found> Things::find(Mirror& mirror, const std::string& name, const Instant& now) {
-    bus::Query query;
-    query.board = name;
-    query.full = true;
-    const auto answer = mirror.find(query, now);
-    if (!answer || answer->boards.empty()) return std::nullopt;
-    const auto& item = answer->boards[0];
-    Found found{item.state, item.session, nullptr};
-    auto list = mirror.standing().list(name, item.session);
-    const auto hash = std::hash<std::string>()(item.description);
-    if (const auto known = boards_.find(name); known != boards_.end() && known->second.hash == hash &&
-                                               known->second.bytes == item.description.size() &&
-                                               known->second.list == list)
-        found.board = known->second.board.lock();
-    if (found.board) return found;
-    auto made = exports::exported_board(item, list.get(), [this](const model::ServiceInfo& service) {
-        return bus::model_of(service, models_);
-    });
-    if (!made) return std::nullopt;
-    found.board = std::make_shared<const ExportedBoard>(std::move(*made));
-    if (boards_.size() >= tidy_at_) {
-        std::erase_if(boards_, [](const auto& each) { return each.second.board.expired(); });
-        tidy_at_ = 2 * std::max(kMaxBoards, boards_.size());
-    }
-    boards_[name] = {hash, item.description.size(), std::move(list), found.board};
-    last_.push_back(found.board);
-    if (last_.size() > kMaxBoards) last_.pop_front();
-    return found;
-}
-
-bool Things::want(bus::Demander& demander, const std::string& board, const std::string& service, Time now) {
-    std::erase_if(wants_, [&](const auto& each) { return each.second.until <= now; });
-    const auto found = wants_.find({board, service});
-    const bool is_new = found == wants_.end();
-    if (is_new && wants_.size() >= kMaxWants) return true;
-    auto& wanted = wants_[{board, service}];
-    wanted.until = now + kWantFor;
-    if (is_new) wanted.want = demander.want(board, service);
-    return is_new;
-}
 
 namespace {
 
@@ -238,6 +196,33 @@ void set_property(Call& call, const Things::Found& thing, const Property& proper
     std::make_shared<Setting>(call.gateway, std::move(*start), std::move(requests), call.reply)->next();
 }
 
+/// A page of things, one made in each turn.
+struct Page {
+    Gateway& gateway;
+    http::Reply reply;
+    Rights rights;
+    WebOfThings::Forms forms;
+    std::vector<std::string> names;
+    std::string next;  ///< header Link; empty: it is the last page
+    std::size_t at = 0;
+    std::string text = "[";
+
+    bool step() {
+        if (at == names.size()) {
+            auto response = text_response(text + "]");
+            response.content_type = "application/ld+json";
+            if (!next.empty()) response.headers.emplace_back("Link", next);
+            reply.send(std::move(response));
+            return false;
+        }
+        auto& things = gateway.things();
+        if (auto found = things.find(gateway.mirror(), names[at++], gateway.now()))
+            text += (text.size() > 1 ? "," : "") +
+                    model::dump_json(things.dialect().thing(*seen(rights, std::move(found->board)), forms));
+        return true;
+    }
+};
+
 void get_things(Call& call) {
     if (!enabled(call)) return;
     const auto offset = whole_parameter(call, "offset", 0, 0, 1'000'000'000);
@@ -245,26 +230,22 @@ void get_things(Call& call) {
     const auto limit = whole_parameter(call, "limit", kUsualPage, 1, 1'000'000'000);
     if (!limit) return send_problem(call, 400, limit.error());
     const auto page = std::min(*limit, kMaxPage);
-    auto& things = call.gateway.things();
-    auto& mirror = call.gateway.mirror();
-    auto names = mirror.board_names();
+    auto names = call.gateway.mirror().board_names();
     std::erase_if(names, [&](const std::string& each) { return !call.sees(each); });
     std::sort(names.begin(), names.end());
-    const auto forms = forms_of(call);
-    auto list = json::array();
-    auto at = static_cast<std::size_t>(std::min<std::int64_t>(*offset, std::ssize(names)));
-    const auto end = std::min(names.size(), at + static_cast<std::size_t>(page));
-    for (; at < end; ++at) {
-        if (auto found = things.find(mirror, names[at], call.now()))
-            list.push_back(
-                things.dialect().thing(*seen(call.principal.rights, std::move(found->board)), forms));
-    }
-    auto response = typed(list, "application/ld+json");
-    if (end < names.size())
-        response.headers.emplace_back("Link", "<" + call.gateway.options().base_path +
-                                                  "/things?offset=" + std::to_string(end) +
-                                                  "&limit=" + std::to_string(page) + ">; rel=\"next\"");
-    call.reply.send(std::move(response));
+    const auto begin = std::min<std::ptrdiff_t>(*offset, std::ssize(names));
+    const auto end = std::min<std::ptrdiff_t>(begin + page, std::ssize(names));
+    std::string next;
+    if (end < std::ssize(names))
+        next = "<" + call.gateway.options().base_path + "/things?offset=" + std::to_string(end) +
+               "&limit=" + std::to_string(page) + ">; rel=\"next\"";
+    const auto made = std::make_shared<Page>(Page{call.gateway,
+                                                  call.reply,
+                                                  call.principal.rights,
+                                                  forms_of(call),
+                                                  {names.begin() + begin, names.begin() + end},
+                                                  std::move(next)});
+    call.reply.in_turns([made] { return made->step(); });
 }
 
 void get_thing(Call& call) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
 
 namespace asip::gateway::http {
@@ -168,7 +167,7 @@ void Connection::handle() {
     ++shared_->counters.requests;
     request_ = reader_->take();
     reader_.reset();
-    count_input(in_.size());
+    count_input(in_.size() + read_bytes_);
     request_->peer = peer_;
     keep_alive_ = request_->keep_alive;
     head_only_ = request_->method == "HEAD";
@@ -176,10 +175,28 @@ void Connection::handle() {
     phase_ = Phase::kHandling;
     deadline_.reset();
     ++number_;
+    asker_ = shared_->asker_of(*request_);
+    shared_->shares.add(
+        asker_.name,
+        [weak = weak_from_this()] {
+            const auto self = weak.lock();
+            return self && !self->closed() && self->serve();
+        },
+        asker_.urgent);
+}
+
+bool Connection::serve() {
+    if (step_) {
+        if (waits_for(number_) && step_()) return true;
+        step_ = {};
+        return false;
+    }
     shared_->handler(*request_, Reply(weak_from_this(), number_));
     request_.reset();
+    if (phase_ == Phase::kHandling) count_input(in_.size());
     // Not before: a WebSocket takes the socket over, and must find no read under way.
     if (phase_ == Phase::kHandling || phase_ == Phase::kStreaming) read();
+    return step_ != nullptr;
 }
 
 void Connection::refuse(int status, std::string_view text) {
@@ -248,7 +265,7 @@ void Connection::stream(std::uint64_t number, Response head, std::unique_ptr<Sou
     count_input(0);
     keep_unsent_small(transport_.socket());
     source_->wake = [weak = weak_from_this()] {
-        if (auto self = weak.lock()) self->pump();
+        if (auto self = weak.lock()) self->pump_later();
     };
     pump();
 }
@@ -285,10 +302,17 @@ void Connection::pump() {
 
 void Connection::pump_later() {
     if (std::exchange(pump_due_, true)) return;
-    asio::post(transport_.get_executor(), [self = shared_from_this()] {
-        self->pump_due_ = false;
-        self->pump();
+    shared_->shares.add(asker_.name, [weak = weak_from_this()] {
+        if (const auto self = weak.lock()) {
+            self->pump_due_ = false;
+            self->pump();
+        }
+        return false;
     });
+}
+
+void Connection::in_turns(std::uint64_t number, Shares::Job step) {
+    if (waits_for(number)) step_ = std::move(step);
 }
 
 void Connection::chunk_written(const ErrorCode& error, std::size_t bytes) {
@@ -297,7 +321,7 @@ void Connection::chunk_written(const ErrorCode& error, std::size_t bytes) {
     if (closed()) return;
     response_.body = {};
     if (error || last_chunk_) return close();
-    pump();
+    pump_later();
 }
 
 void Connection::upgrade(std::uint64_t number, std::unique_ptr<Channel> channel) {
@@ -306,8 +330,13 @@ void Connection::upgrade(std::uint64_t number, std::unique_ptr<Channel> channel)
     deadline_.reset();
     keep_unsent_small(transport_.socket());
     ++shared_->counters.websockets;
-    websocket_ = WebSocket::start(std::move(transport_), *request_, std::move(channel), shared_->limits,
-                                  [self = shared_from_this()] { self->close(); });
+    count_input(0);
+    websocket_ = WebSocket::start(
+        std::move(transport_), *request_, std::move(channel), shared_->limits,
+        [self = shared_from_this()](Shares::Job job) {
+            self->shared_->shares.add(self->asker_.name, std::move(job));
+        },
+        [self = shared_from_this()] { self->close(); });
 }
 
 }  // namespace asip::gateway::http

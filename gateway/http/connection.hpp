@@ -20,6 +20,10 @@ struct AddressUse {
 
 /// What the connections of a server share.
 struct Shared {
+    explicit Shared(Shares& all) : shares(all) {}
+
+    Shares& shares;
+    Server::AskerOf asker_of;
     Server::Handler handler;
     ServerLimits limits;
     ServerCounters counters;
@@ -49,6 +53,7 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     void respond(std::uint64_t number, Response response) override;
     void stream(std::uint64_t number, Response head, std::unique_ptr<Source> source) override;
     void upgrade(std::uint64_t number, std::unique_ptr<Channel> channel) override;
+    void in_turns(std::uint64_t number, Shares::Job step) override;
     bool waits_for(std::uint64_t number) const override {
         return phase_ == Phase::kHandling && number == number_;
     }
@@ -60,6 +65,8 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     void received(const boost::system::error_code& error, std::size_t bytes);
     void feed();
     void handle();
+    /// True: there is another step.
+    bool serve();
     void refuse(int status, std::string_view text);
     void write(std::string head, Response response, bool keep_alive);
     void written(const boost::system::error_code& error, std::size_t bytes);
@@ -92,6 +99,8 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     std::optional<RequestReader> reader_;
     std::size_t read_bytes_ = 0;  // by the reader
     std::optional<Request> request_;
+    Asker asker_;
+    Shares::Job step_;  // of an answer that costs much
     std::string head_;
     Response response_;
     std::unique_ptr<Source> source_;

@@ -11,6 +11,7 @@
 #include "asip/time.hpp"
 #include "gateway/http/message.hpp"
 #include "gateway/http/request_reader.hpp"
+#include "gateway/shares.hpp"
 
 namespace boost::asio {
 class io_context;
@@ -59,6 +60,7 @@ class Responder {
     virtual void respond(std::uint64_t number, Response response) = 0;
     virtual void stream(std::uint64_t number, Response head, std::unique_ptr<Source> source) = 0;
     virtual void upgrade(std::uint64_t number, std::unique_ptr<Channel> channel) = 0;
+    virtual void in_turns(std::uint64_t number, Shares::Job step) = 0;
     virtual bool waits_for(std::uint64_t number) const = 0;
 };
 
@@ -94,6 +96,12 @@ class Reply {
     void websocket(std::unique_ptr<Channel> channel) const {
         if (const auto responder = responder_.lock()) responder->upgrade(number_, std::move(channel));
     }
+    /// Only while the handler is being called. An answer that costs much: `step` is called, each time in
+    /// another turn of its asker and ahead of its other requests, until it returns false or no client waits
+    /// any more. A step should take a millisecond or two.
+    void in_turns(Shares::Job step) const {
+        if (const auto responder = responder_.lock()) responder->in_turns(number_, std::move(step));
+    }
     /// No client waits for an answer any more: it was given, or the client closed the connection.
     bool gone() const {
         const auto responder = responder_.lock();
@@ -125,6 +133,12 @@ struct ServerLimits {
     Duration write_time = std::chrono::seconds(60);  ///< for a whole response that is no stream
 };
 
+/// To whom the cost of a request is counted, and whether it goes ahead of all others.
+struct Asker {
+    std::string name;
+    bool urgent = false;
+};
+
 /// Since the server was made, but for what is "now".
 struct ServerCounters {
     std::uint64_t accepted = 0;
@@ -141,8 +155,11 @@ struct ServerCounters {
 /// Listens, reads requests, and hands each to the handler. Connections that are open when it ends are closed.
 class Server {
   public:
-    /// Called for each whole request, one after the other. May answer at once or keep the reply for later.
+    /// Called for each whole request, when it is its asker's turn. May answer at once or keep the reply for
+    /// later.
     using Handler = std::function<void(const Request&, const Reply&)>;
+    /// Called for each whole request as it comes: it must cost little.
+    using AskerOf = std::function<Asker(const Request&)>;
     struct Tls {
         std::string cert_file;  ///< PEM, the whole chain
         std::string key_file;
@@ -155,7 +172,8 @@ class Server {
     };
 
     /// Binds. Throws std::runtime_error with a sentence where an address or certificate cannot be used.
-    Server(boost::asio::io_context& io, Options options, Handler handler);
+    /// `shares`: by which requests, messages and streams have their turns; it must outlive the server.
+    Server(boost::asio::io_context& io, Options options, Shares& shares, AskerOf asker_of, Handler handler);
     ~Server();
 
     /// Accepts connections from now on. Call once.

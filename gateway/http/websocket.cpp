@@ -48,9 +48,12 @@ beast::http::request<beast::http::empty_body> beast_request(const Request& reque
 
 class Running final : public WebSocket, public std::enable_shared_from_this<Running> {
   public:
-    Running(Transport transport, std::unique_ptr<Channel> channel, const ServerLimits& limits,
+    Running(Transport transport, std::unique_ptr<Channel> channel, const ServerLimits& limits, InTurn in_turn,
             std::function<void()> ended)
-        : stream_(std::move(transport)), channel_(std::move(channel)), ended_(std::move(ended)) {
+        : stream_(std::move(transport)),
+          channel_(std::move(channel)),
+          in_turn_(std::move(in_turn)),
+          ended_(std::move(ended)) {
         stream_.read_message_max(limits.message_bytes);
         websocket::stream_base::timeout timeout{kHandshakeTime, kIdleTime, true};
         stream_.set_option(timeout);
@@ -66,7 +69,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
             self->request_ = {};
             self->open_ = true;
             self->channel_->wake = [weak = self->weak_from_this()] {
-                if (auto alive = weak.lock()) alive->pump();
+                if (auto alive = weak.lock()) alive->pump_later();
             };
             self->read();
             self->pump();
@@ -88,16 +91,28 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     void read() {
         stream_.async_read(in_, [self = shared_from_this()](const beast::error_code& error, std::size_t) {
             if (error || !self->open_) return self->end();
-            const auto data = self->in_.data();
-            const bool text = self->stream_.got_text();
-            const bool goes_on =
-                text && self->channel_->received({static_cast<const char*>(data.data()), data.size()});
-            self->in_.consume(self->in_.size());
-            if (self->in_.capacity() > kKeptBytes) self->in_.shrink_to_fit();
-            if (!goes_on)
-                return self->close_with(text ? websocket::close_code::policy_error
-                                             : websocket::close_code::unknown_data);
-            self->read();
+            self->later([](Running& here) { here.received(); });
+        });
+    }
+
+    // The next message is read once this one had its turn.
+    void received() {
+        if (!open_) return;
+        const auto data = in_.data();
+        const bool text = stream_.got_text();
+        const bool goes_on = text && channel_->received({static_cast<const char*>(data.data()), data.size()});
+        in_.consume(in_.size());
+        if (in_.capacity() > kKeptBytes) in_.shrink_to_fit();
+        if (!goes_on)
+            return close_with(text ? websocket::close_code::policy_error
+                                   : websocket::close_code::unknown_data);
+        read();
+    }
+
+    void later(void (*job)(Running&)) {
+        in_turn_([weak = weak_from_this(), job] {
+            if (const auto self = weak.lock()) job(*self);
+            return false;
         });
     }
 
@@ -119,15 +134,15 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
                                 self->writing_ = false;
                                 if (error) return self->end();
                                 self->out_.clear();
-                                self->pump();
+                                self->pump_later();
                             });
     }
 
     void pump_later() {
         if (std::exchange(later_, true)) return;
-        boost::asio::post(stream_.get_executor(), [self = shared_from_this()] {
-            self->later_ = false;
-            self->pump();
+        later([](Running& here) {
+            here.later_ = false;
+            here.pump();
         });
     }
 
@@ -147,6 +162,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
 
     websocket::stream<Transport, false> stream_;  // without compression: 300 kB a client
     std::unique_ptr<Channel> channel_;
+    InTurn in_turn_;
     std::function<void()> ended_;
     beast::http::request<beast::http::empty_body> request_;
     beast::flat_buffer in_;
@@ -161,9 +177,9 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
 
 std::shared_ptr<WebSocket> WebSocket::start(Transport transport, const Request& request,
                                             std::unique_ptr<Channel> channel, const ServerLimits& limits,
-                                            std::function<void()> ended) {
-    auto result =
-        std::make_shared<Running>(std::move(transport), std::move(channel), limits, std::move(ended));
+                                            InTurn in_turn, std::function<void()> ended) {
+    auto result = std::make_shared<Running>(std::move(transport), std::move(channel), limits,
+                                            std::move(in_turn), std::move(ended));
     result->run(request);
     return result;
 }

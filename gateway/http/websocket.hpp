@@ -16,11 +16,13 @@ class WebSocket {
     /// The server ends: a close frame behind what is being sent, and nothing of the channel any more.
     virtual void leave() = 0;
 
+    /// Adds a job of its client.
+    using InTurn = std::function<void(Shares::Job)>;
     /// Answers the upgrade and serves `channel` until the end, then calls `ended` once. `request` must be a
     /// valid upgrade: see is_upgrade().
     static std::shared_ptr<WebSocket> start(Transport transport, const Request& request,
                                             std::unique_ptr<Channel> channel, const ServerLimits& limits,
-                                            std::function<void()> ended);
+                                            InTurn in_turn, std::function<void()> ended);
 };
 
 }  // namespace asip::gateway::http

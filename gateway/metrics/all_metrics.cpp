@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <tuple>
+#include <optional>
 
 #include "asip/model/json.hpp"
 #include "asip/protocol/body.hpp"
@@ -13,21 +13,6 @@ namespace {
 
 using nlohmann::json;
 using Type = Exposition::Type;
-
-struct Named {
-    std::string name;
-    json stats;
-};
-
-std::vector<Named> parsed(const std::vector<std::pair<std::string, std::string>>& all, std::size_t max) {
-    std::vector<Named> result;
-    for (const auto& [name, text] : all) {
-        if (result.size() == max) break;
-        auto stats = model::parse_json(text);
-        if (stats && stats->is_object()) result.push_back({name, std::move(*stats)});
-    }
-    return result;
-}
 
 const json* at(const json& object, std::string_view path) {
     const json* found = &object;
@@ -42,58 +27,46 @@ const json* at(const json& object, std::string_view path) {
     return found;
 }
 
-/// One number of each, where it is there.
-struct Number {
-    std::string_view path;
-    std::string_view name;
-    Type type;
-    std::string_view unit;
-    std::string_view help;
-};
+using Named = Writer::Named;
 
-void numbers(Exposition& out, std::string_view label, const std::vector<Named>& all,
-             const std::vector<Number>& wanted) {
-    for (const auto& [path, name, type, unit, help] : wanted) {
-        bool begun = false;
-        for (const auto& each : all) {
-            const auto* value = at(each.stats, path);
-            if (value == nullptr || !value->is_number()) continue;
-            if (!begun) out.family(name, type, unit, help);
-            begun = true;
-            out.sample({{label, each.name}}, value->get<double>());
-        }
-    }
+std::optional<double> number_at(const json& stats, std::string_view path) {
+    const auto* value = at(stats, path);
+    return value != nullptr && value->is_number() ? std::optional(value->get<double>()) : std::nullopt;
 }
 
-void directions(Exposition& out, const std::vector<Named>& boards, std::string_view name,
-                std::string_view unit, std::string_view in, std::string_view to, std::string_view help) {
-    out.family(name, Type::kCounter, unit, help);
-    for (const auto& each : boards) {
-        if (const auto* value = at(each.stats, in); value != nullptr && value->is_number())
-            out.sample({{"board", each.name}, {"direction", "in"}}, value->get<double>());
-        if (const auto* value = at(each.stats, to); value != nullptr && value->is_number())
-            out.sample({{"board", each.name}, {"direction", "out"}}, value->get<double>());
-    }
+/// One number of each, where it is there. `label`: "board" or "registry".
+Family number(std::string_view label, std::string_view path, std::string_view name, Type type,
+              std::string_view unit, std::string_view help) {
+    return {name, type, unit, help, [label, path](Exposition& out, const Named& each) {
+                if (const auto value = number_at(each.stats, path)) out.sample({{label, each.name}}, *value);
+            }};
+}
+
+Family directions(std::string_view name, std::string_view unit, std::string_view in, std::string_view to,
+                  std::string_view help) {
+    return {name, Type::kCounter, unit, help, [in, to](Exposition& out, const Named& each) {
+                for (const auto& [path, direction] : {std::pair(in, "in"), std::pair(to, "out")})
+                    if (const auto value = number_at(each.stats, path))
+                        out.sample({{"board", each.name}, {"direction", direction}}, *value);
+            }};
 }
 
 // A map of counters: each member is a value of the label.
-void by_member(Exposition& out, const std::vector<Named>& boards, const char* member, std::string_view name,
-               std::string_view label, std::string_view help) {
-    out.family(name, Type::kCounter, {}, help);
-    for (const auto& each : boards) {
-        const auto* map = at(each.stats, member);
-        if (map == nullptr || !map->is_object()) continue;
-        std::size_t shown = 0;
-        double rest = 0;
-        for (const auto& [key, value] : map->items()) {
-            if (!value.is_number()) continue;
-            if (++shown <= kMaxOutcomes)
-                out.sample({{"board", each.name}, {label, key}}, value.get<double>());
-            else
-                rest += value.get<double>();
-        }
-        if (shown > kMaxOutcomes) out.sample({{"board", each.name}, {label, "other"}}, rest);
-    }
+Family by_member(const char* member, std::string_view name, std::string_view label, std::string_view help) {
+    return {name, Type::kCounter, {}, help, [member, label](Exposition& out, const Named& each) {
+                const auto* map = at(each.stats, member);
+                if (map == nullptr || !map->is_object()) return;
+                std::size_t shown = 0;
+                double rest = 0;
+                for (const auto& [key, value] : map->items()) {
+                    if (!value.is_number()) continue;
+                    if (++shown <= kMaxOutcomes)
+                        out.sample({{"board", each.name}, {label, key}}, value.get<double>());
+                    else
+                        rest += value.get<double>();
+                }
+                if (shown > kMaxOutcomes) out.sample({{"board", each.name}, {label, "other"}}, rest);
+            }};
 }
 
 std::vector<double> list(const json* array) {
@@ -104,93 +77,79 @@ std::vector<double> list(const json* array) {
     return result;
 }
 
-void round_trips(Exposition& out, const std::vector<Named>& boards) {
-    out.family("asip_board_command_duration_seconds", Type::kHistogram, "seconds",
-               "From a command's arrival at the agent to its answer");
-    for (const auto& each : boards) {
-        const auto bounds = list(at(each.stats, "round_trip.le"));
-        const auto buckets = list(at(each.stats, "round_trip.buckets"));
-        const auto* count = at(each.stats, "round_trip.count");
-        const auto* sum = at(each.stats, "round_trip.sum");
-        if (bounds.empty() || bounds.size() != buckets.size() || count == nullptr || !count->is_number() ||
-            sum == nullptr || !sum->is_number())
-            continue;
-        out.histogram({{"board", each.name}}, bounds, buckets, count->get<double>(), sum->get<double>());
+void round_trip(Exposition& out, const Named& each) {
+    const auto bounds = list(at(each.stats, "round_trip.le"));
+    const auto buckets = list(at(each.stats, "round_trip.buckets"));
+    const auto count = number_at(each.stats, "round_trip.count");
+    const auto sum = number_at(each.stats, "round_trip.sum");
+    if (!bounds.empty() && bounds.size() == buckets.size() && count && sum)
+        out.histogram({{"board", each.name}}, bounds, buckets, *count, *sum);
+}
+
+const std::vector<Family>& families_of_boards() {
+    const auto board = [](std::string_view path, std::string_view name, Type type, std::string_view unit,
+                          std::string_view help) { return number("board", path, name, type, unit, help); };
+    static const std::vector<Family> all{
+        directions("asip_board_line_bytes", "bytes", "line.bytes_in", "line.bytes_out",
+                   "Bytes from the board and to it"),
+        directions("asip_board_lines", {}, "line.lines_in", "line.lines_out",
+                   "Lines from the board and to it"),
+        board("uptime", "asip_board_agent_uptime_seconds", Type::kGauge, "seconds",
+              "Since the agent opened the port first"),
+        board("line.undecoded", "asip_board_undecoded_reports", Type::kCounter, {},
+              "Reports that do not fit their service's model"),
+        board("line.malformed", "asip_board_malformed_lines", Type::kCounter, {}, "Pieces that are no line"),
+        board("line.checksum_errors", "asip_board_checksum_errors", Type::kCounter, {},
+              "Lines with a wrong checksum"),
+        board("line.fence_timeouts", "asip_board_fence_timeouts", Type::kCounter, {},
+              "Questions behind commands that were not answered in time"),
+        board("line.unexplained_errors", "asip_board_unexplained_errors", Type::kCounter, {},
+              "Errors that belong to no command"),
+        board("line.resets", "asip_board_resets", Type::kCounter, {}, "Restarts of the board"),
+        board("line.opened", "asip_board_link_opens", Type::kCounter, {},
+              "How often the way to the board was opened"),
+        board("queue.commands", "asip_board_queued_commands", Type::kGauge, {}, "Commands that wait"),
+        board("holds.active", "asip_board_holds", Type::kGauge, {}, "Held commands in force"),
+        board("holds.expired", "asip_board_expired_holds", Type::kCounter, {},
+              "Held commands that were undone"),
+        board("stops", "asip_board_stops", Type::kCounter, {}, "How often the board was stopped"),
+        board("bus.connects", "asip_board_broker_connects", Type::kCounter, {}, "Connections to a broker"),
+        board("bus.failures", "asip_board_broker_failures", Type::kCounter, {},
+              "Connections that failed or were lost"),
+        board("bus.published", "asip_board_published_messages", Type::kCounter, {}, "Messages to the broker"),
+        board("bus.received", "asip_board_received_messages", Type::kCounter, {}, "Messages from the broker"),
+        board("bus.dropped_values", "asip_board_dropped_values", Type::kCounter, {},
+              "Values that gave way because the broker was slower"),
+        board("bus.rejected", "asip_board_rejected_messages", Type::kCounter, {},
+              "Messages that the broker refused"),
+        by_member("errors", "asip_board_errors", "code", "Errors that the board sent"),
+        by_member("commands", "asip_board_commands", "outcome", "Commands by what became of them"),
+        {"asip_board_command_duration_seconds", Type::kHistogram, "seconds",
+         "From a command's arrival at the agent to its answer", round_trip}};
+    return all;
+}
+
+void add_registries(Exposition& out, const std::vector<std::pair<std::string, std::string>>& all) {
+    std::vector<Named> registries;
+    for (const auto& [name, text] : all)
+        if (auto stats = model::parse_json(text); stats && stats->is_object())
+            registries.push_back({name, std::move(*stats)});
+    for (const auto& family : {number("registry", "messages", "asip_registry_messages", Type::kCounter, {},
+                                      "Messages that the registry received"),
+                               number("registry", "events", "asip_registry_events", Type::kCounter, {},
+                                      "Changes that it published"),
+                               number("registry", "queries", "asip_registry_queries", Type::kCounter, {},
+                                      "Queries that it answered"),
+                               number("registry", "connections", "asip_registry_connections", Type::kCounter,
+                                      {}, "Its connections to a broker"),
+                               number("registry", "expired", "asip_registry_expired_leases", Type::kCounter,
+                                      {}, "Leases that ran out"),
+                               number("registry", "conflicts", "asip_registry_conflicts", Type::kGauge, {},
+                                      "Boards that two agents claim")}) {
+        out.family(family.name, family.type, family.unit, family.help);
+        for (const auto& each : registries)
+            family.sample(out, each);
     }
-}
-
-void add_boards(Exposition& out, const std::vector<Named>& boards) {
-    directions(out, boards, "asip_board_line_bytes", "bytes", "line.bytes_in", "line.bytes_out",
-               "Bytes from the board and to it");
-    directions(out, boards, "asip_board_lines", {}, "line.lines_in", "line.lines_out",
-               "Lines from the board and to it");
-    numbers(
-        out, "board", boards,
-        {{"uptime", "asip_board_agent_uptime_seconds", Type::kGauge, "seconds",
-          "Since the agent opened the port first"},
-         {"line.undecoded",
-          "asip_board_undecoded_reports",
-          Type::kCounter,
-          {},
-          "Reports that do not fit their service's model"},
-         {"line.malformed", "asip_board_malformed_lines", Type::kCounter, {}, "Pieces that are no line"},
-         {"line.checksum_errors",
-          "asip_board_checksum_errors",
-          Type::kCounter,
-          {},
-          "Lines with a wrong checksum"},
-         {"line.fence_timeouts",
-          "asip_board_fence_timeouts",
-          Type::kCounter,
-          {},
-          "Questions behind commands that were not answered in time"},
-         {"line.unexplained_errors",
-          "asip_board_unexplained_errors",
-          Type::kCounter,
-          {},
-          "Errors that belong to no command"},
-         {"line.resets", "asip_board_resets", Type::kCounter, {}, "Restarts of the board"},
-         {"line.opened",
-          "asip_board_link_opens",
-          Type::kCounter,
-          {},
-          "How often the way to the board was opened"},
-         {"queue.commands", "asip_board_queued_commands", Type::kGauge, {}, "Commands that wait"},
-         {"holds.active", "asip_board_holds", Type::kGauge, {}, "Held commands in force"},
-         {"holds.expired", "asip_board_expired_holds", Type::kCounter, {}, "Held commands that were undone"},
-         {"stops", "asip_board_stops", Type::kCounter, {}, "How often the board was stopped"},
-         {"bus.connects", "asip_board_broker_connects", Type::kCounter, {}, "Connections to a broker"},
-         {"bus.failures",
-          "asip_board_broker_failures",
-          Type::kCounter,
-          {},
-          "Connections that failed or were lost"},
-         {"bus.published", "asip_board_published_messages", Type::kCounter, {}, "Messages to the broker"},
-         {"bus.received", "asip_board_received_messages", Type::kCounter, {}, "Messages from the broker"},
-         {"bus.dropped_values",
-          "asip_board_dropped_values",
-          Type::kCounter,
-          {},
-          "Values that gave way because the broker was slower"},
-         {"bus.rejected",
-          "asip_board_rejected_messages",
-          Type::kCounter,
-          {},
-          "Messages that the broker refused"}});
-    by_member(out, boards, "errors", "asip_board_errors", "code", "Errors that the board sent");
-    by_member(out, boards, "commands", "asip_board_commands", "outcome", "Commands by what became of them");
-    round_trips(out, boards);
-}
-
-void add_registries(Exposition& out, const std::vector<Named>& registries) {
-    numbers(
-        out, "registry", registries,
-        {{"messages", "asip_registry_messages", Type::kCounter, {}, "Messages that the registry received"},
-         {"events", "asip_registry_events", Type::kCounter, {}, "Changes that it published"},
-         {"queries", "asip_registry_queries", Type::kCounter, {}, "Queries that it answered"},
-         {"connections", "asip_registry_connections", Type::kCounter, {}, "Its connections to a broker"},
-         {"expired", "asip_registry_expired_leases", Type::kCounter, {}, "Leases that ran out"},
-         {"conflicts", "asip_registry_conflicts", Type::kGauge, {}, "Boards that two agents claim"}});
     out.family("asip_registry_boards", Type::kGauge, {}, "Boards that a registry knows, by state");
     for (const auto& each : registries) {
         const auto* states = at(each.stats, "boards");
@@ -303,40 +262,57 @@ Expected<Part> Part::parse(std::string_view text) {
     return Part{static_cast<std::size_t>(*number), static_cast<std::size_t>(*of)};
 }
 
-namespace {
+Writer::Writer(Snapshot snapshot, Exposition::Format format) : snapshot_(std::move(snapshot)), out_(format) {}
 
-void add_value_family(Exposition& out, const Snapshot& snapshot) {
-    out.family("asip_value", Type::kGauge, {}, "How properties of boards stand");
-    for (const auto& [board, property, value] : snapshot.values)
-        out.sample({{"board", board}, {"property", property}}, value);
-    one(out, "asip_gateway_unshown_values", Type::kGauge, {}, "Whether there are more values than are shown",
-        snapshot.values_left_out);
-}
-
-}  // namespace
-
-void drop_repeated(std::vector<ValueSample>& values) {
-    const auto place = [](const ValueSample& one) { return std::tie(one.board, one.property); };
-    std::stable_sort(values.begin(), values.end(),
-                     [&](const auto& a, const auto& b) { return place(a) < place(b); });
-    values.erase(std::unique(values.begin(), values.end(),
-                             [&](const auto& a, const auto& b) { return place(a) == place(b); }),
-                 values.end());
-}
-
-std::string exposition(const Snapshot& snapshot, Exposition::Format format) {
-    Exposition out(format);
-    if (snapshot.part.is_first()) {
-        add_gateway(out, snapshot);
-        add_catalogue(out, snapshot);
-        add_registries(out, parsed(snapshot.registries, kMaxKinds));
-        add_process(out, snapshot);
+bool Writer::step() {
+    if (!begun_) {
+        begun_ = true;
+        if (snapshot_.part.is_first()) {
+            add_gateway(out_, snapshot_);
+            add_catalogue(out_, snapshot_);
+            add_registries(out_, snapshot_.registries);
+            add_process(out_, snapshot_);
+        }
+        return true;
     }
-    add_boards(out, parsed(snapshot.boards, kMaxBoards));
-    one(out, "asip_gateway_unshown_boards", Type::kGauge, {}, "Boards beyond the limit of label values",
-        snapshot.boards.size() > kMaxBoards ? static_cast<double>(snapshot.boards.size() - kMaxBoards) : 0);
-    if (!snapshot.values.empty()) add_value_family(out, snapshot);
-    return out.finish();
+    const auto known = std::min(snapshot_.boards.size(), kMaxBoards);
+    if (read_ < known) {
+        for (const auto end = std::min(read_ + kRead, known); read_ < end; ++read_)
+            if (auto stats = model::parse_json(snapshot_.boards[read_].second); stats && stats->is_object())
+                boards_.push_back({std::move(snapshot_.boards[read_].first), std::move(*stats)});
+        return true;
+    }
+    if (family_ < families_of_boards().size()) {
+        add_family(families_of_boards()[family_]);
+        return true;
+    }
+    return add_values();
+}
+
+void Writer::add_family(const Family& family) {
+    if (at_ == 0) out_.family(family.name, family.type, family.unit, family.help);
+    for (const auto end = std::min(at_ + kWritten, boards_.size()); at_ < end; ++at_)
+        family.sample(out_, boards_[at_]);
+    if (at_ < boards_.size()) return;
+    at_ = 0;
+    ++family_;
+}
+
+bool Writer::add_values() {
+    const auto& values = snapshot_.values;
+    if (at_ == 0) {
+        const auto boards = snapshot_.boards.size();
+        one(out_, "asip_gateway_unshown_boards", Type::kGauge, {}, "Boards beyond the limit of label values",
+            static_cast<double>(boards - std::min(boards, kMaxBoards)));
+        if (!values.empty()) out_.family("asip_value", Type::kGauge, {}, "How properties of boards stand");
+    }
+    for (const auto end = std::min(at_ + kWritten, values.size()); at_ < end; ++at_)
+        out_.sample({{"board", values[at_].board}, {"property", values[at_].property}}, values[at_].value);
+    if (at_ < values.size()) return true;
+    if (!values.empty())
+        one(out_, "asip_gateway_unshown_values", Type::kGauge, {},
+            "Whether there are more values than are shown", snapshot_.values_left_out);
+    return false;
 }
 
 }  // namespace asip::gateway::metrics

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,8 +34,6 @@ struct ValueSample {
     std::string board, property;
     double value = 0;
 };
-/// Of patterns that mean one service twice: each sample must be there once.
-void drop_repeated(std::vector<ValueSample>& values);
 
 /// All that is shown, as it is at one moment. The caller fills it; of an asker with limited rights only with
 /// what the asker may see.
@@ -71,9 +71,47 @@ inline constexpr std::size_t kMaxValues = 20'000;
 inline constexpr std::size_t kMaxKinds = 100;
 inline constexpr std::size_t kMaxOutcomes = 20;
 
-/// The snapshot as text in one of the two formats. Statistics that are no JSON object, or hold no number
-/// where one is expected, are passed over: agents and registries of other versions write them. Pure.
-std::string exposition(const Snapshot& snapshot, Exposition::Format format);
+struct Family;
+
+/// Writes a snapshot as text in one of the two formats, in steps that take about a millisecond. Statistics
+/// that are no JSON object, or hold no number where one is expected, are passed over: agents and registries
+/// of other versions write them. Pure.
+class Writer {
+  public:
+    static constexpr std::size_t kRead = 20;      ///< boards whose statistics are read in a step
+    static constexpr std::size_t kWritten = 500;  ///< boards, or values, that are written in one
+    struct Named {
+        std::string name;
+        nlohmann::json stats;
+    };
+
+    Writer(Snapshot snapshot, Exposition::Format format);
+    /// False: that was the last one.
+    bool step();
+    /// Call once, behind the last step.
+    std::string text() { return out_.finish(); }
+
+  private:
+    void add_family(const Family& family);
+    bool add_values();
+
+    Snapshot snapshot_;
+    Exposition out_;
+    std::vector<Named> boards_;
+    bool begun_ = false;
+    std::size_t read_ = 0;    // boards
+    std::size_t family_ = 0;  // that is written
+    std::size_t at_ = 0;      // in it, or in the values
+};
+
+/// Numbers of one kind, of boards or registries.
+struct Family {
+    std::string_view name;
+    Exposition::Type type;
+    std::string_view unit;
+    std::string_view help;
+    std::function<void(Exposition&, const Writer::Named&)> sample;
+};
 
 /// What the operating system counts of this process.
 void read_process(Snapshot& snapshot);

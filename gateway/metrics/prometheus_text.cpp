@@ -42,13 +42,15 @@ void Exposition::family(std::string_view name, Type type, std::string_view unit,
     if (!open && type == Type::kInfo) shown += "_info";
     constexpr std::array<std::string_view, 4> kTypes{"counter", "gauge", "histogram", "info"};
     const auto word = !open && type == Type::kInfo ? "gauge" : kTypes[static_cast<std::size_t>(type)];
-    text_.append("# TYPE ").append(shown).append(" ").append(word).append("\n");
-    if (open && !unit.empty()) text_.append("# UNIT ").append(shown).append(" ").append(unit).append("\n");
-    text_.append("# HELP ").append(shown).append(" ").append(help).append("\n");
+    head_ = "# TYPE ";
+    head_.append(shown).append(" ").append(word).append("\n");
+    if (open && !unit.empty()) head_.append("# UNIT ").append(shown).append(" ").append(unit).append("\n");
+    head_.append("# HELP ").append(shown).append(" ").append(help).append("\n");
 }
 
 void Exposition::line(Labels labels, std::string_view more_name, std::string_view more_value, double value,
                       std::string_view suffix) {
+    text_.append(std::exchange(head_, {}));
     text_.append(name_).append(suffix);
     char separator = '{';
     const auto label = [&](std::string_view name, std::string_view text) {

@@ -18,7 +18,8 @@ class Exposition {
 
     explicit Exposition(Format format) : format_(format) {}
 
-    /// `name` without `_total`; `unit` ("seconds", "bytes") is its ending, or empty.
+    /// `name` without `_total`; `unit` ("seconds", "bytes") is its ending, or empty. One without samples is
+    /// not written.
     void family(std::string_view name, Type type, std::string_view unit, std::string_view help);
     /// One number of the family that was begun last. `suffix` is put behind the name: "_total" for counters
     /// is put by itself. Values of labels may be any text: they are escaped.
@@ -39,6 +40,7 @@ class Exposition {
     Format format_;
     Type type_ = Type::kGauge;
     std::string name_;
+    std::string head_;  // of the family that was begun, until its first sample
     std::string text_;
 };
 

@@ -26,7 +26,12 @@ class ApiTest : public testing::Test {
             response.emplace().status = 101;
             channel = std::move(made);
         }
+        void in_turns(std::uint64_t, Shares::Job step) override {
+            for (steps = 1; step(); ++steps) {
+            }
+        }
         bool waits_for(std::uint64_t) const override { return !response; }
+        std::size_t steps = 0;  // of a long answer
         int status() const { return response ? response->status : 0; }
         nlohmann::json body() const {
             return nlohmann::json::parse(response ? response->text() : std::string_view(), nullptr, false);

@@ -76,6 +76,32 @@ TEST_F(OperatorsApi, Stop_ItsAnswerComesPastThoseOfOthersWhereThereIsAConnection
     EXPECT_EQ(stopped->status(), 200);
 }
 
+TEST_F(OperatorsApi, StopsOfThoseWhoMay_AreUrgent_AndRequestsAreCountedToTheirTokens) {
+    gateway_->gate().set_tokens(*Tokens::parse("operator anna " + hash_of("do") + "\nviewer hall " +
+                                               hash_of("see") + "\noperator part " + hash_of("some") +
+                                               " services=servo\n"));
+    const auto asker = [this](const std::string& method, const std::string& target,
+                              const std::string& token) {
+        http::Request request;
+        request.method = method;
+        request.target = target;
+        EXPECT_TRUE(http::split_target(request));
+        request.headers = {{"host", "localhost"},
+                           {"content-type", "application/json"},
+                           {"authorization", "Bearer " + token}};
+        request.peer = {"2001:db8:1:2:3::4", false, false};
+        return gateway_->asker_of(request);
+    };
+    EXPECT_TRUE(asker("POST", "/api/stop", "do").urgent);
+    EXPECT_TRUE(asker("POST", "/api/boards/uno1/stop?once=true", "do").urgent);
+    EXPECT_FALSE(asker("POST", "/api/boards/uno1/raw", "do").urgent);
+    EXPECT_FALSE(asker("GET", "/api/stop", "do").urgent);
+    EXPECT_FALSE(asker("POST", "/api/stop", "see").urgent);
+    EXPECT_FALSE(asker("POST", "/api/stop", "some").urgent);
+    EXPECT_EQ(asker("GET", "/metrics", "see").name, "hall");
+    EXPECT_EQ(asker("GET", "/metrics", "guessed").name, "address 2001:db8:1:2::/64");
+}
+
 class NobodysApi : public ApiTest {
   protected:
     NobodysApi() : ApiTest(Role::kNone) {}

@@ -37,6 +37,7 @@ TEST_F(ThingsApi, EachBoardIsAThing_PageByPage) {
     EXPECT_EQ(page->response->content_type, "application/ld+json");
     EXPECT_EQ(page->body().size(), 2u);
     EXPECT_EQ(page->header("Link"), "</things?offset=2&limit=2>; rel=\"next\"");
+    EXPECT_EQ(page->steps, 3u) << "others are served between two things";
     const auto last = get("/things?offset=2&limit=2");
     EXPECT_EQ(last->body()[0]["id"], "urn:asip:asip:uno3");
     EXPECT_EQ(last->header("Link"), "");

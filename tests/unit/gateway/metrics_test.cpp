@@ -106,6 +106,21 @@ TEST_F(MetricsApiTest, MoreBoardsThanOneAnswerHas_AreReadInParts) {
     EXPECT_EQ(seen.size(), 5000u);
 }
 
+/// Others are served between two steps.
+TEST_F(MetricsApiTest, AnswerAboutManyBoards_IsMadeInSteps) {
+    for (int board = 0; board < 2000; ++board) {
+        const auto name = "b" + std::to_string(board);
+        bus("asip/servicebus/" + name + "/$description",
+            R"({"board":")" + name +
+                R"(","session":"s","seq":1,"lease":60,"services":[{"name":"distance","id":"D","model":"distance@1"}]})");
+        bus("asip/" + name + "/distance/out", R"({"distance":[42]})");
+        bus("asip/servicebus/" + name + "/$stats", R"({"uptime":1})");
+    }
+    const auto answer = get("/metrics?values=*/*");
+    EXPECT_EQ(count(std::string(answer->response->text()), "asip_value{"), 2006u);
+    EXPECT_GT(answer->steps, 2003 + 2000 / Writer::kRead + 20 * (2000 / Writer::kWritten));
+}
+
 TEST_F(MetricsApiTest, ChosenServices_ShowTheirLastValues) {
     EXPECT_THAT(metrics(), Not(HasSubstr("asip_value")));
     const auto text = metrics("?values=d*/distance,hall/*");
