@@ -16,6 +16,7 @@ using nlohmann::json;
 
 constexpr std::size_t kTokenBytes = 32;
 constexpr std::size_t kNameBytes = 6;
+constexpr auto kUsualTime = std::chrono::hours(30 * 24);  // of a link
 
 const std::string& name_of(const Call& call) {
     return call.path.find("dashboard")->second;
@@ -44,17 +45,21 @@ const Dashboard* dashboard_of(const Call& call) {
     return nullptr;
 }
 
+json links_of(const Dashboard& dashboard) {
+    json links = json::array();
+    for (const auto& link : dashboard.links) {
+        json item{{"name", link.name}, {"by", link.by}, {"control", link.control}};
+        if (link.until) item["until"] = text::iso_time(*link.until);
+        links.push_back(std::move(item));
+    }
+    return links;
+}
+
 json shown(const Call& call, const std::string& name, const Dashboard& dashboard) {
     auto object = to_json(dashboard);
     object["name"] = name;
     if (!call.principal.rights.dashboard.empty()) object.erase("by");  // a link names no people
-    if (!call.principal.rights.may_arrange()) return object;
-    object["links"] = json::array();
-    for (const auto& link : dashboard.links) {
-        json item{{"name", link.name}, {"by", link.by}, {"control", link.control}};
-        if (link.until) item["until"] = text::iso_time(*link.until);
-        object["links"].push_back(std::move(item));
-    }
+    if (call.principal.rights.may_arrange()) object["links"] = links_of(dashboard);
     return object;
 }
 
@@ -112,6 +117,8 @@ Expected<DashboardLink> read_link(const Call& call, const Dashboard& dashboard) 
     if (!body->is_object()) return fail("the body must be {\"until\":\"30d\",\"control\":false}");
     DashboardLink link;
     link.by = call.principal.rights.name;
+    link.maker = call.principal.rights.mark();
+    link.until = call.now().wall + kUsualTime;
     for (const auto& [name, value] : body->items()) {
         if (name == "control" && value.is_boolean()) {
             link.control = value.get<bool>();
@@ -165,6 +172,7 @@ void get_dashboards(Call& call) {
                          {"widgets", dashboard.widgets.size()},
                          {"by", dashboard.by},
                          {"changed", dashboard.changed}});
+        if (call.principal.rights.may_arrange()) items.back()["links"] = links_of(dashboard);
     }
     send_json(call, {{"items", std::move(items)}});
 }

@@ -136,10 +136,11 @@ inline constexpr std::string_view kComponents = R"json({
     "links": {"type": "array", "readOnly": true, "description": "For users who may change it", "items": {"$ref": "#/components/schemas/Link"}}}},
   "Dashboards": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"type": "object",
     "required": ["name", "title", "widgets"], "properties": {"name": {"type": "string"}, "title": {"type": "string"},
-      "widgets": {"type": "integer"}, "by": {"type": "string"}, "changed": {"type": "string"}}}}}},
+      "widgets": {"type": "integer"}, "by": {"type": "string"}, "changed": {"type": "string"},
+      "links": {"type": "array", "items": {"$ref": "#/components/schemas/Link"}}}}}}},
   "WidgetValue": {"type": "object", "description": "Of a stop: an empty object", "properties": {"value": {"$ref": "#/components/schemas/PropertyValue"}}},
   "LinkRequest": {"type": "object", "additionalProperties": false, "properties": {
-    "name": {"type": "string"}, "until": {"type": "string", "description": "How long it is valid: 12h, 30d; missing: until it is ended"},
+    "name": {"type": "string"}, "until": {"type": "string", "description": "How long it is valid: 12h, 365d; missing: 30d. It ends with the token of its maker in any case"},
     "control": {"type": "boolean", "description": "Its switches, sliders and stops may be used"}}},
   "Link": {"type": "object", "required": ["name", "control"], "properties": {
     "name": {"type": "string"}, "control": {"type": "boolean"}, "until": {"type": "string"}, "by": {"type": "string"},

@@ -129,6 +129,7 @@ Expected<Rights, Denied> Gate::rights_of(std::string_view token, const Instant& 
     if (named != nullptr) rights = *named;
     if (!rights && shared_.link && !token.empty()) rights = shared_.link(hash_of(token));
     const bool over = !rights || (rights->until && *rights->until <= now.wall) ||
+                      (rights->of_link() && !maker_in_force(*rights, now)) ||
                       (!rights->dashboard.empty() && shared_.there && !shared_.there(rights->dashboard));
     if (!over) return std::move(*rights);
     // It may be a link of a dashboard that was not heard of yet.
@@ -190,7 +191,7 @@ bool Gate::still_admitted(const Principal& principal, const Instant& now) const 
     const auto& rights = principal.rights;
     if (rights.until && *rights.until <= now.wall) return false;
     if (!rights.dashboard.empty() && shared_.there && !shared_.there(rights.dashboard)) return false;
-    if (rights.name.find('@') != std::string::npos) return shared_.holds && shared_.holds(rights);
+    if (rights.of_link()) return shared_.holds && shared_.holds(rights) && maker_in_force(rights, now);
     if (principal.kind == Principal::Kind::kAnonymous || principal.kind == Principal::Kind::kLoopback)
         return true;
     if (principal.kind == Principal::Kind::kSession && !logins_.session(principal.cookie, now.time))
@@ -205,6 +206,16 @@ bool Gate::in_force(const Rights& rights) const {
     }
     const auto* token = tokens_.named(rights.name);
     return token != nullptr && *token == rights;
+}
+
+// A link gives rights of its maker: it ends with them.
+bool Gate::maker_in_force(const Rights& link, const Instant& now) const {
+    if (const auto* token = tokens_.named(link.maker); token != nullptr)
+        return token->may_arrange() && !(token->until && *token->until <= now.wall) &&
+               (link.maker_mark.empty() || link.maker_mark == token->mark());
+    for (const auto* own : {&options_.loopback, &options_.anonymous})
+        if (own->name == link.maker && link.maker_mark.empty()) return own->may_arrange();
+    return false;
 }
 
 void Gate::set_tokens(Tokens tokens) {

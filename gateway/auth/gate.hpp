@@ -89,6 +89,7 @@ class Gate {
     std::optional<Denied> wrong_origin(const http::Request& request) const;
     Expected<Principal, Denied> who(const http::Request& request, const Instant& now) const;
     bool in_force(const Rights& rights) const;
+    bool maker_in_force(const Rights& link, const Instant& now) const;
 
     Expected<Rights, Denied> rights_of(std::string_view token, const Instant& now, int status,
                                        const char* fault) const;

@@ -6,6 +6,7 @@
 
 #include "asip/bus/pattern.hpp"
 #include "asip/text/nearest.hpp"
+#include "gateway/auth/secret.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -41,6 +42,11 @@ std::string Rights::seen() const {
         text += "/";
     }
     return text;
+}
+
+std::string Rights::mark() const {
+    constexpr std::size_t kDigits = 16;
+    return token_hash.empty() ? std::string() : hash_of(token_hash).substr(0, kDigits);
 }
 
 Expected<Rights> parse_role(std::string_view text) {

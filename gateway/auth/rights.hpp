@@ -36,6 +36,7 @@ struct Rights {
     /// The hash of the token that gives them; empty: none does. Another token with the same name and the same
     /// rights gives other rights.
     std::string token_hash;
+    std::string maker, maker_mark;  ///< of a dashboard's link: who made it, and mark() of those rights
 
     bool may_read() const { return role != Role::kNone; }
     bool may_command() const { return role >= Role::kOperator; }
@@ -53,6 +54,10 @@ struct Rights {
     bool sees_service(std::string_view board, std::string_view service) const;
     /// Some boards or services are hidden from it, now or once they are there.
     bool limited() const { return !boards.empty() || !services.empty() || !dashboard.empty(); }
+    /// Tells the token that gives them from others of its name, and nothing of it; empty: none does.
+    std::string mark() const;
+    /// A dashboard's link gives them; no token of the file has such a name.
+    bool of_link() const { return name.find('@') != std::string::npos; }
     /// Of what is seen: equal for rights that see the same by the same patterns; empty: everything.
     std::string seen() const;
     friend bool operator==(const Rights&, const Rights&) = default;

@@ -55,6 +55,8 @@ Rights rights_of(const std::string& dashboard, const DashboardLink& link) {
     Rights rights;
     rights.role = Role::kKiosk;
     rights.name = link.name + "@" + dashboard;
+    rights.maker = link.by;
+    rights.maker_mark = link.maker;
     rights.dashboard = dashboard;
     rights.control = link.control;
     rights.until = link.until;

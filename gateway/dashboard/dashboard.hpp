@@ -33,7 +33,8 @@ struct Widget {
 struct DashboardLink {
     std::string name;
     std::string hash;
-    std::string by;  ///< the user who made it
+    std::string by;     ///< the user who made it, with whose right it ends
+    std::string maker;  ///< which token that was: Rights::mark(); empty: none, or an earlier version made it
     bool control = false;
     std::optional<text::WallTime> until;
 };

@@ -176,6 +176,7 @@ std::optional<DashboardLink> read_link(const json& object) {
     DashboardLink link{reader.name_of("name"),
                        reader.needed("hash"),
                        reader.word("by", kMaxTitle * 2),
+                       reader.word("maker"),
                        object.value("control", json(false)) == json(true),
                        {}};
     if (const auto until = reader.word("until"); !until.empty()) {
@@ -221,7 +222,11 @@ json to_json(const Dashboard& dashboard) {
 std::string kept_text(const Dashboard& dashboard) {
     auto object = to_json(dashboard);
     for (const auto& link : dashboard.links) {
-        json item{{"name", link.name}, {"hash", link.hash}, {"by", link.by}, {"control", link.control}};
+        json item{{"name", link.name},
+                  {"hash", link.hash},
+                  {"by", link.by},
+                  {"maker", link.maker},
+                  {"control", link.control}};
         if (link.until) item["until"] = text::iso_time(*link.until);
         object["links"].push_back(std::move(item));
     }

@@ -4,7 +4,7 @@ import { moment_text, time_of } from "../core/text.js";
 import { base, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
 
-const periods = [["1h", "one hour"], ["1d", "one day"], ["7d", "a week"], ["30d", "30 days"], ["365d", "a year"], ["", "until it is ended"]];
+const periods = [["1h", "one hour"], ["1d", "one day"], ["7d", "a week"], ["30d", "30 days"], ["365d", "a year"]];
 
 class Share extends Part {
   begin(name) {
@@ -30,7 +30,7 @@ class Share extends Part {
 
   async make(until, control) {
     try {
-      const link = await request(path_of("dashboards", this.name, "links"), { method: "POST", body: { control, ...(until && { until }) } });
+      const link = await request(path_of("dashboards", this.name, "links"), { method: "POST", body: { control, until } });
       const address = new URL(`kiosk/${link.token}/`, base).href;
       const field = h("input", { type: "text", readonly: true, value: address, "aria-label": "The link", onfocus: () => field.select() });
       const local = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);

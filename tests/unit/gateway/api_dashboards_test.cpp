@@ -275,6 +275,56 @@ TEST_F(Dashboards_, LinkMadeAnewUnderItsName_EndsTheStreamsOfTheOldOne) {
     EXPECT_EQ(get("/kiosk/" + again + "/api/status")->status(), 200);
 }
 
+/// An operator who left must not go on through a link.
+TEST_F(Dashboards_, Link_EndsWithTheTokenOfItsMaker) {
+    announce();
+    const Headers anna{{"authorization", "Bearer do"}};
+    const auto tokens = [this](const std::string& text) {
+        gateway_->gate().set_tokens(*Tokens::parse(text));
+    };
+    const auto make = [&] {
+        const auto made = ask("POST", "/api/dashboards/lab/links", R"({"control":true})", anna);
+        echo();
+        return made->body().value("token", "");
+    };
+    const auto by_anna = "operator anna " + hash_of("do");
+    const auto again = "operator anna " + hash_of("do again");
+    put("lab", kLab);
+    for (const std::string& after : {std::string(), "viewer anna " + hash_of("do"), by_anna + " boards=uno1",
+                                     by_anna + " until=1970-01-01T00:00:00.000Z", again}) {
+        tokens(by_anna + "\n");
+        const auto token = make();
+        const auto open = socket("/kiosk/" + token);
+        ASSERT_EQ(open->status(), 101);
+        pass(1s);
+        EXPECT_EQ(open->channel->close_code(), 0);
+        tokens(after + "\n");
+        EXPECT_EQ(
+            ask("POST", "/kiosk/" + token + "/api/dashboards/lab/widgets/turn", R"({"value":9})")->status(),
+            404)
+            << after;
+        pass(1s);
+        EXPECT_EQ(open->channel->close_code(), 1008) << after;
+    }
+}
+
+TEST_F(Dashboards_, Links_AreListedWithTheirMakers_AndEndAfterAMonthUnlessTheySayWhen) {
+    put("lab", kLab);
+    link(R"({"name":"hall"})");
+    link(R"({"name":"year","until":"365d"})");
+    const auto links = get("/api/dashboards")->body()["items"][0]["links"];
+    ASSERT_EQ(links.size(), 2u);
+    const auto days = [&](std::size_t i) {
+        const auto until = text::parse_iso_time(links[i].value("until", ""));
+        return until ? std::chrono::floor<std::chrono::days>(*until - gateway_->now().wall).count() : 0;
+    };
+    EXPECT_EQ(links[0]["by"], "loopback");
+    EXPECT_EQ(days(0), 30);
+    EXPECT_EQ(days(1), 365);
+    const auto token = link("{}");
+    EXPECT_FALSE(get("/kiosk/" + token + "/api/dashboards/lab")->body().contains("links"));
+}
+
 TEST_F(Dashboards_, LinksWhoseTimeIsOver_TakeNoRoom) {
     put("lab", kLab);
     const auto make = [this] {

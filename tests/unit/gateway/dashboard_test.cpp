@@ -33,7 +33,8 @@ TEST(Dashboard, ExampleOfTheDocument_IsReadAndKeptAsItIs) {
     EXPECT_EQ(parsed->widgets[0].id, "w1");
     EXPECT_THAT(parsed->boards(), ElementsAre("desk", "lamp"));
     auto again = *parsed;
-    again.links.push_back({"hall", "ab", "ann", true, text::parse_iso_time("2027-01-31T00:00:00.000Z")});
+    again.links.push_back(
+        {"hall", "ab", "ann", "0123456789abcdef", true, text::parse_iso_time("2027-01-31T00:00:00.000Z")});
     const auto kept = parse_kept_dashboard(kept_text(again));
     ASSERT_TRUE(kept) << kept.error();
     EXPECT_EQ(kept_text(*kept), kept_text(again));
