@@ -182,11 +182,15 @@ void declare_exports(CLI::App& app, program::Settings& settings, ExportOptions& 
 }
 
 Expected<void> make_exports(ExportOptions& raw, const CLI::App& app, ProgramOptions& options) {
-    const auto given = [&](const char* option) { return app.get_option(option)->count() > 0; };
-    if (auto home = home_assistant_of(raw, given("--home-assistant"), options); !home) return home;
-    if (auto wot = web_of_things_of(raw, given("--wot-mqtt"), options); !wot) return wot;
-    if (auto homie = homie_of(raw, given("--homie"), options); !homie) return homie;
-    return sparkplug_of(raw, given("--sparkplug"), options);
+    // From the environment or a file comes a value, on the command line the option may stand alone.
+    const auto given = [&](const char* option, const std::string& value) {
+        return !value.empty() || app.get_option(option)->count() > 0;
+    };
+    if (auto home = home_assistant_of(raw, given("--home-assistant", raw.home_assistant), options); !home)
+        return home;
+    if (auto wot = web_of_things_of(raw, given("--wot-mqtt", raw.wot_broker), options); !wot) return wot;
+    if (auto homie = homie_of(raw, given("--homie", raw.homie_domain), options); !homie) return homie;
+    return sparkplug_of(raw, given("--sparkplug", raw.sparkplug_group), options);
 }
 
 }  // namespace asip::gateway
