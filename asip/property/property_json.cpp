@@ -44,7 +44,7 @@ Choices usual_choices(Kind kind) {
     return two ? Choices{{"off", 0}, {"on", 1}} : Choices();
 }
 
-/// Of a property that is only read.
+/// The place of a property that is only read.
 std::string usual_place(const Property& property) {
     const bool read_only = property.kind == Kind::kSensor || property.kind == Kind::kBinarySensor;
     return read_only && !property.settable() ? "/" + property.id : std::string();

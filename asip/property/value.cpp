@@ -98,7 +98,7 @@ std::vector<Request> light_requests(const Property& property, const json& value)
     return result;
 }
 
-/// Of an element; what is none is beyond any array.
+/// The number of an element; a key that is none is beyond any array.
 std::size_t index_of(std::string_view key) {
     constexpr std::size_t kMost = 5, kNone = static_cast<std::size_t>(-1);
     if (key.empty() || key.size() > kMost) return kNone;
