@@ -8,6 +8,7 @@ import time
 import unittest
 
 from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import Select
 
 from rig import PageTest, eventually, paho_client
 
@@ -148,12 +149,16 @@ class BoardPage(PageTest):
             self.assertEqual(main(self.form("motors", "Set the power of the first two motors at once")), "Hold to run")
             self.assertEqual(main(self.form("motors", "Set the power of one motor")), "Hold to run")
             self.assertEqual(main(self.form("motors", "Stop every motor")), "Stop every motor")
-            self.assertEqual(main(self.form("pixels", "Set the brightness of the strip")), "Set")
+            self.assertEqual(main(self.form("pixels", "Set the brightness of the strip")), "Set the brightness")
+            stop = self.form("motors", "Stop one motor")
+            self.assertEqual(main(stop), "Stop motor 0")
+            Select(self.number(stop, "Motor")).select_by_value("1")
+            self.assertEqual(main(stop), "Stop motor 1")
             client.publish("asip/servicebus/rover/$state", "", qos=1, retain=True).wait_for_publish(20)
         self.open_board()
-        self.assertEqual(main(self.form("servo", "Turn a servo to an angle")), "Turn")
+        self.assertEqual(main(self.form("servo", "Turn a servo to an angle")), "Turn servo 0")
         self.all_commands()
-        self.assertEqual(main(self.form("io", "Set the level of an output pin")), "Set")
+        self.assertEqual(main(self.form("io", "Set the level of an output pin")), "Set the level")
 
     def test_ValuesOfSeveralUnits_HaveAPlotAndAnAxisEach(self):
         meter = {"board": "meter", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [{"name": "pressure", "id": "B", "model": "pressure@1"}]}
@@ -182,6 +187,8 @@ class BoardPage(PageTest):
         eventually(lambda: "Kept" in form.text, "the agent's word")
         eventually(lambda: self.browser.text("h1") == "left desk desk", "the name in the heading")
         headings = lambda: " ".join(each.text for each in self.browser.find(".controls-box h3"))
+        widths = lambda: [each.rect["width"] for each in self.browser.find(".controls-box .card") if each.is_displayed()]
+        eventually(lambda: widths()[0] > 1.5 * widths()[-1] or len(widths()) == 1 and widths()[0] > 900, "what has a name is large")
         eventually(lambda: "arm" in headings(), "the name of the service")
         self.browser.shown(".pin[title^='Pin 13']").click()
         name = self.browser.shown("form[aria-label='Name of pin 13'] input")

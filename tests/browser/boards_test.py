@@ -147,17 +147,22 @@ class Boards(PageTest):
     def test_LostBoard_IsNotifiedAfterTheButtonWasPressed_AndNotBefore(self):
         self.browser.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": ["notifications"], "origin": self.bus.url})
         self.open("?sort=name", anew=True)
-        self.browser.run("""const Real = Notification; window.told = []; window.asked = 0;
-            window.Notification = class extends Real {
-              constructor(title, options) { super(title, options); told.push([title, options.body, performance.now()]); }
-              static requestPermission() { ++asked; return Real.requestPermission(); }
+        self.browser.run("""window.told = []; window.asked = 0;
+            const ask = Notification.requestPermission.bind(Notification);
+            Notification.requestPermission = () => { ++asked; return ask(); };
+            const show = ServiceWorkerRegistration.prototype.showNotification;
+            ServiceWorkerRegistration.prototype.showNotification = async function(title, options) {
+              await show.call(this, title, options);
+              const shown = await this.getNotifications();
+              told.push([shown[0].title, shown[0].body, performance.now()]);
             };""")
         told = lambda: self.browser.run("return told")
         button = self.browser.button("Notify me of lost boards")
         self.row_has("lamp", "online")
         self.bus.sim("unplug", "lamp")
         self.row_has("lamp", "lost", 30)
-        self.assertEqual((told(), self.browser.run("return asked")), ([], 0), "nobody asked for it")
+        workers = lambda: self.browser.driver.execute_async_script("navigator.serviceWorker.getRegistrations().then((all) => arguments[0](all.length))")
+        self.assertEqual((told(), self.browser.run("return asked"), workers()), ([], 0, 0), "nobody asked for it")
         self.bus.sim("replug", "lamp")
         self.row_has("lamp", "online", 30)
         button.click()

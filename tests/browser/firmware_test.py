@@ -53,6 +53,7 @@ class Firmware(PageTest):
         self.assertEqual(bus.asipctl("send", "usb-3/servo", "write", "7", "90").returncode, 1)
         page.size(390, 800, mobile=True)
         self.open("board/usb-3", anew=True)
+        self.history()
         rows = lambda: page.run("return [...document.querySelectorAll('asip-history tbody tr')].filter((row) => row.offsetParent).map((row) => row.innerText)")
         eventually(lambda: any("servo W,7,90" in row for row in rows()), "the commands", 15)
         search = page.shown("asip-history input[type=search]")

@@ -54,9 +54,24 @@ class People(PageTest):
             for right in self.browser.run("return [...document.querySelectorAll('asip-history td:last-child')].map((each) => each.getBoundingClientRect().right)"):
                 self.assertLessEqual(right, 360, f"{name}: what happened is in sight")
             self.browser.screenshot(f"phone-{name}")
+        self.browser.size(390, 844, mobile=True)
+        self.open("")
+        self.assertEqual(self.browser.shown("header").rect["height"], 48)
+        self.assertEqual(self.browser.run("return getComputedStyle(document.querySelector('.row.head'), '::before').content"), '"Sort by"')
+        heads = [(each.rect["x"], each.text) for each in self.browser.find(".row.head button") if each.is_displayed()]
+        self.assertEqual([text for _, text in sorted(heads)], ["Board", "State", "Since"])
+        self.browser.screenshot("phone-boards-390")
         self.browser.size(320, 568, mobile=True)
         self.assertEqual(self.broken_words(), [])
         self.assertLessEqual(self.browser.run("return document.querySelector('header').scrollWidth"), 320)
+
+    def test_Page_CanBeInstalled(self):
+        self.open(anew=True)
+        ask = self.browser.driver.execute_cdp_cmd
+        self.assertEqual(ask("Page.getInstallabilityErrors", {})["installabilityErrors"], [])
+        manifest = ask("Page.getAppManifest", {})
+        self.assertEqual(manifest["errors"], [])
+        self.assertIn("ASIP boards", manifest["data"])
 
     def test_MassLossOnAPhone_IsReadWholeAndItsBoardsAreInReach(self):
         self.browser.size(360, 740, mobile=True)

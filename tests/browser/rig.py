@@ -236,5 +236,9 @@ class PageTest(unittest.TestCase):
         output = form.find_element(By.TAG_NAME, "output")
         eventually(lambda: kind in output.get_attribute("class") and text in output.text, f"{kind}: {text}")
 
+    def history(self):
+        """Unfolds what happened to the board."""
+        self.browser.run("document.querySelector('details.history').open = true")
+
     def all_commands(self):
         self.browser.run("document.querySelectorAll('asip-board details').forEach((each) => { each.open = true; })")

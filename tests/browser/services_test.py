@@ -168,6 +168,7 @@ class Services(PageTest):
 
     def test_History_ShowsWhatHappenedToTheBoardAndOnTheBus(self):
         self.open_board()
+        self.history()
         eventually(lambda: "online" in self.browser.text("asip-history"), "history of the board")
         self.open("history")
         eventually(lambda: "desk" in self.browser.text("asip-history") and "lamp" in self.browser.text("asip-history"), "history of the bus")

@@ -29,7 +29,7 @@ class Size(unittest.TestCase):
         self.assertLess(total, LIMIT)
 
     def test_EveryFile_IsListed(self):
-        there = {str(path.relative_to(PAGE)) for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg")}
+        there = {str(path.relative_to(PAGE)) for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg", ".webmanifest")}
         self.assertEqual(there, set(self.files()))
 
     def test_Nothing_IsLoadedFromElsewhere(self):

@@ -61,6 +61,17 @@ class World(PageTest):
         self.browser.button("Clear the ways").click()
         eventually(lambda: len(self.browser.find("asip-world .way")) <= 1, "no ways")
 
+    def test_RobotsPage_IsTwoScreensOfAPhone_AndItsMotorsComeFirst(self):
+        self.browser.size(390, 844, mobile=True)
+        self.open("board/mirto")
+        self.browser.shown("asip-board.drives .controls-box form")
+        eventually(lambda: self.browser.find("asip-board .value"), "its values")
+        height = self.browser.run("return document.documentElement.scrollHeight")
+        self.browser.size(390, height, mobile=True)
+        self.browser.screenshot("phone-robot")
+        self.assertLessEqual(height, 2 * 844)
+        self.assertEqual(self.browser.run("return document.querySelectorAll('asip-board details[open] asip-plot').length"), 0)
+
     def test_NewObstacle_IsDrawnAndSaid(self):
         self.bus.sim("block", "rover", "700", "-490", "60")
         eventually(lambda: len(self.browser.find("asip-world .obstacles circle")) == 1, "the obstacle")

@@ -38,10 +38,11 @@ export function fields_of(command, model, service = {}) {
   return (command.args ?? []).filter((argument) => argument.type !== "count").map((argument) => field_of(argument, model, service));
 }
 
-/// What its button says: "Stop every motor"; where something is to be entered, the verb alone: "Turn".
-export function button_text(command, name, fields) {
-  const title = command.title ?? words(name);
-  return fields.length === 0 ? title : title.split(" ")[0];
+/// What its button says: "Stop motor 0", "Set the brightness". `chosen`: the number of the `element` that it is about.
+export function button_text(command, name, element, chosen) {
+  const title = (command.title ?? words(name)).split(/[;,] /)[0];
+  const told = chosen ? title.replace(new RegExp(`\\b(an?|one) ${element}\\b`), `${element} ${chosen}`) : title;
+  return told.includes(`${element} ${chosen}`) || !command.args?.length ? told.split(" to ")[0] : told.split(/ (?:of|to|that) /)[0];
 }
 
 /// The names of the commands: first what moves something, then what asks, then settings.
@@ -57,7 +58,7 @@ export function command_order(model) {
 /// Where the form of a command stands: "control", or "advanced": periods of reports, questions for a value, rare settings.
 export function place_of(model, name) {
   const { args = [], safe, answer, advanced } = model.commands[name];
-  if (safe !== undefined) return "control";
+  if (safe !== undefined && !advanced) return "control";
   return advanced || name === "report" || (answer && args.length === 0) ? "advanced" : "control";
 }
 

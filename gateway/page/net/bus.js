@@ -93,7 +93,7 @@ class Bus extends EventTarget {
 function open_port() {
   if ("SharedWorker" in self) {
     try {
-      return new SharedWorker(worker_url(), { type: "module", name: "asip" }).port;
+      return new SharedWorker(script_url("net/worker.js"), { type: "module", name: "asip" }).port;
     } catch (error) {
       console.warn("no shared worker, so this tab has a connection of its own", error);
     }
@@ -105,8 +105,9 @@ function open_port() {
 }
 let own_hub;
 
-function worker_url() {
-  const url = new URL("net/worker.js", base).href;
+/// The address of a script of ours, for what runs beside the page.
+export function script_url(path) {
+  const url = new URL(path, base).href;
   policy ??= self.trustedTypes?.createPolicy("page", { createScriptURL: (text) => text });
   return policy ? policy.createScriptURL(url) : url;
 }

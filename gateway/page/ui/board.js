@@ -55,7 +55,8 @@ class Board extends Part {
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
       this.problem, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
       h("section", { "aria-label": "About" }, h("h2", {}, "About"), this.facts, this.names, this.advanced),
-      h("section", {}, h("h2", {}, "History"), document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false)));
+      h("details", { class: "history", ontoggle: (event) => { if (!this.past) event.target.append((this.past = document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false))); } },
+        h("summary", {}, h("h2", {}, "History"))));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());
     this.listen(status, "change", () => this.show_state());
@@ -226,13 +227,14 @@ class Board extends Part {
     const pins = !this.pins_box.hidden;
     const floor = services.find(is_floor);
     this.show_world(floor, services.filter(is_pose));
-    const order = services.filter((service) => service !== floor).sort((a, b) => (a.name === "io") - (b.name === "io"));
+    const order = services.filter((service) => service !== floor).sort((a, b) => !a.label - !b.label || (a.name === "io") - (b.name === "io"));
+    const focused = this.classList.contains("drives") || Boolean(order[0]?.label); // what is not in use is folded
     const known = this.shown_services;
     this.shown_services = new Map(order.map((service) => {
       const key = JSON.stringify([service.name, service.model, pins, Boolean(this.board.description?.on_demand)]);
       const element = known.get(key) ?? document.createElement("asip-service").begin(this.name, service, {
         controls: this.controls, advanced: this.advanced, hz: rate, on_demand: Boolean(this.board.description?.on_demand),
-        pins: pins && service.name === "io", on_value: is_pose(service) ? (value) => this.world?.moved(service.name, value) : undefined });
+        folded: focused && !service.label, pins: pins && service.name === "io", on_value: is_pose(service) ? (value) => this.world?.moved(service.name, value) : undefined });
       if (known.has(key)) element.update(service);
       return [key, element];
     }));

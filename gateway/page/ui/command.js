@@ -25,9 +25,10 @@ class Command extends Part {
     this.inputs = new Map();
     this.output = h("output", { class: "answer", "aria-live": "polite" });
     this.actions = h("span", { class: "actions" }, this.buttons());
-    this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "",
+    this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "", onchange: () => this.name_button(),
       onsubmit: (event) => { event.preventDefault(); this.send(); } },
       h("div", { class: "title" }, h("span", {}, title), this.output), this.fields.map((field) => this.control(field)), this.actions);
+    this.name_button();
     this.append(this.form);
   }
 
@@ -37,8 +38,8 @@ class Command extends Part {
 
   buttons() {
     const first = this.runs_while_held;
-    const set = h("button", first ? { title: "Stays on when you let go" } : { class: "main" },
-      first ? "Keep on" : button_text(this.command, this.name, this.fields));
+    const set = h("button", first ? { title: "Stays on when you let go" } : { class: "main" }, first ? "Keep on" : "");
+    this.name_button = () => { if (!first) set_text(set, button_text(this.command, this.name, this.model.element, this.inputs.get(this.model.element)?.value())); };
     if (!this.held_kind) return set;
     const hold = h("button", { type: "button", class: first ? "main hold" : "hold", "aria-pressed": "false",
       title: "Works as long as you hold it; made safe as soon as you let go",

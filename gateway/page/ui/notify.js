@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Notifications of the browser for boards that are lost. Nothing is asked before the user presses the button.
 import { Losses } from "../core/attention.js";
+import { script_url } from "../net/bus.js";
 import { h, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";
 
@@ -26,12 +27,14 @@ boards.addEventListener("change", () => {
   const text = losses.of(boards.catalogue.rows.values(), Date.now());
   if (!text || !wanted()) return;
   // Of several tabs, and of a loss that grows, one notice stays: that is what its tag is for.
-  const notice = new Notification(text.title, { body: text.body, tag: "asip-lost" });
-  notice.onclick = () => {
-    window.focus();
-    location.hash = "#/?state=lost";
-  };
+  worker().then((it) => it.showNotification(text.title, { body: text.body, tag: "asip-lost", icon: "icon.svg" }));
 });
+
+async function worker() {
+  await navigator.serviceWorker.register(script_url("notices.js"));
+  return navigator.serviceWorker.ready;
+}
+navigator.serviceWorker?.addEventListener("message", () => { location.hash = "#/?state=lost"; });
 
 class Notify extends Part {
   shown() {
@@ -43,7 +46,7 @@ class Notify extends Part {
   }
 
   show() {
-    this.hidden = !("Notification" in window) || !status.now || status.you.role === "kiosk";
+    this.hidden = !("Notification" in window && navigator.serviceWorker) || !status.now || status.you.role === "kiosk";
     this.button.setAttribute("aria-pressed", String(wanted()));
   }
 

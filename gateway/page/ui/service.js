@@ -21,10 +21,10 @@ const kPast = 600;
 const shortened = (text) => (text.length > kMaxText ? `${text.slice(0, kMaxText)} …` : text);
 
 class Service extends Part {
-  /// Call before it is put into the page. `controls` and `advanced`: where its forms stand; `pins`: it is the I/O service. `on_value`
+  /// Call before it is put into the page. `controls` and `advanced`: where its forms stand; `pins`: it is the I/O service; `folded`: its plots are. `on_value`
   /// gets each report, `hz` how many of them a second are wanted where no property shows them.
-  begin(board, service, { controls, advanced, on_value, pins = false, hz = kUsualHz, on_demand = true }) {
-    Object.assign(this, { board, service, controls, advanced, on_value, pins, hz, on_demand });
+  begin(board, service, { controls, advanced, on_value, folded, pins = false, hz = kUsualHz, on_demand = true }) {
+    Object.assign(this, { board, service, controls, advanced, on_value, folded, pins, hz, on_demand });
     return this;
   }
 
@@ -88,6 +88,7 @@ class Service extends Part {
   }
 
   show_titles() {
+    for (const box of [this, this.card]) box.classList.toggle("named", Boolean(this.service.label));
     for (const title of this.titles) {
       set_text(title.firstChild, this.pins ? this.service.label ?? "Pins" : this.title_text());
       set_text(title.lastChild, this.subtitle());
@@ -315,7 +316,7 @@ class Service extends Part {
     const label = [this.board, group.name, group.listed && unit_text(group.numbers[0].unit)].filter(Boolean).join(" ");
     const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"));
     plot.group = group.key;
-    const [box, open] = group.place === this.values ? [this.plots, true] : [group.place, false];
+    const [box, open] = group.place === this.values ? [this.plots, !this.folded] : [group.place, false];
     box.append(h("details", { open }, h("summary", {}, "Plot"), plot));
   }
 }

@@ -28,8 +28,9 @@ test("ServosThatTheBoardHasNot_AreNotOffered", () => {
 });
 
 test("Button_SaysWhatItDoes", () => {
-  const text = (name, command) => button_text(model(name).commands[command], command, form(name, command, {}));
-  assert.deepEqual([text("servo", "write"), text("motors", "stop-all"), text("pixels", "brightness")], ["Turn", "Stop every motor", "Set"]);
+  const text = (name, command, chosen) => button_text(model(name).commands[command], command, model(name).element, chosen);
+  assert.deepEqual([text("servo", "write", "2"), text("servo", "write"), text("motors", "stop", "0"), text("motors", "stop-all"), text("pixels", "brightness"), text("io", "report")],
+    ["Turn servo 2", "Turn a servo", "Stop motor 0", "Stop every motor", "Set the brightness", "Report analog pins periodically"]);
 });
 
 test("Commands_BeginWithWhatMovesSomething", () => {
@@ -52,7 +53,7 @@ test("WideRange_HasNoSlider", () => {
 test("Forms_StandWhereTheyAreLookedFor", () => {
   const places = (name) => Object.keys(model(name).commands).map((each) => `${each} ${place_of(model(name), each)}`);
   assert.deepEqual(places("servo"), ["write control", "remap advanced"]);
-  assert.deepEqual(places("motors"), ["power control", "drive control", "stop control", "stop-all control"]);
+  assert.deepEqual(places("motors"), ["power advanced", "drive control", "stop control", "stop-all control"]);
   for (const sensor of ["distance", "humidity", "heading"]) for (const each of places(sensor)) assert.match(each, /advanced$/, sensor);
 });
 
