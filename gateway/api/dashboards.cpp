@@ -8,6 +8,7 @@
 #include "asip/text/printable.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/auth/secret.hpp"
+#include "gateway/dashboard/feed.hpp"
 
 namespace asip::gateway::api {
 namespace {
@@ -214,15 +215,16 @@ void delete_dashboard(Call& call) {
 
 void post_widget(Call& call) {
     if (!bus_is_there(call)) return;
-    const auto* dashboard = dashboard_of(call);
-    if (dashboard == nullptr) return;
+    const auto* kept = dashboard_of(call);
+    if (kept == nullptr) return;
+    const auto dashboard = with_boards(*kept, call.gateway.mirror(), call.now());
     const auto& id = call.path.find("widget")->second;
-    const auto* widget = dashboard->widget(id);
+    const auto* widget = dashboard.widget(id);
     if (widget == nullptr)
         return send_problem(call, 404, "this dashboard has no widget \"" + text::printable(id) + "\"");
     if (widget->kind == Widget::Kind::kStop) {
         const auto& rights = call.principal.rights;
-        if (rights.may_stop() || rights.control) return stop_boards(call, dashboard->boards());
+        if (rights.may_stop() || rights.control) return stop_boards(call, dashboard.boards());
         return send_problem(call, 403, "a token that is limited to some services may not stop boards");
     }
     if (!widget->sends())

@@ -11,6 +11,8 @@ inline constexpr std::string_view kDashboardExample = R"json({"title": "Greenhou
   {"kind": "switch", "title": "Lamp", "board": "lamp", "property": "io/13"},
   {"kind": "slider", "title": "Vent", "board": "desk", "property": "servo/0/angle"},
   {"kind": "lamp", "title": "Button", "board": "desk", "property": "io/2"},
+  {"kind": "gauge", "labels": "room=greenhouse", "property": "io/14"},
+  {"kind": "text", "title": "Rules", "text": "Water by noon."},
   {"kind": "stop", "title": "Stop"}]})json";
 
 /// The part of the OpenAPI document that the routes refer to.
@@ -125,9 +127,11 @@ inline constexpr std::string_view kComponents = R"json({
   "EventStream": {"type": "string"},
   "Widget": {"type": "object", "required": ["kind"], "additionalProperties": false, "properties": {
     "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{1,16}$", "description": "Given by the gateway where it is missing"},
-    "kind": {"type": "string", "enum": ["value", "plot", "switch", "slider", "lamp", "stop"]},
+    "kind": {"type": "string", "enum": ["value", "plot", "switch", "slider", "lamp", "stop", "gauge", "text"]},
     "title": {"type": "string", "maxLength": 100}, "size": {"type": "string", "enum": ["small", "wide", "large"]},
-    "board": {"type": "string", "description": "Of all but stop, with property"},
+    "board": {"type": "string", "description": "Of all but stop and text, with property"},
+    "labels": {"type": "string", "description": "In place of board: one tile for each board that has them now, such as `class=4b`; its id is ID.BOARD"},
+    "text": {"type": "string", "maxLength": 1000, "description": "Of a text"},
     "property": {"type": "string", "description": "Its id in the list of the board, such as `servo/0/angle`"}}},
   "Dashboard": {"type": "object", "required": ["widgets"], "additionalProperties": false, "properties": {
     "title": {"type": "string", "maxLength": 100},

@@ -34,6 +34,7 @@ std::vector<std::string> Dashboard::boards() const {
 bool Dashboard::seen_by(const Rights& rights, std::string_view name) const {
     if (!rights.dashboard.empty()) return rights.dashboard == name;
     return std::all_of(widgets.begin(), widgets.end(), [&](const Widget& each) {
+        if (!each.labels.empty()) return !rights.limited();
         return each.board.empty() || rights.sees_service(each.board, each.service());
     });
 }

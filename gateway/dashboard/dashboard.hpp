@@ -15,13 +15,15 @@ namespace asip::gateway {
 
 /// One thing that a dashboard shows. What its property is, the list of its board says.
 struct Widget {
-    enum class Kind { kValue, kPlot, kSwitch, kSlider, kLamp, kStop };
+    enum class Kind { kValue, kPlot, kSwitch, kSlider, kLamp, kStop, kGauge, kText };
 
     std::string id;  ///< unique in its dashboard
     Kind kind = Kind::kValue;
     std::string title;            ///< empty: the name of the property
     std::string size;             ///< "small", "wide" or "large"; empty: "small"
-    std::string board, property;  ///< of a stop empty; `property`: its id
+    std::string board, property;  ///< of a stop and a text empty; `property`: its id
+    std::string labels;           ///< in place of `board`: one of each board that has them, as `class=4b`
+    std::string text;             ///< of a text
 
     /// It sends commands.
     bool sends() const { return kind == Kind::kSwitch || kind == Kind::kSlider; }
@@ -45,6 +47,7 @@ struct Dashboard {
     static constexpr std::size_t kMaxKept = std::size_t{32} * 1024;   ///< of what is retained
     static constexpr std::size_t kMaxWidgets = 48;
     static constexpr std::size_t kMaxLinks = 16;
+    static constexpr std::size_t kMaxTiles = 192;  ///< with those of labels
 
     std::string title;
     std::vector<Widget> widgets;
@@ -55,7 +58,8 @@ struct Dashboard {
     const DashboardLink* link(std::string_view name) const;
     /// In the order of the widgets.
     std::vector<std::string> boards() const;
-    /// Whether a client with these rights sees all of it; `name`: its own.
+    /// Whether a client with these rights sees all of it; `name`: its own. One of labels may come to show any
+    /// board.
     bool seen_by(const Rights& rights, std::string_view name) const;
 };
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "asip/bus/registry/label_selector.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/text/nearest.hpp"
@@ -18,11 +19,14 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 6> kKinds{"value", "plot", "switch", "slider", "lamp", "stop"};
+constexpr std::array<std::string_view, 8> kKinds{"value", "plot", "switch", "slider",
+                                                 "lamp",  "stop", "gauge",  "text"};
 constexpr std::array<std::string_view, 3> kSizes{"small", "wide", "large"};
-constexpr std::array<std::string_view, 6> kMembers{"id", "kind", "title", "size", "board", "property"};
+constexpr std::array<std::string_view, 8> kMembers{"id",    "kind",     "title",  "size",
+                                                   "board", "property", "labels", "text"};
 constexpr std::size_t kMaxTitle = 100;
 constexpr std::size_t kMaxWord = 256;
+constexpr std::size_t kMaxText = 1000;
 constexpr std::size_t kMaxId = 16;
 
 std::string list_of(const auto& words) {
@@ -51,8 +55,8 @@ class Reader {
         }
         return found->get<std::string>();
     }
-    std::string needed(const char* name) {
-        auto text = word(name);
+    std::string needed(const char* name, std::size_t max = kMaxWord) {
+        auto text = word(name, max);
         if (text.empty()) fault(std::string(name) + " is missing");
         return text;
     }
@@ -60,6 +64,13 @@ class Reader {
         auto text = needed(member);
         if (!text.empty() && !model::valid_name(text))
             fault(std::string(member) + ": \"" + text::printable(text) + "\" is not a name");
+        return text;
+    }
+    std::string labels() {
+        auto text = word("labels");
+        if (text.empty()) return {};
+        if (const auto parsed = bus::LabelSelector::parse(text); !parsed) fault("labels: " + parsed.error());
+        if (object_.contains("board")) fault("board and labels exclude each other");
         return text;
     }
     std::string choice(const char* name, const auto& choices) {
@@ -101,8 +112,11 @@ Expected<Widget> read_widget(const json& object, const std::string& place) {
     widget.kind = static_cast<Widget::Kind>(std::find(kKinds.begin(), kKinds.end(), kind) - kKinds.begin());
     widget.title = reader.word("title", kMaxTitle);
     widget.size = reader.choice("size", kSizes);
-    if (widget.kind != Widget::Kind::kStop) {
-        widget.board = reader.name_of("board");
+    if (widget.kind == Widget::Kind::kText) {
+        widget.text = reader.needed("text", kMaxText);
+    } else if (widget.kind != Widget::Kind::kStop) {
+        widget.labels = reader.labels();
+        if (widget.labels.empty()) widget.board = reader.name_of("board");
         widget.property = reader.needed("property");
         if (!widget.property.empty() && !model::valid_name(widget.service()))
             reader.fault("property: \"" + text::printable(widget.property) +
@@ -121,6 +135,8 @@ json widget_json(const Widget& widget) {
     add("size", widget.size);
     add("board", widget.board);
     add("property", widget.property);
+    add("labels", widget.labels);
+    add("text", widget.text);
     return object;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/dashboard/feed.hpp"
 
+#include "asip/bus/registry/query.hpp"
 #include "asip/model/json.hpp"
 #include "asip/property/documents.hpp"
 #include "asip/text/wall_time.hpp"
@@ -14,7 +15,33 @@ std::size_t bytes_of(const StreamEvent& event) {
     return sizeof event + event.data.size();
 }
 
+constexpr auto kLookTime = std::chrono::seconds(1);
+
 }  // namespace
+
+Dashboard with_boards(Dashboard dashboard, Mirror& mirror, const Instant& now) {
+    std::vector<Widget> tiles;
+    for (auto& widget : dashboard.widgets) {
+        const auto labels = bus::LabelSelector::parse(widget.labels);
+        if (!labels) {  // it has none
+            tiles.push_back(std::move(widget));
+            continue;
+        }
+        bus::Query query;
+        query.labels = *labels;
+        query.limit = Dashboard::kMaxTiles;
+        const auto answer = mirror.find(query, now);
+        for (std::size_t i = 0; answer && i < answer->boards.size(); ++i) {
+            if (tiles.size() >= Dashboard::kMaxTiles) break;
+            auto& tile = tiles.emplace_back(widget);
+            tile.board = answer->boards[i].board;
+            tile.id += "." + tile.board;
+            tile.labels.clear();
+        }
+    }
+    dashboard.widgets = std::move(tiles);
+    return dashboard;
+}
 
 DashboardFeed::DashboardFeed(const Dashboards& dashboards, Mirror& mirror, Options options,
                              const Instant& now)
@@ -45,18 +72,24 @@ void DashboardFeed::begin(const Instant& now) {
         if (!std::exchange(gone_told_, true)) put("gone", json::object());
         return;
     }
+    looked_ = now.time;
     auto etag = etag_of(*found);
-    if (shown_ && etag == etag_) return;
+    auto tiles = with_boards(*found, mirror_, now);
+    auto tiles_etag = etag_of(tiles);
+    if (shown_ && etag == etag_ && tiles_etag == tiles_etag_) return;
     end();
     shown_ = true;
     gone_told_ = snapshot_over_ = false;
     etag_ = std::move(etag);
-    dashboard_ = *found;
+    tiles_etag_ = std::move(tiles_etag);
+    dashboard_ = std::move(tiles);
     dashboard_.links.clear();
-    auto document = to_json(dashboard_);
+    auto document = to_json(*found);
     document["name"] = options_.name;
     if (!options_.rights.dashboard.empty()) document.erase("by");
-    put("dashboard", {{"dashboard", std::move(document)}, {"etag", etag_}});
+    json data{{"dashboard", std::move(document)}, {"etag", etag_}};
+    if (etag_ != tiles_etag_) data["tiles"] = to_json(dashboard_)["widgets"];
+    put("dashboard", data);
     changes_ = ~std::uint64_t{0};
     show_boards(now);
     add_sources(now);
@@ -163,7 +196,8 @@ void DashboardFeed::tick(const Instant& now) {
     if (!fault_.empty()) return;
     for (auto& source : sources_)
         source.feed->tick(now);
-    if (version_ != dashboards_.version()) begin(now);
+    const bool may_differ = etag_ != tiles_etag_ && now.time - looked_ >= kLookTime;
+    if (version_ != dashboards_.version() || may_differ) begin(now);
     if (shown_) show_boards(now);
     if (!out_.empty()) wake();
 }

@@ -14,6 +14,10 @@
 
 namespace asip::gateway {
 
+/// The dashboard with one widget for each board that has the labels of one: its id is `ID.BOARD`. Others
+/// stay.
+Dashboard with_boards(Dashboard dashboard, Mirror& mirror, const Instant& now);
+
 /// One dashboard, live: the document (`dashboard`), the state of each of its boards (`board`), and of each
 /// widget what its property is (`property`) and how it stands (`widget`; of a plot first `past`), then
 /// `snapshot-end` and the changes. Nothing else of the boards is in it. A dashboard that changes begins anew;
@@ -65,8 +69,9 @@ class DashboardFeed final : public Feed {
     bool snapshot_over_ = false;
     std::uint64_t version_ = ~std::uint64_t{0};
     std::uint64_t changes_ = ~std::uint64_t{0};  // of the mirror
-    std::string etag_;
-    Dashboard dashboard_;
+    std::string etag_, tiles_etag_;
+    Time looked_{};                                   // for boards that came to have labels, or lost them
+    Dashboard dashboard_;                             // with_boards()
     std::map<std::string, std::string> board_texts_;  // as they were told
     std::vector<Source> sources_;
     std::deque<StreamEvent> out_;

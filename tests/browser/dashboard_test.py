@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dashboards as a person makes, uses and shares them: from the page of a board, in two browsers, by a link on a third."""
 
+import contextlib
 import json
 import pathlib
+import time
 import unittest
 import urllib.error
 import urllib.request
 
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
+from board_test import published
 from rig import BUILD, Browser, PageTest, eventually
 
 AXE = pathlib.Path(BUILD, "axe-core/node_modules/axe-core/axe.min.js")
@@ -19,6 +24,8 @@ GREENHOUSE = {"title": "Greenhouse", "widgets": [
     {"id": "turn", "kind": "slider", "title": "Vent", "board": "desk", "property": "servo/0/angle"},
     {"id": "seen", "kind": "lamp", "title": "Lamp is lit", "board": "lamp", "property": "io/13"},
     {"id": "halt", "kind": "stop", "title": "Stop"}]}
+WHOLE = dict(GREENHOUSE, widgets=GREENHOUSE["widgets"] + [
+    {"kind": "gauge", "title": "Room", "board": "desk", "property": "distance/0"}, {"kind": "text", "title": "Rules", "text": "Water by noon."}])
 
 
 class Dashboards(PageTest):
@@ -42,7 +49,10 @@ class Dashboards(PageTest):
         return other
 
     def widget(self, title, browser=None, seconds=20):
-        return (browser or self.browser).shown(f"asip-widget[aria-label='{title}']", seconds=seconds)
+        return (browser or self.browser).shown(f"asip-widget:is([aria-label='{title}'], [aria-label^='{title}, '])", seconds=seconds)
+
+    def titles(self, browser=None):
+        return [each.get_attribute("aria-label") for each in (browser or self.browser).find("asip-widget")]
 
     def shows(self, title, text, browser=None):
         eventually(lambda: text in self.widget(title, browser).text, f"{title} shows {text}")
@@ -57,7 +67,14 @@ class Dashboards(PageTest):
 
     def press(self, label, browser=None):
         """A button that is there anew after each change of what it stands beside."""
-        eventually(lambda: (browser or self.browser).shown(f"button[aria-label='{label}']").click() or True, f"a press of {label}")
+        browser = browser or self.browser
+
+        def press():
+            button = browser.shown(f"button[aria-label='{label}']")
+            browser.run("arguments[0].scrollIntoView({ block: 'center' })", button)
+            button.click()
+            return True
+        eventually(press, f"a press of {label}")
 
     def add(self, what, offer, title=None):
         """From the page of a board."""
@@ -117,8 +134,8 @@ class Dashboards(PageTest):
         self.widget("Vent", other)
         self.open("dashboard/greenhouse")
         self.browser.button("Edit").click()
-        self.press("Vent: earlier")
-        eventually(lambda: [each.get_attribute("aria-label") for each in other.find("asip-widget")][2] == "Vent", "the other browser sees the new order")
+        self.browser.shown(".grip[aria-label='Move Vent, desk']").send_keys(Keys.ARROW_UP)
+        eventually(lambda: self.titles(other)[2] == "Vent, desk", "the other browser sees the new order")
         # Another user changes it between what this editor has read and what it sends.
         stale = self.ask("GET", "/api/dashboards/greenhouse")
         self.browser.run("const page = document.querySelector('asip-dashboard'); page.unfollow();")
@@ -127,6 +144,72 @@ class Dashboards(PageTest):
         eventually(lambda: "another user changed it" in self.browser.text(".dashboard-editor"), "the conflict is named")
         self.assertEqual(len(self.ask("GET", "/api/dashboards/greenhouse")["widgets"]), 6)
         eventually(lambda: "Winter garden" in other.text("h1"), "the other browser sees the new title")
+
+    def test_Tiles_AreDraggedByMouseAndFingerMovedByKeysAndDuplicated(self):
+        self.make("greenhouse", GREENHOUSE)
+        self.open("dashboard/greenhouse")
+        self.shows("Distance", "cm")
+        self.assertEqual([each for each in self.browser.find(".grip") if each.is_displayed()], [], "only while it is edited")
+        self.browser.button("Edit").click()
+        grip = lambda name: self.browser.shown(f".grip[aria-label='Move {name}']")
+        ActionChains(self.browser.driver).drag_and_drop(grip("Vent, desk"), self.widget("Distance")).perform()
+        eventually(lambda: self.titles()[:2] == ["Vent, desk", "Distance, desk"], "dragged by the mouse")
+        eventually(lambda: "cm" in self.widget("Distance").text and len(self.widget("Distance").find_elements("tag name", "h2")) == 1, "each is whole")
+        places = [self.browser.run("const { x, y, width, height } = arguments[0].getBoundingClientRect(); return { x: x + width / 2, y: y + height / 2 }", each)
+                  for each in (grip("Vent, desk"), self.widget("Distance"))]
+        touch = lambda kind, *points: self.browser.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(points)})
+        touch("touchStart", places[0])
+        touch("touchMove", places[1])
+        touch("touchEnd")
+        eventually(lambda: self.titles()[:2] == ["Distance, desk", "Vent, desk"], "dragged by a finger")
+        grip("Stop").send_keys(Keys.ARROW_LEFT)
+        eventually(lambda: self.titles()[-2:] == ["Stop", "Lamp is lit, lamp"], "moved by a key")
+        eventually(lambda: self.browser.run("return document.activeElement.getAttribute('aria-label')") == "Move Stop", "and can be moved on")
+        self.press("Duplicate Vent")
+        eventually(lambda: self.titles().count("Vent, desk") == 2, "twice")
+        widgets = self.ask("GET", "/api/dashboards/greenhouse")["widgets"]
+        self.assertEqual([each["title"] for each in widgets], ["Distance", "Vent", "Vent", "Distance, plot", "Lamp", "Stop", "Lamp is lit"])
+        self.browser.button("Add a text").click()
+        text = self.browser.shown("textarea")
+        text.send_keys(Keys.CONTROL, "a")
+        text.send_keys("Water by noon.", Keys.TAB)
+        eventually(lambda: "Water by noon." in self.browser.text(".dashboard-grid"), "the text")
+
+    def test_TenPupils_ThreeWidgetsEachInOneMinute(self):
+        names = [f"pupil-{number}" for number in range(1, 11)]
+        services = [{"name": "distance", "id": "D", "model": "distance@1", "count": 1}, {"name": "servo", "id": "S", "model": "servo@1", "count": 1}]
+        with contextlib.ExitStack() as there:
+            for name in names:
+                board = {"board": name, "session": "5f3a9c01", "seq": 1, "lease": 600, "labels": {"class": "4b", "name": f"{name} of 4b"}, "services": services}
+                client = there.enter_context(published(self.bus, f"asip/servicebus/{name}/$description", json.dumps(board)))
+                there.enter_context(published(self.bus, f"asip/servicebus/{name}/$state", "online"))
+            self.make("four-b", {"title": "4b", "widgets": []})
+            self.open("dashboard/four-b")
+            eventually(lambda: len([name for name in names if self.bus.state(name) == "online"]) == 10, "ten boards")
+            began = time.monotonic()
+            self.browser.button("Edit").click()
+            for kind, tiles in (("value", 10), ("gauge", 20), ("slider", 30)):
+                board, offer = [Select(each) for each in self.browser.find(".adder select")]
+                board.select_by_visible_text("class=4b")
+                what = eventually(lambda: next((each.text for each in offer.options if each.text.endswith(f": {kind}")), None), f"a {kind}")
+                offer.select_by_visible_text(what)
+                self.browser.button("Add").click()
+                eventually(lambda: len(self.titles()) == tiles, f"{tiles} tiles", 30)
+            took = time.monotonic() - began
+            print(f"three widgets of ten pupils took {took:.1f} s and 10 presses")
+            self.assertLess(took, 60)
+            self.browser.button("Done").click()
+            self.widget("Distance, pupil-7 of 4b")
+            self.assertIn("pupil-7 of 4b", self.browser.shown(".kind-slider[aria-label$=', pupil-7 of 4b']").text)
+            client.publish("asip/pupil-10/distance/out", '{"distance":[300]}').wait_for_publish(20)
+            gauge = self.browser.shown("asip-widget.kind-gauge[aria-label='Distance, pupil-10 of 4b']")
+            eventually(lambda: "300" in gauge.text and "0 cm to 400 cm" in gauge.text.replace("\u00a0", " "), "the gauge")
+            self.assertEqual(gauge.find_element("css selector", ".gauge-part").get_attribute("stroke-dasharray"), "75 200")
+            self.browser.size(1280, 2000)
+            self.browser.screenshot("dashboard-pupils")
+            self.browser.size(390, 844, mobile=True)
+            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 390)
+            self.browser.screenshot("phone-dashboard-pupils")
 
     def test_KioskLink_ShowsTheDashboardAndNothingElse(self):
         self.make("greenhouse", GREENHOUSE)
@@ -189,7 +272,7 @@ class Dashboards(PageTest):
         return [f"{each['id']}: {each['nodes'][0]['html'][:160]}" for each in found]
 
     def test_LightDarkAndPhone_NoFaultAndNothingHidden(self):
-        self.make("greenhouse", GREENHOUSE)
+        self.make("greenhouse", WHOLE)
         self.open("dashboards", anew=True)
         self.browser.run(AXE.read_text())
         eventually(lambda: "Greenhouse" in self.browser.text(), "the list")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What can stand on a dashboard, and what a widget shows. A widget is as the gateway keeps it: {id, kind, title, size, board, property}.
+// What can stand on a dashboard, and what a widget shows. A widget is as the gateway keeps it:
+// {id, kind, title, size, board, property}; in place of `board` it may have `labels`: the gateway makes one of each board then.
 import { range_of } from "./properties.js";
 import { unit_text } from "./text.js";
 
@@ -25,7 +26,7 @@ function kinds_of(property) {
   if (property.access !== "read" && property.advanced && property.service !== "io") return [];
   const slider = range_of(property) ? ["slider"] : [];
   switch (property.kind) {
-    case "sensor": return property.type === "integer" || property.type === "number" ? ["value", "plot", "lamp"] : ["value"];
+    case "sensor": return property.type === "integer" || property.type === "number" ? ["value", "plot", ...(property.max > property.min ? ["gauge"] : []), "lamp"] : ["value"];
     case "binary": return ["lamp", "value"];
     case "switch": return ["switch", "lamp"];
     case "light": return ["switch", ...slider, "lamp"];
@@ -33,6 +34,15 @@ function kinds_of(property) {
     case "button": return [];
     default: return ["value"];
   }
+}
+
+/// Selectors of the labels that boards have, such as "class=4b"; `rows` of the catalogue.
+export function selectors_of(rows) {
+  const found = new Set();
+  for (const { tags } of rows) for (const [key, value] of Object.entries(tags)) {
+    if (key !== "name" && !value.includes('"')) found.add(value === "" ? key : `${key}=${/[,\s]/.test(value) ? `"${value}"` : value}`);
+  }
+  return [...found].sort();
 }
 
 /// The document with one widget moved by `step` places.
@@ -47,12 +57,13 @@ export function moved(widgets, id, step) {
 
 export function title_of(widget, property) {
   if (widget.title) return widget.title;
-  return widget.kind === "stop" ? "Stop" : property?.name ?? `${widget.board} ${widget.property}`;
+  if (!widget.property) return widget.kind === "stop" ? "Stop" : "";
+  return property?.name ?? `${widget.board ?? widget.labels} ${widget.property}`;
 }
 
 /// Why a widget can do nothing now; "" where it can. `board`: {state, reason} as the stream says.
 export function trouble_of(widget, board, property) {
-  if (widget.kind === "stop") return "";
+  if (!widget.board) return "";
   if (!board) return "Waiting for the bus …";
   if (board.state === "unknown") return `Board ${widget.board} is not known. It may have been forgotten.`;
   if (board.state === "lost" || board.state === "offline") return `Board ${widget.board} is ${board.state}.`;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One dashboard, live: to be looked at and used, full screen, too; and its editor.
-import { kSizes, moved, name_of_title, title_of } from "../core/dashboard.js";
+import { kSizes, moved, name_of_title, selectors_of, title_of } from "../core/dashboard.js";
 import { bus, path_of, request, request_with_tag } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";
@@ -18,7 +18,8 @@ class Dashboard extends Part {
     this.board_states = new Map();
     this.heading = h("h1", { tabindex: "-1" }, this.name);
     this.note = h("p", { class: "muted", role: "status" }, "");
-    this.grid = h("div", { class: "dashboard-grid" });
+    this.grid = h("div", { class: "dashboard-grid", onkeydown: (event) => this.step(event) });
+    this.follow_drags();
     this.edit_button = h("button", { "aria-expanded": "false", onclick: () => this.edit(this.editor.hidden) }, "Edit");
     this.full_button = h("button", { onclick: () => this.full_screen() }, "Full screen");
     this.share = document.createElement("asip-share").begin(this.name);
@@ -61,7 +62,7 @@ class Dashboard extends Part {
 
   received(message) {
     const widget = message.id === undefined ? undefined : this.widgets?.get(message.id);
-    if (message.event === "dashboard") this.show(message.dashboard, message.etag);
+    if (message.event === "dashboard") this.show(message.dashboard, message.etag, message.tiles);
     else if (message.event === "gone") this.gone();
     else if (message.event === "widget") widget?.says(message);
     else if (message.event === "property") widget?.describe(message.property);
@@ -82,13 +83,16 @@ class Dashboard extends Part {
   }
 
   /// Widgets that stay as they are keep their element, with what they draw.
-  show(document_, etag) {
+  show(document_, etag, tiles) {
     const before = this.widgets ?? new Map();
+    // Those of labels come from the gateway: until it says them anew, they stay.
+    tiles ??= document_.widgets.flatMap((each) => (each.labels ? [...before.values()].map((old) => old.widget).filter((old) => kept_id(old) === each.id) : each));
+    const named = new Set(tiles.map((each) => each.board).filter(Boolean)).size > 1;
     this.document = document_;
     this.etag = etag;
     set_text(this.heading, document_.title || this.name);
     set_text(this.note, document_.widgets.length === 0 ? "Nothing is on it yet: “Edit” adds values and controls, and so does “+ Dashboard” on the page of a board." : "");
-    this.widgets = new Map(document_.widgets.map((each) => {
+    this.widgets = new Map(tiles.map((each) => {
       const old = before.get(each.id);
       const same = old && JSON.stringify(old.widget) === JSON.stringify(each);
       return [each.id, same ? old : document.createElement("asip-widget").begin(this.name, each, this.may)];
@@ -96,6 +100,7 @@ class Dashboard extends Part {
     const wanted = [...this.widgets.values()];
     for (const each of [...this.grid.children]) if (!wanted.includes(each)) each.remove();
     wanted.forEach((each, i) => { if (this.grid.children[i] !== each) this.grid.insertBefore(each, this.grid.children[i] ?? null); });
+    for (const each of wanted) Object.assign(each, { named }).show_title();
     for (const state of this.board_states.values()) this.board_is(state);
     if (!this.editor.hidden && !this.saving && !this.editor.contains(document.activeElement)) this.show_editor();
     this.dispatchEvent(new Event("titled", { bubbles: true }));
@@ -103,6 +108,7 @@ class Dashboard extends Part {
 
   edit(on) {
     this.editor.hidden = !on;
+    this.grid.classList.toggle("editing", on);
     this.edit_button.setAttribute("aria-expanded", String(on));
     set_text(this.edit_button, on ? "Done" : "Edit");
     if (on) this.show_editor();
@@ -114,35 +120,88 @@ class Dashboard extends Part {
       onchange: () => this.change((document_) => ({ ...document_, title: title.value.trim() })) });
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     this.editor.replaceChildren(h("h2", {}, "Editor"), h("div", { class: "field text" }, h("label", { for: title.id }, "Title"), title),
-      h("ul", { class: "widget-list" }, this.document.widgets.map((each, i) => this.widget_row(each, i))), this.adder(), this.answer,
+      h("ul", { class: "widget-list" }, this.document.widgets.map((each) => this.widget_row(each))), this.adder(), this.answer,
       h("p", {}, this.remove_button()));
   }
 
-  widget_row(widget, i) {
-    const name = title_of(widget, this.widgets.get(widget.id)?.property);
+  widget_row(widget) {
+    const tile = [...this.widgets.values()].find((each) => kept_id(each.widget) === widget.id);
+    const name = title_of(widget, tile?.property) || "Text";
     const change = (edit) => this.change((document_) => ({ ...document_, widgets: edit(document_.widgets) }));
     const set = (more) => change((all) => all.map((each) => (each.id === widget.id ? { ...each, ...more } : each)));
     const title = h("input", { type: "text", maxlength: 60, value: widget.title ?? "", placeholder: name, "aria-label": `Title of ${name}`, autocomplete: "off", onchange: () => set({ title: title.value.trim() }) });
     const size = h("select", { "aria-label": `Size of ${name}`, onchange: () => set({ size: size.value }) }, kSizes.map((each) => h("option", { value: each }, each)));
     size.value = widget.size ?? "small";
-    const step = (by, text, sign) => h("button", { "aria-label": `${name}: ${text}`, disabled: by < 0 ? i === 0 : i === this.document.widgets.length - 1, onclick: () => change((all) => moved(all, widget.id, by)) }, sign);
-    return h("li", {}, h("span", { class: "muted" }, widget.kind), title, size, step(-1, "earlier", "↑"), step(1, "later", "↓"),
+    const text = widget.kind === "text" && h("textarea", { rows: 2, maxlength: 1000, "aria-label": `Text of ${name}`, onchange: () => set({ text: text.value }) }, widget.text);
+    return h("li", {}, h("span", { class: "muted" }, widget.kind, widget.labels && h("small", {}, ` of ${widget.labels}`)), title, text, size,
+      h("button", { "aria-label": `Duplicate ${name}`, onclick: () => change((all) => all.flatMap((each) => (each.id === widget.id ? [each, { ...each, id: undefined }] : each))) }, "Duplicate"),
       h("button", { "aria-label": `Remove ${name}`, onclick: () => change((all) => all.filter((each) => each.id !== widget.id)) }, "×"));
   }
 
   adder() {
-    const names = [...boards.catalogue.rows.keys()].sort();
-    const board = h("select", { id: fresh_id("board"), onchange: () => load() }, h("option", { value: "" }, "Choose"), names.map((each) => h("option", { value: each }, each)));
+    const rows = boards.catalogue.view();
+    const selectors = selectors_of(rows);
+    const board = h("select", { id: fresh_id("board"), onchange: () => load() }, h("option", { value: "" }, "Choose"),
+      selectors.length > 0 && h("optgroup", { label: "One tile for each board with" }, selectors.map((each) => h("option", { value: `=${each}` }, each))),
+      h("optgroup", { label: "One board" }, rows.map((row) => h("option", { value: row.name }, row.called ? `${row.called}, ${row.name}` : row.name))));
     const what = h("select", { id: fresh_id("what"), disabled: true });
     const add = h("button", { type: "button", disabled: true, onclick: () => this.add(offers[Number(what.value)].widget) }, "Add");
     let offers = [];
     const load = async () => {
-      offers = board.value === "" ? [] : await offers_of_board(board.value).catch(() => []);
+      const labels = board.value.startsWith("=") ? board.value.slice(1) : undefined;
+      const first = labels ? rows.find((row) => selectors_of([row]).includes(labels))?.name : board.value;
+      offers = first ? await offers_of_board(first).catch(() => []) : [];
+      if (labels) for (const offer of offers) Object.assign(offer.widget, { board: undefined, labels });
       what.replaceChildren(...offers.map((offer, i) => h("option", { value: i }, offer.text)));
       what.disabled = add.disabled = offers.length === 0;
     };
     return h("div", { class: "adder", role: "group", "aria-label": "Add a widget" }, h("div", { class: "field" }, h("label", { for: board.id }, "Board"), board),
-      h("div", { class: "field" }, h("label", { for: what.id }, "What"), what), add, h("button", { type: "button", onclick: () => this.add({ kind: "stop", title: "Stop" }) }, "Add a stop"));
+      h("div", { class: "field" }, h("label", { for: what.id }, "What"), what), add, h("button", { type: "button", onclick: () => this.add({ kind: "stop", title: "Stop" }) }, "Add a stop"),
+      h("button", { type: "button", onclick: () => this.add({ kind: "text", text: "Write here" }) }, "Add a text"));
+  }
+
+  /// A tile is dragged by its handle, with a finger, too; it is moved where it is let go.
+  follow_drags() {
+    let from;
+    let to;
+    const mark = (tile) => {
+      to = tile;
+      for (const each of this.grid.children) each.classList.toggle("drop", each === tile && each !== from);
+    };
+    const tile_of = (element) => element?.closest("asip-dashboard asip-widget") ?? undefined;
+    const on = (name, handle) => this.grid.addEventListener(name, handle);
+    on("pointerdown", (event) => {
+      if (!event.target.closest(".grip")) return;
+      from = tile_of(event.target);
+      event.target.closest(".grip").setPointerCapture(event.pointerId);
+    });
+    on("pointermove", (event) => {
+      if (!from) return;
+      mark(tile_of(document.elementFromPoint(event.clientX, event.clientY)));
+      to?.scrollIntoView({ block: "nearest" });
+    });
+    on("pointerup", () => { if (from && to) this.move(from, to); });
+    for (const name of ["pointerup", "pointercancel"]) on(name, () => { from = undefined; mark(undefined); });
+  }
+
+  step(event) {
+    const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 }[event.key];
+    const from = event.target.closest(".grip")?.closest("asip-widget");
+    if (!by || !from) return;
+    event.preventDefault();
+    const tiles = [...this.grid.children];
+    const others = by > 0 ? tiles.slice(tiles.indexOf(from)) : tiles.slice(0, tiles.indexOf(from)).reverse();
+    const to = others.find((each) => kept_id(each.widget) !== kept_id(from.widget));
+    if (to) this.move(from, to);
+  }
+
+  /// To the place of another one. All tiles of labels go together.
+  async move(from, to) {
+    const place = (tile) => this.document.widgets.findIndex((each) => each.id === kept_id(tile.widget));
+    const by = place(to) - place(from);
+    if (by === 0 || this.saving) return;
+    await this.change((document_) => ({ ...document_, widgets: moved(document_.widgets, kept_id(from.widget), by) }));
+    this.widgets.get(from.widget.id)?.querySelector(".grip").focus();
   }
 
   add(widget) { return this.change((document_) => ({ ...document_, widgets: [...document_.widgets, widget] })); }
@@ -186,6 +245,9 @@ class Dashboard extends Part {
     set_text(this.answer, text);
   }
 }
+
+/// Of the widget that a tile is of.
+const kept_id = (tile) => tile.id.split(".")[0];
 
 export const is_kiosk = () => Boolean(status.you.dashboard);
 

@@ -3,9 +3,9 @@
 import { title_of, trouble_of } from "../core/dashboard.js";
 import { is_on, place_in, range_of, value_text } from "../core/properties.js";
 import { Series } from "../core/series.js";
-import { duration_text, time_of } from "../core/text.js";
+import { duration_text, time_of, with_unit } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
-import { h, Part, set_text } from "./dom.js";
+import { h, Part, set_text, svg } from "./dom.js";
 import "./plot.js";
 
 const kOldMs = 3000;      // beyond, a value says how old it is
@@ -14,7 +14,7 @@ const kSlideMs = 150;     // a moved slider is sent at most so often
 class Widget extends Part {
   /// Call before it is put into the page. `may`: {use, stop}: which controls may be used.
   begin(dashboard, widget, may) {
-    Object.assign(this, { widget, may, value: undefined });
+    Object.assign(this, { widget, may, grip: h("button", { class: "grip", title: "Drag it, or press an arrow key" }, "⠿ ", h("span", { class: "hidden" }, "Move")) });
     this.ask = (body) => request(path_of("dashboards", dashboard, "widgets", widget.id), { method: "POST", body });
     return this;
   }
@@ -30,14 +30,15 @@ class Widget extends Part {
   shown() {
     const { widget } = this;
     this.className = `kind-${widget.kind} ${widget.size ?? "small"}`;
-    this.heading = h(this.level ?? "h2", {}, title_of(widget, this.property));
+    this.heading = h(this.level ?? "h2", {});
+    this.of = h("span", { class: "of-board" }); // whose it is, where there are several
     this.trouble = h("p", { class: "trouble", role: "status" });
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     this.body = h("div", { class: "widget-body" });
     this.setAttribute("role", "group");
-    this.setAttribute("aria-label", title_of(widget, this.property));
-    this.append(this.heading, this.body, this.answer, this.trouble);
-    this[`make_${widget.kind}`]();
+    this.replaceChildren(this.grip ?? "", this.of, this.heading, this.body, this.answer, this.trouble);
+    this[`make_${widget.kind}`]?.();
+    this.show_title();
     this.show();
     if (widget.kind === "value") this.every(1000, () => this.show());
   }
@@ -46,12 +47,20 @@ class Widget extends Part {
   describe(property) {
     this.property = property;
     if (!this.isConnected) return;
-    const title = title_of(this.widget, property);
-    set_text(this.heading, title);
-    this.setAttribute("aria-label", title);
-    for (const control of [this.button, this.input]) control?.setAttribute("aria-label", title);
+    this.show_title();
     if (this.input) Object.assign(this.input, range_of(property) ?? {});
     this.show();
+  }
+
+  show_title() {
+    const title = title_of(this.widget, this.property);
+    const of = this.named ? this.board?.label ?? this.widget.board ?? "" : "";
+    set_text(this.of, of);
+    set_text(this.heading, title);
+    this.heading.hidden = title === "" || this.widget.kind === "stop";
+    const label = [title || "Text", of].filter(Boolean).join(", ");
+    for (const each of [this, this.button, this.input]) each?.setAttribute("aria-label", label);
+    this.grip?.setAttribute("aria-label", `Move ${label}`);
   }
 
   make_value() { this.body.append((this.text = h("span", { class: "big" })), " ", (this.age = h("small", { class: "muted" }))); }
@@ -65,7 +74,7 @@ class Widget extends Part {
   make_lamp() { this.body.append((this.light = h("span", { class: "bulb unknown" })), (this.text = h("span", { class: "big" }))); }
 
   make_switch() {
-    this.button = h("button", { class: "toggle", role: "switch", "aria-checked": "false", "aria-label": title_of(this.widget, this.property),
+    this.button = h("button", { class: "toggle", role: "switch", "aria-checked": "false",
       onclick: () => this.send(!this.on) }, h("span", { class: "knob" }));
     this.text = h("span", { class: "big" });
     this.body.append(this.button, this.text);
@@ -74,7 +83,7 @@ class Widget extends Part {
   make_slider() {
     const { min, max, step } = range_of(this.property) ?? { min: 0, max: 100, step: 1 };
     this.text = h("span", { class: "big" });
-    this.input = h("input", { type: "range", min, max, step, class: "unknown", "aria-label": title_of(this.widget, this.property),
+    this.input = h("input", { type: "range", min, max, step, class: "unknown",
       oninput: () => this.slide(), onchange: () => this.slide() });
     this.input.value = (min + max) / 2;
     this.body.append(this.text, this.input);
@@ -83,13 +92,22 @@ class Widget extends Part {
   make_stop() {
     this.button = h("button", { class: "stop", title: "Brings every board of this dashboard into its safe state; commands are refused until it is resumed",
       onclick: () => this.send(undefined) }, title_of(this.widget, this.property));
-    this.heading.hidden = true;
     this.body.append(this.button);
   }
+
+  make_gauge() {
+    const arc = (name) => svg("path", { class: name, d: "M10 50A40 40 0 0 1 90 50", pathLength: 100 });
+    this.text = h("span", { class: "big" });
+    this.bounds = h("small", { class: "muted" });
+    this.body.append(svg("svg", { viewBox: "0 0 100 55", "aria-hidden": "true" }, arc("gauge-all"), (this.arc = arc("gauge-part"))), this.text, this.bounds);
+  }
+
+  make_text() { this.body.append(h("p", { class: "words" }, this.widget.text)); }
 
   /// {state, reason} of its board.
   board_is(board) {
     this.board = board;
+    if (this.isConnected) this.show_title();
     this.show();
   }
 
@@ -131,6 +149,14 @@ class Widget extends Part {
     const on = is_on(value);
     if (on === undefined || typeof value === "boolean") return value_text(this.property, value) || "not known";
     return on ? "on" : "off";
+  }
+
+  show_gauge(value) {
+    this.show_plot(value);
+    const { min = 0, max = 1, unit } = this.property ?? {};
+    const part = typeof value === "number" ? Math.min(1, Math.max(0, (value - min) / (max - min))) : 0;
+    this.arc.setAttribute("stroke-dasharray", `${100 * part} 200`);
+    set_text(this.bounds, this.property ? `${with_unit(min, unit)} to ${with_unit(max, unit)}` : "");
   }
 
   show_lamp(value) {

@@ -2,17 +2,10 @@
 // The floor of a simulated world, live: the line, the obstacles, the rovers and their ways.
 import { kGrades, World } from "../core/world.js";
 import { bus } from "../net/bus.js";
-import { before_picture, h, Part, set_text } from "./dom.js";
+import { before_picture, h, Part, set_text, svg as s } from "./dom.js";
 
 export const is_floor = (service) => service.model?.name === "floor" && Boolean(service.model.events);
 export const is_pose = (service) => service.model?.name === "pose" && Boolean(service.model.events);
-
-function s(tag, attributes = {}, ...children) {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-  element.append(...children);
-  return element;
-}
 
 function set(element, name, value) {
   if (element.getAttribute(name) !== String(value)) element.setAttribute(name, value);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { moved, name_of_title, offers_of, title_of, trouble_of } from "../../../gateway/page/core/dashboard.js";
+import { moved, name_of_title, offers_of, selectors_of, title_of, trouble_of } from "../../../gateway/page/core/dashboard.js";
 
 const texts = (offers) => offers.map((offer) => offer.text);
 
@@ -22,6 +22,15 @@ test("Properties offer what their kind can do", () => {
   assert.deepEqual(offers[0].widget, { kind: "slider", board: "desk", property: "servo/0/angle" });
   assert.deepEqual(texts(offers_of("desk", [property("io/5", { kind: "light", max: 255, ...set })])).map((text) => text.split(": ")[1]), ["switch", "slider", "lamp"]);
   assert.deepEqual(texts(offers_of("desk", [property("io/6", { kind: "light", max: 1, choices: [["off", 0], ["on", 1]], ...set })])).map((text) => text.split(": ")[1]), ["switch", "lamp"]);
+});
+
+test("What has bounds can be a gauge", () => {
+  assert.deepEqual(texts(offers_of("desk", [property("humidity/0", { min: 0, max: 100 })])).map((text) => text.split(": ")[1]), ["value", "plot", "gauge", "lamp"]);
+});
+
+test("Labels of boards choose them, as a selector says it", () => {
+  const rows = [{ tags: { class: "4b", name: "Ann's" } }, { tags: { class: "4b", camera: "", owner: "Smith, Ann" } }, { tags: { odd: 'a"b' } }];
+  assert.deepEqual(selectors_of(rows), ["camera", "class=4b", 'owner="Smith, Ann"']);
 });
 
 test("What moves is not offered", () => {

@@ -42,6 +42,8 @@ class Dashboards_ : public ApiTest {
         EXPECT_EQ(made->status(), 201) << made->detail();
         return made->body().value("token", "");
     }
+    int seq_ = 0;
+
     /// As the agent of uno1 says them.
     void values(int seq, const std::string& by_id) {
         bus("asip/uno1/$values", R"({"version":1,"board":"uno1","session":"s1","seq":)" +
@@ -260,6 +262,50 @@ TEST_F(Dashboards_, EditOfADashboard_ChangesWhatItsLinkShows) {
     pass(1s);
     EXPECT_EQ(open->channel->close_code(), 1008) << "its link was ended";
     EXPECT_EQ(get("/kiosk/" + token + "/api/status")->status(), 404);
+}
+
+TEST_F(Dashboards_, WidgetOfLabels_IsOneOfEachBoardThatHasThemNow) {
+    const auto pupil = [this](const std::string& board, const std::string& room) {
+        bus("asip/servicebus/" + board + "/$description",
+            R"({"board":")" + board + R"(","session":"s1","seq":)" + std::to_string(++seq_) +
+                R"(,"lease":60,"labels":{"class":")" + room +
+                R"("},"services":[{"name":"servo","id":"S","model":"servo@1"}]})");
+        bus("asip/servicebus/" + board + "/$state", "online");
+    };
+    pupil("ann", "4b");
+    pupil("bob", "4b");
+    pupil("cid", "5a");
+    put("lab",
+        R"({"title":"Lab","widgets":[{"id":"turn","kind":"slider","labels":"class=4b","property":"servo/0/angle"},
+        {"id":"halt","kind":"stop"}]})");
+    const auto token = link(R"({"control":true})");
+    const auto open = socket("/kiosk/" + token);
+    open->channel->received(R"({"subscribe":"$dashboard","name":"lab","ref":5})");
+    const auto tiles = [this, &open] {
+        std::vector<std::string> ids;
+        for (const auto& event : told(*open))
+            if (event.value("event", "") == "dashboard")
+                for (const auto& each : event["tiles"])
+                    ids.push_back(each["id"]);
+        return ids;
+    };
+    EXPECT_THAT(tiles(), ElementsAre("turn.ann", "turn.bob", "halt"));
+    pass(2s);
+    EXPECT_TRUE(tiles().empty()) << "nothing has changed";
+    pupil("cid", "4b");
+    pupil("ann", "5a");
+    pass(2s);
+    EXPECT_THAT(tiles(), ElementsAre("turn.bob", "turn.cid", "halt"));
+    const auto use = [&](const std::string& id) {
+        return ask("POST", "/kiosk/" + token + "/api/dashboards/lab/widgets/" + id, R"({"value":9})");
+    };
+    EXPECT_EQ(use("turn.ann")->status(), 404);
+    EXPECT_EQ(use("turn")->status(), 404);
+    published_.clear();
+    use("turn.cid");
+    ASSERT_EQ(published_.size(), 1u);
+    EXPECT_EQ(published_[0].topic, "asip/cid/servo/in");
+    EXPECT_EQ(get("/api/dashboards/lab")->body()["widgets"][0]["labels"], "class=4b");
 }
 
 TEST_F(Dashboards_, LinkMadeAnewUnderItsName_EndsTheStreamsOfTheOldOne) {

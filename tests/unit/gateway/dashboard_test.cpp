@@ -29,7 +29,7 @@ Widget widget(const std::string& text) {
 TEST(Dashboard, ExampleOfTheDocument_IsReadAndKeptAsItIs) {
     const auto parsed = parse_dashboard(api::kDashboardExample);
     ASSERT_TRUE(parsed) << parsed.error();
-    ASSERT_EQ(parsed->widgets.size(), 6u);
+    ASSERT_EQ(parsed->widgets.size(), 8u);
     EXPECT_EQ(parsed->widgets[0].id, "w1");
     EXPECT_THAT(parsed->boards(), ElementsAre("desk", "lamp"));
     auto again = *parsed;
@@ -55,6 +55,12 @@ TEST(Dashboard, Faults_AreNamedWithTheirPlace) {
                 HasSubstr("board: \"a b\" is not a name"));
     EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a"})")), HasSubstr("property is missing"));
     EXPECT_THAT(fault_of(with(R"({"kind":"lamp","board":"a","property":"/x"})")), HasSubstr("is no id"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"lamp","labels":"-a","property":"io/2"})")), HasSubstr("labels: "));
+    EXPECT_THAT(fault_of(with(R"({"kind":"lamp","labels":"a","board":"a","property":"io/2"})")),
+                HasSubstr("exclude each other"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"text"})")), HasSubstr("text is missing"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"text","text":")" + std::string(1001, 'x') + "\"}")),
+                HasSubstr("at most 1000 bytes"));
     EXPECT_THAT(fault_of(with(R"({"kind":"stop","id":"a"},{"kind":"stop","id":"a"})")),
                 HasSubstr("two have the id a"));
     EXPECT_THAT(fault_of(R"({"title":7,"widgets":[]})"), HasSubstr("title must be a text"));
