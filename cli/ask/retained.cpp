@@ -104,7 +104,7 @@ namespace {
 constexpr std::size_t kClearedAtOnce = 1000;
 constexpr std::size_t kMaxTopicsOfPass = 100'000;
 constexpr int kMaxVainPasses = 3;
-constexpr auto kTimeOfPass = std::chrono::minutes(2);
+constexpr Duration kSilence = std::chrono::seconds(15);
 
 }  // namespace
 
@@ -129,17 +129,19 @@ Outcome<std::size_t> clear_all_retained(const Environment& environment, BusSessi
     std::set<std::string> before;
     for (int vain = 0; vain < kMaxVainPasses;) {
         std::set<std::string> found;
+        auto heard = Clock::now();
         std::vector<BusSession::Subscription> subscriptions;
         for (const auto& filter : filters)
-            subscriptions.push_back(session.subscribe(filter, [&found](const mqtt::Message& message) {
+            subscriptions.push_back(session.subscribe(filter, [&](const mqtt::Message& message) {
+                heard = Clock::now();
                 if (message.retain && !message.payload.empty() && found.size() < kMaxTopicsOfPass)
                     found.insert(message.topic);
             }));
         const auto mark = session.mark_retained();
-        const bool whole = session.run_until([&mark] { return mark.passed(); }, Clock::now() + kTimeOfPass);
+        session.run_until([&] { return mark.passed() || Clock::now() > heard + kSilence; }, Time::max());
         subscriptions.clear();
         if (session.stopped()) return interrupted();
-        if (!whole) return tl::unexpected(session.unanswered("the broker does not answer"));
+        if (!mark.passed()) return tl::unexpected(session.unanswered("the broker does not answer"));
         if (found.empty()) return cleared;
         if (const auto done = clear_retained(environment, session, {found.begin(), found.end()}); !done)
             return tl::unexpected(done.error());

@@ -104,23 +104,6 @@ void next_after_init(const SecureOptions& options, const SecureFolder& folder, c
                 "asipctl --credentials " + folder.credentials("admin").string() + " doctor");
 }
 
-/// Whether the broker has read it.
-bool report_reload(const SecureOptions& options, const SecureFolder& folder, const SecuredBus& bus,
-                   SecureReport& report) {
-    const auto reload = reload_broker(folder, bus, options.reload_pid);
-    switch (reload.result) {
-        case Reload::Result::kReloaded:
-            report.did("reloaded", "the broker, process " + std::to_string(reload.pid));
-            return true;
-        case Reload::Result::kNotAllowed:
-            report.next("let the broker read it; it is another user's", reload.command);
-            return false;
-        case Reload::Result::kNotRunning:
-            report.next("no running broker was found here; if one runs, let it read it", reload.command);
-    }
-    return false;
-}
-
 /// How a program of this role is started; {} is the credentials file.
 std::string use_of(Role role) {
     switch (role) {
@@ -180,7 +163,7 @@ Outcome<void> make_bus_of_machine(const SecureOptions& options, const Environmen
     if (auto done = write_users(folder, bus); !done) return done;
     auto changed = give_to_services(folder, bus, *services, report);
     if (!changed) return tl::unexpected(changed.error());
-    if (!broker && report.changed()) report_reload(options, folder, bus, report);
+    if (!broker && report.changed()) report_reload(folder, bus, options.reload_pid, report);
     if (auto done = restart_services(broker, broker ? *services : *changed, report); !done) return done;
     become_default(folder, bus, report);
     std::error_code ignored;
@@ -265,7 +248,7 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
         if (auto done = ensure_user(*folder, *bus, name, *role, report); !done) return done;
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
-    report_reload(options, *folder, *bus, report);
+    report_reload(*folder, *bus, options.reload_pid, report);
     if (options.here) {
         const auto changed = give_to_services(*folder, *bus, names, report);
         return changed ? restart_services(false, *changed, report) : tl::unexpected(changed.error());
@@ -296,9 +279,9 @@ Outcome<void> secure_revoke(const SecureOptions& options, const Environment& env
             // It may have been taken out by a run that was interrupted before the broker heard of it, or that
             // could not clear what the user left.
             if (auto done = write_users(*folder, *bus); !done) return done;
-            if (report_reload(options, *folder, *bus, report))
-                clear_leftovers(*folder, *bus, {{name, Role::kViewer}}, environment, report);
-            return known;
+            const auto done = reload_and_clear(*folder, *bus, options.reload_pid, {{name, Role::kViewer}},
+                                               environment, report);
+            return done ? known : done;
         }
     }
     std::vector<RoleOfUser> gone;
@@ -307,8 +290,8 @@ Outcome<void> secure_revoke(const SecureOptions& options, const Environment& env
         if (auto done = remove_user(*folder, *bus, name, report); !done) return done;
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
-    if (report_reload(options, *folder, *bus, report))
-        clear_leftovers(*folder, *bus, gone, environment, report);
+    if (auto done = reload_and_clear(*folder, *bus, options.reload_pid, gone, environment, report); !done)
+        return done;
     return tell_services(options, *folder, *bus, report);
 }
 
@@ -331,7 +314,7 @@ Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report) {
         return done;
     }
     if (auto done = write_users(*folder, *bus); !done) return done;
-    report_reload(options, *folder, *bus, report);
+    report_reload(*folder, *bus, options.reload_pid, report);
     const auto* user = options.what == "broker" ? nullptr : bus->find(options.what);
     if (user != nullptr && user->role == Role::kHomeAssistant)
         tell_home_assistant(*folder, *bus, folder->credentials(options.what), report);

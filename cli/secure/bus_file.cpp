@@ -2,6 +2,7 @@
 #include "cli/secure/bus_file.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/packet_limit.hpp"
@@ -153,6 +154,20 @@ std::string broker_configuration(const BrokerPlaces& places) {
         "max_packet_size " +
         std::to_string(bus::kBrokerPacketBytes) + "\n";
     return text;
+}
+
+std::string with_reserve(std::string configuration) {
+    constexpr std::string_view kName = "\nmemory_limit ";
+    constexpr std::uint64_t kReserve = std::uint64_t{64} << 20;
+    const auto begin = configuration.find(kName);
+    if (begin == std::string::npos) return configuration;
+    const auto digits = begin + kName.size();
+    std::uint64_t limit = 0;
+    const auto* end = configuration.data() + configuration.size();
+    const auto [rest, error] = std::from_chars(configuration.data() + digits, end, limit);
+    if (error != std::errc()) return configuration;
+    const auto length = static_cast<std::size_t>(rest - configuration.data()) - digits;
+    return configuration.replace(digits, length, std::to_string(limit + kReserve));
 }
 
 std::string credentials_text(const SecuredBus& bus, const SecuredUser& user, const std::string& password,

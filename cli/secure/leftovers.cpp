@@ -2,11 +2,21 @@
 #include "cli/secure/leftovers.hpp"
 
 #include <map>
+#include <optional>
 
 #include "asip/program/credentials.hpp"
+#include "asip/text/file_text.hpp"
+#include "cli/secure/bus_file.hpp"
+#include "cli/secure/reload.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
+namespace {
+
+constexpr Duration kBrokerPatience = std::chrono::seconds(5);
+constexpr Duration kBetweenAttempts = std::chrono::milliseconds(500);
+
+}  // namespace
 
 Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string& user) {
     const auto file = folder.credentials(user).string();
@@ -54,6 +64,8 @@ std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& r
     return words;
 }
 
+namespace {
+
 void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const std::vector<RoleOfUser>& gone,
                      const Environment& environment, SecureReport& report) {
     const auto as_admin = "asipctl --credentials " + folder.credentials("admin").string();
@@ -71,16 +83,25 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
     Environment admin = environment;
     admin.mqtt = std::move(*options);
     admin.topics = bus::Topics(bus.topic_root);
-    BusSession session(admin);
-    session.on_connection_change({});
-    if (const auto connected = session.connect(); !connected) return cannot(connected.error().text);
+    // A broker without memory may have ended, and be started again by systemd.
+    std::optional<BusSession> session;
+    Outcome<void> connected;
+    const auto until = Clock::now() + kBrokerPatience;
+    for (;;) {
+        session.emplace(admin);
+        session->on_connection_change({});
+        connected = session->connect();
+        if (connected || session->stopped() || Clock::now() >= until) break;
+        session->run_for(kBetweenAttempts);
+    }
+    if (!connected) return cannot(connected.error().text);
     for (const auto& [name, role] : gone) {
-        const auto left = clear_all_retained(admin, session, filters_of(admin.topics, name));
+        const auto left = clear_all_retained(admin, *session, filters_of(admin.topics, name));
         if (!left) return cannot(left.error().text);
         if (*left > 0)
             report.did("cleared", counted(*left, "message") + " that " + name + " left in the broker");
     }
-    const auto retained = read_retained(admin, session, {bus.topic_root + "/#", "homeassistant/device/#"});
+    const auto retained = read_retained(admin, *session, {bus.topic_root + "/#", "homeassistant/device/#"});
     if (!retained) return cannot(retained.error().text);
     for (const auto& [name, role] : gone) {
         const auto unnamed = unnamed_of(admin.topics, *retained, role);
@@ -93,6 +114,25 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
             report.next("what a gateway exported is cleared by",
                         "asip-gateway clean --credentials " + folder.credentials("admin").string());
     }
+}
+
+}  // namespace
+
+Outcome<void> reload_and_clear(const SecureFolder& folder, const SecuredBus& bus,
+                               std::optional<std::size_t> pid, const std::vector<RoleOfUser>& gone,
+                               const Environment& environment, SecureReport& report) {
+    const auto configured = text::file_text(bus.configuration);
+    const auto write = [&](const std::string& text) {
+        return folder.write(bus.configuration, text, SecureFolder::Readers::kAll);
+    };
+    if (configured)
+        if (auto done = write(with_reserve(*configured)); !done) return tl::unexpected(done.error());
+    const bool reloaded = report_reload(folder, bus, pid, report);
+    if (reloaded) clear_leftovers(folder, bus, gone, environment, report);
+    if (configured)
+        if (auto done = write(*configured); !done) return tl::unexpected(done.error());
+    if (reloaded) reload_broker(folder, bus, pid);
+    return {};
 }
 
 }  // namespace asip::cli

@@ -40,4 +40,20 @@ Reload reload_broker(const SecureFolder& folder, const SecuredBus& bus, std::opt
     return made;
 }
 
+bool report_reload(const SecureFolder& folder, const SecuredBus& bus, std::optional<std::size_t> pid,
+                   SecureReport& report) {
+    const auto reload = reload_broker(folder, bus, pid);
+    switch (reload.result) {
+        case Reload::Result::kReloaded:
+            report.did("reloaded", "the broker, process " + std::to_string(reload.pid));
+            return true;
+        case Reload::Result::kNotAllowed:
+            report.next("let the broker read it; it is another user's", reload.command);
+            return false;
+        case Reload::Result::kNotRunning:
+            report.next("no running broker was found here; if one runs, let it read it", reload.command);
+    }
+    return false;
+}
+
 }  // namespace asip::cli

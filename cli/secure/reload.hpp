@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/secure/folder.hpp"
+#include "cli/secure/report.hpp"
 
 namespace asip::cli {
 
@@ -25,5 +26,8 @@ Reload reload_broker(const SecureFolder& folder, const SecuredBus& bus, std::opt
 
 /// Whether the configuration is a file of the system's broker, not one of its own.
 bool is_system_broker(const std::filesystem::path& folder, const SecuredBus& bus);
+/// The same; whether the broker has read it, is reported.
+bool report_reload(const SecureFolder& folder, const SecuredBus& bus, std::optional<std::size_t> pid,
+                   SecureReport& report);
 
 }  // namespace asip::cli

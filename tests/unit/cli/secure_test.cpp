@@ -141,6 +141,12 @@ TEST(SecureRoles, WhatAUserLeft_IsAllOfItAndNothingOfOthers) {
     EXPECT_THAT(left_by("bob"), ::testing::IsEmpty());
 }
 
+TEST(SecureFiles, Reserve_RaisesTheLimitThatIsThere_AndChangesNothingElse) {
+    EXPECT_EQ(with_reserve("a 1\nmemory_limit 1000\nb 2\n"), "a 1\nmemory_limit 67109864\nb 2\n");
+    for (const std::string other : {"", "a 1\n", "# memory_limit 5\n", "a\nmemory_limit x\n"})
+        EXPECT_EQ(with_reserve(other), other);
+}
+
 /// Commands say nowhere whose they are: then it is said that they are there.
 TEST(SecureRoles, WhatStandsUnderNobodysName_IsNamedForRolesThatMayHaveLeftIt) {
     const std::vector<Retained> retained{{"asip/uno1/in", "#,R"},
