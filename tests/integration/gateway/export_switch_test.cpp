@@ -3,8 +3,9 @@
 // that.
 #include <gmock/gmock.h>
 
-#include <filesystem>
 #include <fstream>
+#include <map>
+#include <sstream>
 
 #include "running_gateway.hpp"
 
@@ -51,6 +52,21 @@ TEST_F(ExportSwitch, On_IsOneLineHoweverOften_AndOffTakesItOut) {
 TEST_F(ExportSwitch, FileThatIsNotThere_IsMade) {
     ASSERT_EQ(change({"homie"}).status, 0);
     EXPECT_EQ(text(), "ASIP_HOMIE=homie\n");
+}
+
+TEST_F(ExportSwitch, LinesOfTheFile_AreWhatAGatewayStartsWith) {
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"home-assistant"}, {"homie"}, {"sparkplug", "plant"}})
+        ASSERT_EQ(change(words).status, 0);
+    std::map<std::string, std::string> environment;
+    std::istringstream lines(text());
+    for (std::string line; std::getline(lines, line);)
+        environment[line.substr(0, line.find('='))] = line.substr(line.find('=') + 1);
+    MosquittoBroker broker;
+    ChildProcess gateway(
+        {ASIP_PROGRAMS "/asip-gateway", "--http", "127.0.0.1:0", "--broker", broker.address()}, environment);
+    for (const char* system : {"Home Assistant", "Homie", "Sparkplug as plant/asip"})
+        EXPECT_TRUE(gateway.wait_for_errors(std::string("exports boards to ") + system)) << system;
 }
 
 TEST_F(ExportSwitch, WhatAGatewayWouldNotStartWith_IsRefusedAndTheFileStays) {
