@@ -343,7 +343,8 @@ void Registry::denied(const std::string& topic, const std::string& reason, Insta
     }
     log::warning(
         "the broker's access rules do not let this registry clear what is left of a board; nothing more is "
-        "cleared for an hour. Allow its user to write there, or clear it as a user who may: asipctl forget --leftovers",
+        "cleared for an hour. Allow its user to write there, or clear it as a user who may: asipctl forget "
+        "--leftovers",
         {{"topic", topic.substr(0, 200)}, {"reason", reason}});
 }
 

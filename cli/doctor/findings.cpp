@@ -213,8 +213,9 @@ Findings check_states(const Observations& seen) {
     }
     for (const auto& [topic, reason] : seen.bad_documents) {
         if (!seen.topics.parse(topic)) continue;  // its name is the fault: check_names
-        result.push_back(problem(topic + " cannot be read: " + reason,
-                                 "which program publishes it? Clear it: asipctl forget --leftovers --only documents"));
+        result.push_back(
+            problem(topic + " cannot be read: " + reason,
+                    "which program publishes it? Clear it: asipctl forget --leftovers --only documents"));
     }
     return result;
 }
@@ -228,9 +229,9 @@ Findings check_retained(const Observations& seen) {
     }
     Findings result;
     if (!commands.empty()) {
-        result.push_back(
-            problem("retained commands, delivered again at each reconnection: " + some_of(commands),
-                    "asipctl forget --leftovers --only commands; and publish commands without the retain flag"));
+        result.push_back(problem(
+            "retained commands, delivered again at each reconnection: " + some_of(commands),
+            "asipctl forget --leftovers --only commands; and publish commands without the retain flag"));
     }
     if (!orphans.empty()) {
         result.push_back(note("retained values of boards that are not announced: " + some_of(orphans),
@@ -245,9 +246,9 @@ Findings check_names(const Observations& seen) {
         if (one.kind == Lingering::Kind::kInvalidName) bad.push_back(one.topic);
     }
     if (bad.empty()) return {};
-    return {problem(
-        "announced under names that are not valid, so that they are ignored: " + some_of(bad),
-        "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl forget --leftovers --only names")};
+    return {problem("announced under names that are not valid, so that they are ignored: " + some_of(bad),
+                    "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl forget "
+                    "--leftovers --only names")};
 }
 
 Findings check_conflicts(const Observations& seen) {

@@ -17,7 +17,7 @@ std::string rights_text(const Rights& rights) {
     std::string text;
     for (const auto right : rights)
         text.append(text.empty() ? "" : ", ").append(kWords[static_cast<std::size_t>(right)]);
-    return text.empty() ? "-" : text;
+    return text;
 }
 
 /// Memory, processor and disk, in this order; what costs nothing is left out.

@@ -65,7 +65,8 @@ TEST_F(AttackedBus, MessagesOfEverySizeAroundTheLimit_MakeNobodyDeaf) {
     for (const auto& [user, topic] : targets) {
         bool taken = true;
         for (int below = 200; below >= 0 && taken; below -= below > 60 ? 20 : below > 20 ? 3 : 1)
-            taken = publishes(user, topic, bus::kBrokerPacketBytes - static_cast<std::size_t>(below) - topic.size());
+            taken = publishes(user, topic,
+                              bus::kBrokerPacketBytes - static_cast<std::size_t>(below) - topic.size());
         EXPECT_FALSE(taken) << "the broker has a limit";
     }
     EXPECT_TRUE(agent_answers()) << agent_->errors();

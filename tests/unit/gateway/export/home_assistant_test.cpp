@@ -220,7 +220,7 @@ TEST(HomeAssistantDocument, OfTheGateway_HasConnectionBoardsAndStart) {
     const auto standing = json::parse(home.standing(3));
     EXPECT_EQ(standing["boards"], 3);
     EXPECT_EQ(standing["started"], options.started);
-    const Dialect::Retained found{{home.gateway_document_topic(), "{}"},
+    const Dialect::Retained found{{home.gateway_document_topic(), document.dump()},
                                   {"homeassistant/device/other/config", "{}"}};
     EXPECT_THAT(home.ours(found, "homeassistant"), testing::ElementsAre(home.gateway_document_topic()));
 }
