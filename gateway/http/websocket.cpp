@@ -77,6 +77,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     }
 
     void leave() override {
+        if (channel_) pump();  // its last words
         close_with(websocket::close_code::going_away);
         if (channel_) channel_->wake = [] {};
         channel_.reset();

@@ -99,8 +99,9 @@ TEST_F(GatewayExportOfABoard, BoardThatIsForgotten_IsGone) {
     ASSERT_TRUE(is_shown());
     agent_->process().signal(SIGTERM);
     EXPECT_TRUE(becomes(kDocument, ""));
-    EXPECT_TRUE(wait_until([&] { return retained().size() == 3; })) << retained().size();  // lease, sessions
-                                                                                           // and state
+    EXPECT_TRUE(wait_until([&] { return retained().size() == 5; })) << retained().size();  // lease, sessions,
+                                                                                           // state; the
+                                                                                           // gateway
 }
 
 TEST_F(GatewayExportOfABoard, TopicsThatSomebodyEmpties_AreThereAgainAtOnce) {
