@@ -112,8 +112,9 @@ std::optional<DecodedEvent> decode_event(const ContextEvent& event, const model:
     const auto document = model::parse_json(event.payload, {.max_bytes = 1U << 20U, .max_depth = 32});
     if (!document || !document->is_object()) return field.empty() ? std::optional(plain) : std::nullopt;
     if (event.kind == ContextEvent::Kind::kButton) {
-        const auto& [id, word] = *document->items().begin();
-        plain.text = "button " + id.substr(event.service.size() + 1) + " " + word.get<std::string>();
+        const auto first = document->cbegin();
+        plain.text =
+            "button " + first.key().substr(event.service.size() + 1) + " " + first->get<std::string>();
         return plain;
     }
     if (field.empty()) {

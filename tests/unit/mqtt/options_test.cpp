@@ -89,7 +89,8 @@ std::string from_hex(const std::string& hex) {
 // tests/vectors/passwords.json, which the tests of the Python package and of the Node-RED nodes read, too.
 TEST(RefusedPassword, OddOnes_HaveAHint) {
     constexpr int kBadUserOrPassword = 0x86;
-    for (const auto& each : nlohmann::json::parse(std::ifstream(ASIP_PASSWORD_VECTORS)).at("passwords")) {
+    const auto vectors = nlohmann::json::parse(std::ifstream(ASIP_PASSWORD_VECTORS));
+    for (const auto& each : vectors.at("passwords")) {
         Options options;
         options.user = "ann";
         options.password = from_hex(each.at("hex").get<std::string>());

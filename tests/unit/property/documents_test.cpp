@@ -38,16 +38,18 @@ TEST(PropertyList, WithEachMember_IsReadTheSame) {
     const auto read = parse_list(text);
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(*read, list);
-    for (const auto& each : json::parse(text)["properties"])
+    const auto document = json::parse(text);
+    for (const auto& each : document["properties"])
         for (const auto* member : {"id", "name", "service", "kind", "type", "access"})
             EXPECT_TRUE(each.contains(member)) << each;
 }
 
 TEST(PropertyList, OnTheBus_HasNoMemberThatAReaderDerives) {
-    for (const auto& each : whole_document()["properties"])
+    const auto document = whole_document();
+    for (const auto& each : document["properties"])
         for (const auto* member : {"service", "access", "type"})
             EXPECT_FALSE(each.contains(member)) << each;
-    EXPECT_FALSE(whole_document()["properties"][0].contains("read")) << "distance/0 is read at /distance/0";
+    EXPECT_FALSE(document["properties"][0].contains("read")) << "distance/0 is read at /distance/0";
     auto length = whole_list();
     std::erase_if(length.properties, [](const auto& each) { return each.id != "distance/0"; });
     length.properties[0].whole = false;

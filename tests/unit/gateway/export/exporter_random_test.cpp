@@ -19,7 +19,8 @@ constexpr int kSteps = 30;
 /// What must be retained for the boards that are there, and nothing else.
 std::map<std::string, std::set<std::string>> wanted_devices(const ExportWorld& world,
                                                             const HomeAssistant& dialect) {
-    std::map<std::string, std::set<std::string>> result;
+    std::map<std::string, std::set<std::string>> result{
+        {dialect.gateway_document_topic(), {"binary_sensor connection", "sensor boards"}}};
     for (const auto& [name, board] : world.boards) {
         auto& device = result[dialect.document_topic(name)];
         for (const auto& [id, platform] : dialect.components(board.board))
