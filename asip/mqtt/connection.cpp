@@ -26,8 +26,9 @@ namespace asio = boost::asio;
 using Kind = ConnectionFailure::Kind;
 
 /// libmosquitto reads about one packet a call; so long it reads before other work of the program gets its
-/// turn, whatever the packets cost.
+/// turn, and at least so many: what a program does once a turn may cost more than a packet.
 constexpr Duration kTurn = std::chrono::milliseconds(2);
+constexpr int kLeastReads = 16;
 constexpr int kInvalidSocket = -1;
 
 struct Library {
@@ -163,7 +164,7 @@ int Connection::write_out() {
 
 void Connection::read_all() {
     const auto until = Clock::now() + kTurn;
-    do {
+    for (int i = 0; phase_ != Phase::kDown && (i < kLeastReads || Clock::now() < until); ++i) {
         const auto before = packets_seen_;
         const int error = mosquitto_loop_read(mosquitto_.get(), 1);
         if (error != MOSQ_ERR_SUCCESS) {
@@ -172,7 +173,7 @@ void Connection::read_all() {
         }
         if (!still_open()) return;
         if (packets_seen_ == before) return;
-    } while (phase_ != Phase::kDown && Clock::now() < until);
+    }
     // What TLS has already decrypted no longer shows on the socket: come back without waiting for it.
     if (broker_.tls && phase_ != Phase::kDown) {
         asio::post(io_, [self = shared_from_this()] { self->serve(); });

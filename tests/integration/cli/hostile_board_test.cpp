@@ -101,7 +101,7 @@ class Hostile(http.server.BaseHTTPRequestHandler):
     do_POST = do_GET
     def log_message(self, *of): pass
 server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Hostile)
-print("port", server.server_port, flush=True)
+print("port", server.server_port, "is open", flush=True)
 server.serve_forever()
 )";
 
@@ -193,9 +193,9 @@ class HostileBoardTest : public BusTest, public ::testing::WithParamInterface<st
 
 TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
     ChildProcess gateway({"python3", "-c", kHostileGateway, kEvil});
-    const auto port = gateway.wait_for_output("port");
+    const auto port = gateway.wait_for_output("port [0-9]+ is open");
     ASSERT_TRUE(port) << gateway.errors();
-    const auto address = "http://127.0.0.1:" + port->substr(5);
+    const auto address = "http://127.0.0.1:" + port->substr(5, port->find(' ', 5) - 5);
     const auto model = folder_.write("evil.json", R"({"name":")" + kEvil + "\"}");
     const auto image = folder_.write("evil.hex", ":" + kEvil);
     const auto recording = folder_.write(
