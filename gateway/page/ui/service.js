@@ -124,7 +124,7 @@ class Service extends Part {
     this.has_commands = wanted;
     const names = wanted ? command_order(this.model) : [];
     this.forms = new Map(names.map((name) => [name, document.createElement("asip-command").begin(this.board, { ...this.service, elements: this.elements }, this.model, name)]));
-    const has_control = (name) => this.simple.some((each) => each.write?.command === name);
+    const has_control = (name) => this.simple.some((each) => each.write?.[0] === name);
     const rare = names.filter((name) => this.pins || has_control(name) || place_of(this.model, name) === "advanced");
     const forms = (wanted_names) => wanted_names.map((name) => this.forms.get(name));
     const usual = names.filter((name) => !rare.includes(name));
