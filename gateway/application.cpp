@@ -29,7 +29,7 @@ Instant present() {
     return {Clock::now(), text::wall_now()};
 }
 
-/// Of this thread: what other programs use meanwhile is no client's.
+/// The time of this thread alone: what other programs use meanwhile is not counted to a client.
 Duration processor_time() {
     timespec time{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -143,7 +143,7 @@ mqtt::Client::Handlers Application::handlers() {
     return result;
 }
 
-// Of what is retained each message is looked at ahead of the mirror's own, by which all of it has come.
+// While the mirror reads what is retained, no message waits: its mark says that all of them were handled.
 void Application::message(const mqtt::Message& received) {
     const auto topic = gateway_->mirror().topics().parse(received.topic);
     const bool of_board = topic && !topic->board.empty() && topic->kind != bus::TopicKind::kDemand &&

@@ -88,7 +88,8 @@ class Inbox {
     };
     std::deque<Entry> entries_;
     std::size_t bytes_ = 0;
-    std::size_t caught_ = 0;   // so many of the oldest; a flood of stops does not look at them again
+    std::size_t caught_ = 0;   // how many of the oldest are stopped; a flood of stops does not look at them
+                               // again
     std::size_t arrived_ = 0;  // since the last turn
     bool asked_ = false;       // for a turn
 };

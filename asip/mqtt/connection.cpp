@@ -25,8 +25,8 @@ namespace {
 namespace asio = boost::asio;
 using Kind = ConnectionFailure::Kind;
 
-/// libmosquitto reads about one packet a call; so long it reads before other work of the program gets its
-/// turn, and at least so many: what a program does once a turn may cost more than a packet.
+/// libmosquitto reads about one packet a call. It reads for this time before other work of the program gets
+/// its turn, and at least this many packets: what a program does once a turn may cost more than a packet.
 constexpr Duration kTurn = std::chrono::milliseconds(2);
 constexpr int kLeastReads = 16;
 constexpr int kInvalidSocket = -1;

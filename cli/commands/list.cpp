@@ -7,11 +7,11 @@
 #include <ostream>
 #include <utility>
 
-#include "asip/model/board_state.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/commands/watch.hpp"
 #include "cli/declaration.hpp"
+#include "cli/flash/no_asip.hpp"
 #include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
 
@@ -137,9 +137,7 @@ Colour state_colour(std::string_view state) {
 }
 
 Cell state_cell(const bus::BriefBoard& board) {
-    if (board.state == "lost" && board.reason == model::to_text(model::StateReason::kSilent) &&
-        board.chip.empty() && board.services.empty())
-        return {"no ASIP sketch yet", Colour::kYellow};
+    if (speaks_no_asip(board)) return {"no ASIP sketch yet", Colour::kYellow};
     return {state_text(board.state, board.reason, board.state_age), state_colour(board.state)};
 }
 

@@ -126,14 +126,15 @@ class Subscriber {
             subscriptions_.push_back(
                 session.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
         }
+        if (options_.raw || !options_.field.empty()) return;
+        std::set<std::string> values;
         for (const auto& target : targets_)
-            if (!options_.raw && options_.field.empty())
-                subscriptions_.push_back(
-                    session.subscribe(environment_.topics.values(target.is_pattern() ? "+" : target.board),
-                                      [this](const mqtt::Message& message) {
-                                          for (auto& event : buttons_.take(message))
-                                              take(std::move(event));
-                                      }));
+            values.insert(environment_.topics.values(target.is_pattern() ? "+" : target.board));
+        for (const auto& filter : values)
+            subscriptions_.push_back(session.subscribe(filter, [this](const mqtt::Message& message) {
+                for (auto& event : buttons_.take(message))
+                    take(std::move(event));
+            }));
     }
 
     bool enough() const { return options_.count != 0 && count_ >= options_.count; }

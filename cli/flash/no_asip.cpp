@@ -2,6 +2,14 @@
 #include "cli/flash/no_asip.hpp"
 
 namespace asip::cli {
+namespace {
+
+bool never_answered(std::string_view state, std::string_view reason, std::string_view chip, bool offers) {
+    return chip.empty() && !offers && state == "lost" &&
+           reason == model::to_text(model::StateReason::kSilent);
+}
+
+}  // namespace
 
 bool speaks_no_asip(const model::Description& board) {
     return board.link.kind == "serial" && board.firmware.chip.empty() && board.services.empty() &&
@@ -10,8 +18,12 @@ bool speaks_no_asip(const model::Description& board) {
 }
 
 bool speaks_no_asip(const bus::BoardItem& board) {
-    return board.link.starts_with("serial ") && board.chip.empty() && board.services.empty() &&
-           board.state == "lost" && board.reason == model::to_text(model::StateReason::kSilent);
+    return board.link.starts_with("serial ") &&
+           never_answered(board.state, board.reason, board.chip, !board.services.empty());
+}
+
+bool speaks_no_asip(const bus::BriefBoard& board) {
+    return never_answered(board.state, board.reason, board.chip, !board.services.empty());
 }
 
 // "pci-0000:00:14.0-usb-0:1.3:1.0-port0"

@@ -48,7 +48,7 @@ struct BrokerPlaces {
 /// Mosquitto's configuration.
 std::string broker_configuration(const BrokerPlaces& places);
 /// The same with a larger `memory_limit`, where it has one. Mosquitto keeps no reserve: where others have
-/// filled it, whoever is to clear that cannot come in, and the broker may end.
+/// filled it, the program that clears it cannot come in, and the broker may end.
 std::string with_reserve(std::string configuration);
 
 /// The credentials file of a user: what read_credentials() reads.

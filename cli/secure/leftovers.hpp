@@ -18,8 +18,8 @@ std::vector<std::string> filters_of(const bus::Topics& topics, const std::string
 /// nothing. Pure.
 std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& retained, Role role);
 
-/// Lets the broker read who is no user any more, and clears what they left in it; it has a reserve of memory
-/// for that. Reports what to run where that is not possible now, and for messages on topics without a user's
+/// The broker reads which users are gone, and what they left in it is cleared; it has a reserve of memory for
+/// that. Reports what to run where that is not possible now, and for messages on topics without a user's
 /// name.
 Outcome<void> reload_and_clear(const SecureFolder& folder, const SecuredBus& bus,
                                std::optional<std::size_t> pid, const std::vector<RoleOfUser>& gone,

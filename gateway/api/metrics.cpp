@@ -69,7 +69,7 @@ struct Scrape {
                });
     }
 
-    /// Of properties that are numbers, or true or false.
+    /// The values of properties that are numbers, or true or false.
     void add_values(const std::string& board) {
         const auto now = gateway.now();
         const auto found = gateway.things().find(gateway.mirror(), board, now);

@@ -15,7 +15,7 @@ struct Pattern {
     const Route* route;
     std::vector<std::string_view> levels;
 };
-/// Of all routes.
+/// The patterns of all routes.
 const std::vector<Pattern>& patterns();
 bool fits(const Pattern& pattern, const std::vector<std::string>& segments);
 /// The parameters in a path that fits.

@@ -115,10 +115,11 @@ class HomeAssistant final : public Dialect {
                          const Property& property) const;
     std::string platform(const Property& property) const;
     bool shown(const Property& property) const;
+    std::string root_id() const;       ///< the root, in characters that ids may hold
+    std::string device_begin() const;  ///< of the ids of boards
     std::string device_id(std::string_view board) const;
     std::string gateway_id() const;  ///< that no board has
     void describe_origin(ObjectText& document) const;
-    std::string device_begin() const;
 
     Options options_;
 };

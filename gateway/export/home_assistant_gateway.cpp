@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The device of the gateway itself, whose entities are diagnostics.
-#include <cctype>
-
 #include "gateway/export/home_assistant.hpp"
 #include "gateway/export/object_text.hpp"
 
 namespace asip::gateway::exports {
-
-std::string HomeAssistant::gateway_id() const {
-    std::string id = options_.root;
-    for (char& c : id)
-        if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
-    return id + "_gateway";
-}
 
 void HomeAssistant::describe_origin(ObjectText& document) const {
     auto origin = document.object("o");

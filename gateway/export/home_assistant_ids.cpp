@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
+#include "gateway/export/escaped_id.hpp"
 #include "gateway/export/home_assistant.hpp"
 
 namespace asip::gateway::exports {
@@ -14,28 +15,27 @@ using nlohmann::json;
 // Ids may hold `A-Za-z0-9_-` only. Where a name holds something else, or two underscores, these stand with
 // two hexadecimal digits in place of all but letters and digits: two names never become one.
 std::string HomeAssistant::device_id(std::string_view board) const {
-    constexpr std::string_view kDigits = "0123456789abcdef";
     const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
     const bool exact =
         board.find("__") == std::string_view::npos &&
         std::all_of(board.begin(), board.end(), [&](char c) { return plain(c) || c == '-' || c == '_'; });
-    auto id = device_begin();
-    for (const char c : board) {
-        if (exact || plain(c))
-            id += c;
-        else
-            (id += "__") +=
-                {kDigits[static_cast<unsigned char>(c) >> 4U], kDigits[static_cast<unsigned char>(c) & 15U]};
-    }
+    return device_begin() + (exact ? std::string(board) : escaped_id(board, "__", plain));
+}
+
+std::string HomeAssistant::root_id() const {
+    auto id = options_.root;
+    std::replace_if(
+        id.begin(), id.end(),
+        [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-'; }, '_');
     return id;
 }
 
 std::string HomeAssistant::device_begin() const {
-    auto begin = options_.root + "-";
-    std::replace_if(
-        begin.begin(), begin.end(),
-        [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_'; }, '_');
-    return begin;
+    return root_id() + "-";
+}
+
+std::string HomeAssistant::gateway_id() const {
+    return root_id() + "_gateway";
 }
 
 std::string HomeAssistant::document_topic(std::string_view board) const {

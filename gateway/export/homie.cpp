@@ -11,6 +11,7 @@
 
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
+#include "gateway/export/escaped_id.hpp"
 #include "gateway/export/home_assistant.hpp"
 #include "gateway/export/object_text.hpp"
 
@@ -36,17 +37,8 @@ bool is_id(std::string_view text) {
 /// `text` where it is an id without two hyphens, else with two of them and two hexadecimal digits in place of
 /// each character that is no letter or digit: two names never become one.
 std::string id_from(std::string_view text) {
-    constexpr std::string_view kDigits = "0123456789abcdef";
     if (is_id(text) && text.find("--") == std::string_view::npos) return std::string(text);
-    std::string id;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
-            id += c;
-        else
-            (id += "--") += {kDigits[byte >> 4U], kDigits[byte & 15U]};
-    }
-    return id;
+    return escaped_id(text, "--", [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); });
 }
 
 json document_from(const std::string& text) {

@@ -23,7 +23,7 @@ PATH = "/usr/local/bin:/usr/bin:/bin"
 
 
 class Terminal:
-    """Of a user with an empty home, in the folder of the clone."""
+    """A user with an empty home reads the pages, in the folder of the clone."""
 
     def __init__(self, home, before):
         self.home, self.before = home, before

@@ -246,7 +246,7 @@ class Dashboard extends Part {
   }
 }
 
-/// Of the widget that a tile is of.
+/// The id of the widget that a tile shows.
 const kept_id = (tile) => tile.id.split(".")[0];
 
 export const is_kiosk = () => Boolean(status.you.dashboard);
