@@ -94,30 +94,6 @@ class PublishedClients(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-3000:])
         return done.stdout
 
-    # What of docs/protocol.md's list of the clients' own faults is about modules.
-    def test_modules_that_do_not_start_do_so_as_the_page_says(self):
-        code = """
-import pathlib, runpy, sys, python_asip_client
-folder = pathlib.Path(python_asip_client.__file__).parent
-sys.path += [str(folder / one) for one in sys.argv[2:]]
-try:
-    runpy.run_path(str(folder / sys.argv[1]), run_name="loaded")
-except ModuleNotFoundError as fault:
-    print("missing", fault.name)
-except SystemExit:
-    pass
-"""
-        page = (ROOT / "docs" / "protocol.md").read_text()
-        row = next(line for line in page.splitlines() if line.startswith("| modules of python-asip-client"))
-        self.assertIn("`PYTHONPATH` with the folders `python_asip_client` and `python_asip_client/boards`", row)
-        for module, missing, still in (("boards/mqtt_board.py", "asip_client", None), ("mqtt_mirto_robot.py", "mqtt_board", None),
-                                       ("examples/SimpleBlink.py", "serial_board", None), ("examples/LightSwitch.py", "serial_board", None),
-                                       ("examples/example_apps/SimpleWeatherStation.py", "simple_serial_board", "simple_serial_board")):
-            with self.subTest(module):
-                self.assertEqual(self.run_client(code, module).strip(), f"missing {missing}")
-                self.assertEqual("missing" in self.run_client(code, module, ".", "boards"), still is not None)
-                self.assertTrue(f"`{missing}`" in row or still, row)
-
     BLINK = """
 from python_asip_client.boards.{module} import {board}
 board = {make}
