@@ -165,14 +165,15 @@ class History:
 
 
 def settled(retained):
-    """What is shown, without how often a document changed, which gateway exports, and states that say only that nothing is known."""
+    """What is shown, without how often a document changed, which gateway exports and since when, and states that say only that nothing is
+    known."""
     shown = {}
     for topic, payload in retained.items():
         if topic.endswith(("/$lease", "/$sessions")) or payload in UNKNOWN:
             continue
-        if topic.endswith("/$description"):
+        if topic.endswith(("/$description", "/$gateway")):
             document = json.loads(payload)
-            document.pop("version", None)
+            document.pop("started" if topic.endswith("/$gateway") else "version", None)
             payload = json.dumps(document, sort_keys=True)
         shown[topic] = payload
     return shown
