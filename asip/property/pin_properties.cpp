@@ -27,7 +27,8 @@ std::optional<int> channel_of(const model::PinsInfo& pins, std::size_t pin) {
 
 /// The mode in which a pin is used; nothing: for nothing.
 std::optional<PinMode> use_of(std::optional<model::ClassUse> use, std::optional<PinMode> commanded) {
-    if (!use || *use == model::ClassUse::kNumber) return commanded;
+    if (!use) return commanded;
+    if (*use == model::ClassUse::kNumber) return commanded.value_or(PinMode::kAnalog);
     if (*use == model::ClassUse::kInput) {
         const bool fits =
             commanded && (protocol::is_digital_input(*commanded) || commanded == PinMode::kAnalog);

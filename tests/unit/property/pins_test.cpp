@@ -60,6 +60,18 @@ TEST(PinProperty, ClassOfAnOutput_IsSetAlsoBeforeAnyMode) {
                 ElementsAre(Request{"io", R"({"write":[13,0]})"}));
 }
 
+TEST(PinProperty, ClassOfANumber_IsReadAlsoBeforeAnyMode) {
+    auto board = board_with({"io"});
+    board.labels.meanings["io/14"] = of_class("energy");
+    board.labels.meanings["io/7"] = of_class("level");
+    auto all = properties(board);
+    EXPECT_THAT(ids(all), ElementsAre("io/14")) << "7 has no analog channel";
+    EXPECT_EQ(property(all, "io/14").kind, Kind::kSensor);
+    EXPECT_FALSE(property(all, "io/14").advanced);
+    board.labels.modes[7] = 5;
+    EXPECT_THAT(ids(properties(board)), ElementsAre("io/7", "io/14")) << "a level is set, too";
+}
+
 TEST(PinProperty, AnalogValue_GoesAlongItsLine) {
     auto board = board_with({"io"});
     board.labels.modes = {{14, 4}};
