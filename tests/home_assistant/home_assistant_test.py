@@ -12,6 +12,7 @@ from home_assistant import HomeAssistant
 DISTANCE = "sensor.desk_distance_0"
 SERVO = "number.desk_servo_0_angle"
 LAMP = "switch.lamp_status_lamp"
+GATEWAY = "ASIP gateway"
 
 
 class SmartBus(ExportBus):
@@ -62,7 +63,7 @@ class RealHomeAssistant(unittest.TestCase):
         self.assertEqual(servo["state"], "unknown")
         self.assertEqual([servo["attributes"][key] for key in ("min", "max", "step", "unit_of_measurement")], [0, 180, 1, "°"])
         self.becomes(LAMP, "unknown")
-        self.assertEqual(self.home.devices(), {"desk", "lamp"})
+        self.assertEqual(self.home.devices(), {GATEWAY, "desk", "lamp"})
         hidden = {entity for entity, each in self.home.entities().items() if each["disabled_by"] == "integration"}
         self.assertFalse({DISTANCE, SERVO, LAMP} & hidden)
 
@@ -111,12 +112,20 @@ class RealHomeAssistant(unittest.TestCase):
         # While it makes the entities of one document it may pass over parts of the next.
         self.settled()
         before = set(self.home.entities())
-        self.bus.ctl("label", "desk", "name=My desk")
-        self.bus.ctl("label", "desk/servo", "name=left arm")
-        self.bus.ctl("label", "lamp", "pin.13=red lamp")
+        self.rename("name=My desk", "name=left arm", "red lamp")
         for entity, name in ((SERVO, "My desk left arm 0"), (LAMP, "lamp red lamp")):
             self.is_called(entity, name)
         self.assertEqual(set(self.home.entities()), before)
+        # Home Assistant makes ids out of names again when a device was gone.
+        self.rename("name-", "name-", "status lamp")
+        for entity, name in ((SERVO, "desk Servo 0 angle"), (LAMP, "lamp status lamp")):
+            self.is_called(entity, name)
+        self.assertEqual(set(self.home.entities()), before)
+
+    def rename(self, board, servo, pin):
+        self.bus.ctl("label", "desk", board)
+        self.bus.ctl("label", "desk/servo", servo)
+        self.bus.ctl("label", "lamp", "pin.13=" + pin)
 
     def everything_is_there(self):
         for entity in (DISTANCE, SERVO, LAMP):
@@ -135,18 +144,18 @@ class RealHomeAssistant(unittest.TestCase):
         self.everything_is_there()
 
     def test_7_documents_that_were_deleted_come_back(self):
-        for board in ("desk", "lamp"):
-            self.bus.publish(f"homeassistant/device/asip-{board}/config", "", retain=True)
+        for device in ("asip-desk", "asip-lamp", "asip_gateway"):
+            self.bus.publish(f"homeassistant/device/{device}/config", "", retain=True)
         eventually(lambda: not self.home.devices(), "the devices are gone")
         self.home.restart()
-        eventually(lambda: len(self.home.devices()) == 2, "the devices are back", 60)
+        eventually(lambda: self.home.devices() == {GATEWAY, "desk", "lamp"}, "the devices are back", 60)
         self.everything_is_there()
 
     def test_8_forgotten_board_is_gone(self):
         self.bus.end("agent-lamp")
         self.becomes(LAMP, "unavailable")
         self.bus.ctl("forget", "lamp")
-        eventually(lambda: len(self.home.devices()) == 1, "the device is gone", 60)
+        eventually(lambda: self.home.devices() == {GATEWAY, "desk"}, "the device is gone", 60)
 
     def test_9_option_that_is_taken_away_leaves_nothing(self):
         self.bus.end("gateway")
