@@ -321,7 +321,7 @@ class History {
         for (const auto& change : view.changes_of(board))
             note("told: " + change);
         for (const auto& word : truths_[board.back() - '0'].words)
-            note("said: " + word);
+            note("said: " + word.text + (word.unless_heard ? " (by an earlier session)" : ""));
     }
 
     Dice dice_;

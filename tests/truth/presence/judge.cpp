@@ -44,7 +44,9 @@ std::string Judge::told(const View& view, const std::string& board, const BoardT
         if (changes[i] == View::kReset) continue;
         const bool twice = i > 0 && changes[i] == changes[i - 1];
         if (!twice && changes[i] == "lost expired") continue;
-        said = std::find(said, truth.words.end(), changes[i]);
+        said = std::find_if(said, truth.words.end(), [&](const auto& word) {
+            return word.text == changes[i] && !(word.unless_heard && view.heard(*word.unless_heard));
+        });
         if (twice || said == truth.words.end()) return "told too often that it is " + changes[i] + ":";
     }
     return {};
@@ -76,12 +78,15 @@ std::string Judge::reason_and_time(const View& view, const std::string& board,
                                    Time now) const {
     const Really really = truth.really(now);
     const bool judged = really.reason == StateReason::kExpired;
-    // Of an agent that is gone for longer than a lease the broker has the word of the state alone.
-    const bool knows_why = setting_.says_state &&
-                           (view.heard(really.since) ||
-                            (!judged && (view.connected_at() + kPromised <
-                                             last_description(board) + std::chrono::seconds(setting_.lease) ||
-                                         broker_.stores("asip/servicebus/" + board + "/$description", now))));
+    // Of an agent that is gone for longer than a lease the broker has the word of the state alone, and of one
+    // whose description another overwrote before it ended, too.
+    const bool overwritten = truth.overwritten_at != Time{};
+    const bool stored = !overwritten && broker_.stores("asip/servicebus/" + board + "/$description", now);
+    const Time stored_until =
+        overwritten ? truth.overwritten_at : last_description(board) + std::chrono::seconds(setting_.lease);
+    const bool knows_why =
+        setting_.says_state &&
+        (view.heard(really.since) || (!judged && (stored || view.connected_at() + kPromised < stored_until)));
     if (!knows_why) return {};
     const bool in_conflict = seen.reason == "conflict" && really.reason == StateReason::kNone;
     if (seen.reason != to_text(really.reason) && !in_conflict)

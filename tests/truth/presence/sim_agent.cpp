@@ -18,6 +18,10 @@ constexpr std::uint64_t kStartOfTime = 1'790'000'000;  // of the day, when the s
 // Messages of bridged brokers come in their order behind that.
 constexpr Duration kReordered = std::chrono::milliseconds(800);
 
+std::string word_of(const Really& what) {
+    return fmt::format("{} {}", to_text(what.state), to_text(what.reason));
+}
+
 /// As agents of older versions announce.
 void leave_out_state(std::string& description) {
     const auto begin = description.find(R"(,"state":{)");
@@ -51,7 +55,7 @@ Before BoardTruth::before(const SimAgent& agent, Time now) const {
 void BoardTruth::say(const Really& what) {
     said = what;
     taken_back = true;
-    words.push_back(fmt::format("{} {}", to_text(what.state), to_text(what.reason)));
+    words.push_back({word_of(what), std::nullopt});
 }
 
 // A will that no agent took back before it ended, too.
@@ -91,8 +95,14 @@ void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::
     lease_end = now + std::chrono::seconds(lease_seconds);
     described_by = over;
     described_at = now;
+    overwritten_at = Time{};
     if (now > unordered_will + kReordered) unordered_will = Time{};
     say(what);
+}
+
+void BoardTruth::describe_in_vain(const Really& what, Time now) {
+    if (overwritten_at == Time{}) overwritten_at = now;
+    words.push_back({word_of(what), described_at});
 }
 
 SimAgent::SimAgent(SimBroker& broker, Dice& dice, std::string board, BoardTruth& truth, int lease_seconds,
@@ -225,9 +235,12 @@ void SimAgent::perform(Announcements& out, Time now) {
         auto& message = publication.message;
         if (message.topic == description_topic_) {
             // What older agents say on `$state` is of no session.
-            if (!says_state_ || truth_.counts(announcer_->session(), now))
-                truth_.describe({true, state_, reason_, since_}, announcer_->session(), client_,
-                                lease_seconds_, now);
+            const Really what{true, state_, reason_, since_};
+            if (!says_state_ || truth_.counts(announcer_->session(), now)) {
+                truth_.describe(what, announcer_->session(), client_, lease_seconds_, now);
+            } else {
+                truth_.describe_in_vain(what, now);
+            }
             if (!says_state_) leave_out_state(message.payload);
         }
         // A word on `$state` is of no session: that of an agent that is not believed is taken for a will.

@@ -37,9 +37,16 @@ struct BoardTruth {
     bool taken_back = false;  ///< an agent has put it right
     SimBroker::Client described_by = 0;
     Time described_at{};
+    /// An earlier session has described itself behind it, and nothing that is stored tells of it since.
+    Time overwritten_at{};
     std::vector<const SimAgent*> agents;
     /// All that was said, as "lost unplugged".
-    std::vector<std::string> words;
+    struct Word {
+        std::string text;
+        /// Of an earlier session: only views that did not hear the later one then believe it.
+        std::optional<Time> unless_heard;
+    };
+    std::vector<Word> words;
 
     void say(const Really& what);
     /// Whether a description of this session does: that of an earlier one, after the lease of the later one.
@@ -47,6 +54,8 @@ struct BoardTruth {
     /// An agent's description.
     void describe(const Really& what, const std::string& by, SimBroker::Client over, int lease_seconds,
                   Time now);
+    /// The description of an earlier session beside a later one.
+    void describe_in_vain(const Really& what, Time now);
     /// The broker speaks in the place of an agent.
     void will(SimBroker::Client of, Time now);
     bool is_heard() const;
