@@ -70,7 +70,8 @@ Standing::Change Standing::take_values(const std::string& board, std::string_vie
                                        std::string_view session, Time now, bool stored) {
     Change change;
     decltype(property::ValueDocument::values) values;
-    auto& kept = boards_[board].values;
+    auto& known = boards_[board];
+    auto& kept = known.values;
     if (!text.empty()) {
         auto parsed = property::parse_values(text);
         if (!parsed) {
@@ -79,9 +80,10 @@ Standing::Change Standing::take_values(const std::string& board, std::string_vie
         }
         if (!may_replace(kept.head, parsed->head, board, session)) return change;
         values = std::move(parsed->values);
-        if (kept.head.session != parsed->head.session) kept.last_act = 0;
         kept.head = std::move(parsed->head);
-        change.acts = property::new_acts(values, kept.last_act);
+        std::uint64_t last = known.session_of_act == kept.head.session ? known.last_act : 0;
+        change.acts = property::new_acts(values, last);
+        if (!change.acts.empty()) known.session_of_act = kept.head.session, known.last_act = last;
         if (stored) change.acts.clear();
     }
     for (const auto& [id, value] : values) {

@@ -64,13 +64,15 @@ class Standing {
         property::DocumentHead head;
         Document document{};
         Time at{};
-        std::uint64_t last_act = 0;  // its number
-        bool seen = true;            // since the broker is read anew
+        bool seen = true;  // since the broker is read anew
         bool there() const { return !head.session.empty(); }
     };
     struct Board {
         Kept<List> list;
         Kept<decltype(property::ValueDocument::values)> values;
+        // What was done last with a button, also once its document is gone: it is not told again.
+        std::string session_of_act;
+        std::uint64_t last_act = 0;  // its number
     };
     bool may_replace(const property::DocumentHead& old, const property::DocumentHead& head,
                      const std::string& board, std::string_view session);

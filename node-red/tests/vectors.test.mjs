@@ -114,9 +114,10 @@ test('which properties and values count', () => {
 test('what is told of buttons', () => {
   for (const { about, documents } of told.acts) {
     const standing = new Standing();
-    for (const { session, seq, events, stored, acts } of documents) {
+    for (const each of documents) {
+      const { session, seq, events = {}, stored, acts = [] } = each ?? {};
       const values = Object.fromEntries(Object.entries(events).map(([id, each]) => [id, { value: true, how: 'reported', age: 0, events: each }]));
-      standing.takeValues(bytes({ version: 1, board: 'desk', session, seq, values }), 'desk', '', 0, stored);
+      standing.takeValues(each ? bytes({ version: 1, board: 'desk', session, seq, values }) : Buffer.alloc(0), 'desk', '', 0, stored);
       assert.deepEqual(standing.acts, acts, about);
     }
   }

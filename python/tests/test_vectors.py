@@ -159,6 +159,10 @@ class Properties(unittest.TestCase):
         for one in self.told["acts"]:
             standing = _properties.Standing()
             for each in one["documents"]:
+                if each is None:
+                    self.assertTrue(standing.take_values({}, "desk", "", 0))
+                    self.assertEqual(standing.acts, [], one["about"])
+                    continue
                 values = {id: {"value": True, "how": "reported", "age": 0, "events": events} for id, events in each["events"].items()}
                 standing.take_values({"version": 1, "board": "desk", "session": each["session"], "seq": each["seq"], "values": values}, "desk", "", 0, each.get("stored", False))
                 self.assertEqual([[*act] for act in standing.acts], each["acts"], one["about"])

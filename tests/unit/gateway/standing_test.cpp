@@ -288,6 +288,12 @@ TEST(StandingOfAButton, EachEventIsTakenOnce_AndNoneOfAnEarlierTime) {
     EXPECT_THAT(acts(button(2, R"([[8,"press"]])")), testing::IsEmpty()) << "an older document";
     EXPECT_THAT(acts(button(1, R"([[1,"press"]])", "s2")), testing::ElementsAre(kPress))
         << "numbers begin anew";
+    EXPECT_THAT(acts(""), testing::IsEmpty());
+    EXPECT_THAT(acts(button(2, R"([[1,"press"]])", "s2")), testing::IsEmpty()) << "it was cleared meanwhile";
+    standing.reading();
+    standing.complete([](const std::string&) { return true; });
+    EXPECT_THAT(acts(button(3, R"([[1,"press"],[2,"hold"]])", "s2")), testing::ElementsAre(kHold))
+        << "the broker came back without it";
 }
 
 }  // namespace

@@ -49,13 +49,14 @@ TEST(StandingVectors, WhatIsToldOfButtons_IsWhatTheFileSays) {
     for (const auto& each : vectors("acts")) {
         Standing standing;
         for (const auto& one : each.at("documents")) {
-            const auto change =
-                standing.take_values("desk", document(one.at("session"), one.at("seq"), one.at("events")), "",
-                                     Time(), one.value("stored", false));
+            const auto text =
+                one.is_null() ? std::string() : document(one.at("session"), one.at("seq"), one.at("events"));
+            const bool stored = !one.is_null() && one.value("stored", false);
+            const auto change = standing.take_values("desk", text, "", Time(), stored);
             auto acts = json::array();
             for (const auto& [id, act] : change.acts)
                 acts.push_back({id, property::to_text(act)});
-            EXPECT_EQ(acts, one.at("acts")) << each.at("about");
+            EXPECT_EQ(acts, one.is_null() ? json::array() : one.at("acts")) << each.at("about");
         }
     }
 }
