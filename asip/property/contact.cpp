@@ -42,7 +42,7 @@ bool is_contact(const Property& property) {
 }
 
 bool is_reported(const Property& property) {
-    return property.read && !property.read->sum && !is_contact(property);
+    return property.read && !property.read->sum && !property.floating && !is_contact(property);
 }
 
 bool Contact::heard(double level, std::optional<double> known, Time now) {

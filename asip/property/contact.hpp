@@ -34,7 +34,7 @@ bool is_contact(const Property& property);
 bool is_button(const Property& property);
 
 /// Whether a report of a service is all that its value takes: what is counted together, set, or behind a
-/// contact is known by the board's agent alone.
+/// contact is known by the board's agent alone, and of a pin that floats nothing is.
 bool is_reported(const Property& property);
 
 /// A level behind a contact that bounces: a new one is taken at once, and what comes until the contact was

@@ -16,7 +16,7 @@ constexpr std::size_t kMaxHeard = 1024;
 constexpr const char* kPinEvents[] = {"digital", "analog"};
 
 bool is_read_or_set_alike(const Property& a, const Property& b) {
-    return a.read == b.read && a.write == b.write && a.color == b.color;
+    return a.read == b.read && a.write == b.write && a.color == b.color && a.floating == b.floating;
 }
 
 std::string level_key(std::string_view io, int pin) {
@@ -67,7 +67,7 @@ void KnownValues::use(std::vector<Property> properties, Time now) {
             if (known) raw = std::move(raws_[old]);
             if (known && properties_[old].meaning != property.meaning) raw.contact.let_go();
         }
-        if (known || !property.read) continue;
+        if (known || !property.read || property.floating) continue;
         const auto heard = pins_.find(property.read->service + property.read->pointer);
         if (heard != pins_.end())
             take(property, raw, heard->second.value, How::kReported, heard->second.when);
@@ -113,7 +113,7 @@ bool KnownValues::reported(std::string_view service, const json& published, How 
     bool changed = false;
     for (std::size_t i = 0; i < properties_.size(); ++i) {
         const auto& property = properties_[i];
-        if (!property.read || property.read->service != service) continue;
+        if (!property.read || property.floating || property.read->service != service) continue;
         if (const auto* raw = raw_in(*property.read, published))
             changed = (is_contact(property) ? take_contact(property, raws_[i], *raw, how, now)
                                             : take(property, raws_[i], *raw, how, now)) ||

@@ -25,14 +25,16 @@ std::optional<int> channel_of(const model::PinsInfo& pins, std::size_t pin) {
     return std::nullopt;
 }
 
+bool is_input(PinMode mode) {
+    return protocol::is_digital_input(mode) || mode == PinMode::kAnalog;
+}
+
 /// The mode in which a pin is used; nothing: for nothing.
 std::optional<PinMode> use_of(std::optional<model::ClassUse> use, std::optional<PinMode> commanded) {
     if (!use) return commanded;
     if (*use == model::ClassUse::kNumber) return commanded.value_or(PinMode::kAnalog);
     if (*use == model::ClassUse::kInput) {
-        const bool fits =
-            commanded && (protocol::is_digital_input(*commanded) || commanded == PinMode::kAnalog);
-        return fits ? *commanded : PinMode::kInputPullup;
+        return commanded && is_input(*commanded) ? *commanded : PinMode::kInputPullup;
     }
     return commanded == PinMode::kPwm ? PinMode::kPwm : PinMode::kOutput;
 }
@@ -54,8 +56,10 @@ class PinProperty {
                                    : protocol::pin_mode_from_number(mode->second);
         const auto use = use_of(model::use_of_class(klass), commanded);
         if (!use || !make_of(*use, klass == "light")) return std::nullopt;
-        const bool has_mode = at(description_.pins.modes, pin_, '-') - '0' == static_cast<int>(*use);
-        if (property_.write && !has_mode)
+        const auto present = protocol::pin_mode_from_number(at(description_.pins.modes, pin_, '0') - '0');
+        property_.floating =
+            property_.read && !is_input(commanded.value_or(present.value_or(PinMode::kInvalid)));
+        if (property_.write && present != *use)
             property_.before = Call{io_.name, "mode", {number(), static_cast<double>(*use)}};
         if (property_.write && commanded && *commanded != *use)
             property_.refused = "a command made pin " + std::to_string(pin_) + " " +

@@ -78,6 +78,8 @@ struct Property {
     std::vector<Setter> setters;
     std::string refused;  ///< why it cannot be set now, in a sentence; empty: it can, if settable()
     model::Meaning meaning;
+    /// Its meaning makes the pin an input, and no mode does: nothing holds its level, which tells nothing.
+    bool floating = false;
     bool advanced = false;  ///< hidden at first: it moves something, or few people need it
 
     bool settable() const { return write.has_value() || color.has_value(); }

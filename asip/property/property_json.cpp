@@ -177,6 +177,7 @@ json to_json(const Property& property, Members members) {
     put_call(object, "color", property.color);
     put_call(object, "before", property.before);
     put_text(object, "refused", property.refused);
+    if (property.floating) object["floating"] = true;
     if (property.advanced) object["advanced"] = true;
     if (property.meaning != model::Meaning()) object["meaning"] = model::to_json(property.meaning);
     return object;
@@ -209,6 +210,7 @@ Property read_property(JsonReader& reader) {
     }
     if (!property.read && !property.settable()) reader.fault("read", "is missing, and so is write");
     property.refused = read_word(reader, "refused");
+    property.floating = reader.flag("floating");
     property.advanced = reader.flag("advanced");
     if (auto meaning = reader.object("meaning")) property.meaning = model::read_meaning(*meaning);
     return property;

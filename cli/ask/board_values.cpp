@@ -50,7 +50,8 @@ void BoardValues::use(std::vector<property::Property> properties) {
     for (auto& each : properties) {
         if (!bus::matches_pattern(services_, each.service) || each.kind == property::Kind::kButton) continue;
         const auto* service = description_.service(each.service);
-        will_report_.push_back(each.read && service != nullptr && reports(description_, *service));
+        will_report_.push_back(each.read && !each.floating && service != nullptr &&
+                               reports(description_, *service));
         properties_.push_back(std::move(each));
     }
     known_.assign(properties_.size(), {});

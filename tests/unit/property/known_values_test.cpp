@@ -102,6 +102,32 @@ TEST_F(KnownValuesTest, NewInputWithoutAnEvent_IsLow) {
     EXPECT_EQ(value("io/2"), true) << "with a pull-up low means on";
 }
 
+/// A port says the levels of all its pins at once; those that are no inputs are low there.
+TEST_F(KnownValuesTest, PinThatFloats_HasNoValueUntilItIsAnInput) {
+    for (const auto* klass : {"button", "door", "motion"}) {
+        auto board = board_with({"io"});
+        board.labels.modes[3] = 2;
+        board.labels.meanings["io/2"].klass = klass;
+        use(board);
+        known_.reported("io", {{"digital", {{"2", 0}, {"3", 1}}}}, How::kReported, now_);
+        EXPECT_EQ(of("io/2").how, How::kNone) << klass;
+        EXPECT_EQ(value("io/3"), false);
+        known_.input_begins("io", 2);
+        known_.reported("io", {{"digital", {{"2", 1}, {"3", 1}}}}, How::kReported, now_);
+        EXPECT_EQ(of("io/2").how, How::kNone) << "the board did not confirm the mode yet";
+        board.labels.modes[2] = 2;
+        use(board);
+        EXPECT_FALSE(known_.input_began("io", 2, now_));
+        EXPECT_EQ(value("io/2"), false) << "released";
+        known_.reported("io", {{"digital", {{"2", 0}}}}, How::kReported, now_);
+        EXPECT_EQ(value("io/2"), true);
+        board.labels.modes[2] = 3;
+        use(board);
+        EXPECT_EQ(of("io/2").how, How::kNone) << "an output";
+        known_ = KnownValues();
+    }
+}
+
 TEST_F(KnownValuesTest, AnotherMeaning_ShowsTheSameLevelAnew) {
     auto board = board_with({"io"});
     board.labels.modes = {{2, 1}};

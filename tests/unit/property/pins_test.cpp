@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a pin is: by its meaning, else by the last mode that a command set.
+#include "asip/property/contact.hpp"
 #include "asip/property/value.hpp"
 #include "tests/unit/property/boards.hpp"
 
@@ -70,6 +71,22 @@ TEST(PinProperty, ClassOfANumber_IsReadAlsoBeforeAnyMode) {
     EXPECT_FALSE(property(all, "io/14").advanced);
     board.labels.modes[7] = 5;
     EXPECT_THAT(ids(properties(board)), ElementsAre("io/7", "io/14")) << "a level is set, too";
+}
+
+TEST(PinProperty, ClassOfAnInputWithoutAMode_Floats) {
+    auto board = board_with({"io"});
+    for (const auto* id : {"io/2", "io/3", "io/4", "io/5", "io/6", "io/14"})
+        board.labels.meanings[id] = of_class("motion");
+    board.labels.modes = {{3, 2}, {4, 3}, {14, 4}};
+    board.pins.modes[5] = '1';
+    board.pins.modes[6] = '3';
+    const auto all = properties(board);
+    for (const auto* id : {"io/2", "io/4", "io/6"}) {
+        EXPECT_TRUE(property(all, id).floating) << id;
+        EXPECT_FALSE(is_reported(property(all, id))) << id;
+    }
+    for (const auto* id : {"io/3", "io/5", "io/14"})
+        EXPECT_FALSE(property(all, id).floating) << id;
 }
 
 TEST(PinProperty, AnalogValue_GoesAlongItsLine) {
