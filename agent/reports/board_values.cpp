@@ -115,7 +115,8 @@ std::vector<std::string> BoardValues::lines_to_learn(const model::Labels& labels
     return lines;
 }
 
-void BoardValues::describe(const model::Description& description, Time now) {
+void BoardValues::describe(model::Description description, Time now) {
+    description.board = board_.name;  // sentences name it
     auto properties = property::properties_of(description, [this](const model::ServiceInfo& service) {
         const auto* entry = board_.services.find(std::string_view(service.name));
         return entry == nullptr ? nullptr : entry->model;

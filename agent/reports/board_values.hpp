@@ -62,7 +62,7 @@ class BoardValues {
 
     // --- what is told
     /// The description is this one now.
-    void describe(const model::Description& description, Time now);
+    void describe(model::Description description, Time now);
     void connected(Time now);
     /// Somebody empties what the broker keeps of this board, a topic at a time: all of it is told again a
     /// second later.

@@ -141,6 +141,15 @@ TEST_F(ValuesOfBoard, Meaning_IsKeptAndShownAnew) {
     EXPECT_EQ(last("answers")["answer"]["meanings"]["io/2"]["class"], "door");
 }
 
+TEST_F(ValuesOfBoard, CommandThatContradictsAMeaning_IsSaidWithTheCommandThatEndsIt) {
+    bench.ask("asip/uno1/in", {{"meanings", {{"io/3", {{"class", "plug"}}}}}});
+    bench.labels_kept();
+    bench.ask("asip/uno1/io/in", {{"mode", {3, 2}}}, "2");
+    bench.pass(1s);
+    const auto list = last("asip/servicebus/uno1/$properties")["properties"];
+    EXPECT_THAT(list.back()["refused"].get<std::string>(), testing::EndsWith(": asipctl pin uno1 3 output"));
+}
+
 TEST_F(ValuesOfBoard, ClassThatIsNone_IsRefusedWithTheNearest) {
     auto answer = bench.ask("asip/uno1/in", {{"meanings", {{"io/2", {{"class", "dor"}}}}}});
     EXPECT_EQ(answer["status"], "refused");
