@@ -1,59 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/truth/values/history.hpp"
 
-#include <map>
-#include <optional>
 #include <random>
 
-#include "tests/unit/agent/bridge_bench.hpp"
-#include "tests/unit/gateway/api_bench.hpp"
+#include "tests/truth/values/world.hpp"
 
 namespace truth::values {
 namespace {
 
-using namespace asip;
 using namespace std::chrono_literals;
 using nlohmann::json;
 
 constexpr unsigned kSteps = 24;
-constexpr const char* kServo = "servo/0/angle";
-constexpr const char* kLamp = "io/3";
-constexpr const char* kDistance = "distance/0";
-constexpr const char* kReply = "asip/reply/ann/uno1/c1";
 
-/// A gateway that came at some time: what the broker kept is the first that it hears.
-struct Gateway final : gateway::ApiTest {
-    explicit Gateway(const std::map<std::string, std::string>& retained) {
-        for (const auto& [topic, payload] : retained)
-            take(topic, payload, true);
-    }
-    void TestBody() override {}
-    void take(const std::string& topic, const std::string& payload, bool stored = false) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = payload;
-        message.retain = stored;
-        gateway_->message(message);
-    }
-    using ApiTest::pass;
-    json values() { return get("/api/boards/uno1/values")->body().value("values", json::object()); }
-};
-
-/// What is so: by the lines that the board executed.
-struct Truth {
-    std::optional<json> value;  ///< none: since the board's last start nothing set it
-    bool proven = false;        ///< its last command was answered: every view must know it
-    std::vector<json> all{};    ///< all that it ever was, in order
-    std::size_t seen = 0;       ///< up to where a view has shown them
-};
-
-class History {
+class History final : World {
   public:
-    History(std::uint64_t seed, bool traced) : random_(seed), traced_(traced) {
-        bench_.board.verified_fences = true;
-        bench_.go_online();
-        carry();
-        gateway_.emplace(retained_);
+    History(std::uint64_t seed, bool traced) : World(seed, traced), random_(seed) {
         command("io", {{"mode", {3, 3}}});
     }
 
@@ -83,16 +45,9 @@ class History {
 
   private:
     unsigned below(unsigned n) { return static_cast<unsigned>(random_() % n); }
-    void note(const std::string& text) {
-        if (traced_)
-            end_.trace.push_back(std::to_string(bench_.now.time_since_epoch() / 1ms) + " ms  " + text);
-    }
-    void fail(const std::string& why) {
-        if (end_.failure.empty()) end_.failure = why;
-    }
 
     void one_step() {
-        switch (below(14)) {
+        switch (below(15)) {
             case 0:
             case 1:
             case 2:
@@ -114,23 +69,13 @@ class History {
             case 11:
                 return restart_broker();
             case 12:
+                note("another gateway and registry");
                 return late_joiner();
+            case 13:
+                return clash();
             default:
                 return pass(std::chrono::milliseconds(below(3000)));
         }
-    }
-
-    // --- what happens
-
-    /// As a program on the bus, that waits for the answer.
-    bool command(const std::string& service, const json& request) {
-        auto answer = bench_.ask("asip/uno1/" + service + "/in", request, std::to_string(++number_));
-        if (!answer.is_object()) answer = json::object();
-        const bool ok =
-            answer.value("status", "") == "ok" && answer.value("id", "") == std::to_string(number_);
-        note(service + " " + request.dump() + ": " + answer.value("status", "no answer"));
-        carry();
-        return ok;
     }
 
     void send(const std::string& service, const json& request, const std::string& line,
@@ -214,8 +159,7 @@ class History {
 
     void restart_broker() {
         note("broker restarts, empty");
-        bench_.bridge.bus_disconnected();
-        retained_.clear();
+        broker_is_lost();
         if (below(2) == 0) set_servo();
         pass(std::chrono::milliseconds(below(3000)));
         bench_.connect();
@@ -223,131 +167,18 @@ class History {
         late_joiner();
     }
 
-    void late_joiner() {
-        note("another gateway");
-        gateway_.emplace(retained_);
-    }
-
-    void read() {
-        ++end_.reads;
-        bench_.hear("asip/servicebus/uno1/$demand/ann/c1",
-                    json{{"services", {{"*", 0}}}, {"reply_to", kReply}, {"id", "7"}, {"list", true}}.dump());
-        carry();
-        if (below(4) == 0) gateway_->values();
-    }
-
-    void pass(std::chrono::milliseconds time) {
-        bench_.pass(time);
-        gateway_->pass(time);
-        carry();
-    }
-
-    void wait_for_board() {
-        for (int i = 0; i < 120; ++i) {
-            pass(500ms);
-            if (bench_.bridge.session().accepts_requests()) return;
-        }
-        fail("the board does not come back");
-    }
-
-    // --- what is so
-
-    void set(const std::string& id, json value) {
-        auto& truth = truth_[id];
-        truth.value = value;
-        truth.all.push_back(std::move(value));
-    }
-
-    void begin_anew() {
-        for (auto& [id, truth] : truth_) {
-            truth.value.reset();
-            truth.proven = false;
-        }
-    }
-
-    void take_executed() {
-        const auto& lines = bench_.board.executed;
-        for (; taken_ < lines.size(); ++taken_) {
-            int a = 0, b = 0;
-            const auto& line = lines[taken_];
-            if (std::sscanf(line.c_str(), "S,W,%d,%d", &a, &b) == 2 && a == 0)
-                set(kServo, b);
-            else if (std::sscanf(line.c_str(), "I,d,%d,%d", &a, &b) == 2 && a == 3)
-                set(kLamp, b != 0);
-            else if (std::sscanf(line.c_str(), "I,P,%d,%d", &a, &b) == 2 && a == 3)
-                truth_[kLamp].value.reset();  // a mode ends the level
-        }
-    }
-
-    /// What was published goes to the broker, and from there to the gateway.
-    void carry() {
-        take_executed();
-        for (const auto& [message, priority] : bench_.published) {
-            if (message.topic == kReply) answered_ = json::parse(message.payload)["answer"]["values"];
-            if (message.topic == "asip/uno1/$values") told(json::parse(message.payload)["values"]);
-            if (message.retain) {
-                if (message.payload.empty())
-                    retained_.erase(message.topic);
-                else
-                    retained_[message.topic] = message.payload;
-            }
-            if (gateway_) gateway_->take(message.topic, message.payload);
-        }
-        bench_.published.clear();
-    }
-
-    // --- what is looked at
-
-    /// No view goes back to an older value.
-    void told(const json& values) {
-        const auto found = values.find(kServo);
-        if (found == values.end() || !found->contains("value")) return;
-        auto& truth = truth_[kServo];
-        auto at = truth.seen;
-        while (at < truth.all.size() && truth.all[at] != (*found)["value"])
-            ++at;
-        if (at == truth.all.size())
-            fail("the servo goes back to, or never was at, " + (*found)["value"].dump());
-        else
-            truth.seen = at;
-    }
-
-    void judge(const std::string& view, const json& values) {
-        for (const std::string id : {kServo, kLamp, kDistance}) {
-            const auto& truth = truth_[id];
-            const auto found = values.find(id);
-            const bool known = found != values.end() && found->contains("value");
-            ++end_.looks;
-            end_.known += known ? 1 : 0;
-            const auto shown = known ? (*found)["value"].dump() : std::string("unknown");
-            const auto is = truth.value ? truth.value->dump() : std::string("not known to anybody");
-            if (known ? (!truth.value || (*found)["value"] != *truth.value)
-                      : truth.proven && truth.value.has_value())
-                fail(view + " says that " + id + " is " + shown + ", and it is " + is);
-        }
-    }
-
-    void look() {
-        if (!end_.failure.empty()) return;
-        pass(1100ms);  // numbers that flow are told once a second
-        read();
-        judge("the agent", answered_);
-        const auto stored = retained_.find("asip/uno1/$values");
-        if (stored == retained_.end()) return fail("the broker has no values");
-        judge("the broker", json::parse(stored->second)["values"]);
-        judge("the gateway", gateway_->values());
+    /// A command makes the lamp's pin an input, and people say that it is a plug: nobody sets it then.
+    void clash() {
+        label({{kLamp, {{"class", "plug"}}}});
+        if (!command("io", {{"mode", {3, 2}}})) return;
+        if (below(2) == 0) late_joiner();
+        judge_clash(true);
+        if (!command("io", {{"mode", {3, 3}}})) return;
+        judge_clash(false);
+        label({{kLamp, nullptr}});
     }
 
     std::mt19937_64 random_;
-    const bool traced_;
-    agent::BridgeBench bench_;
-    std::optional<Gateway> gateway_;
-    std::map<std::string, std::string> retained_;
-    std::map<std::string, Truth> truth_;
-    json answered_ = json::object();
-    std::size_t taken_ = 0;
-    unsigned number_ = 0;
-    End end_;
 };
 
 }  // namespace

@@ -5,8 +5,11 @@
 #include <vector>
 
 /// Random histories of how a board stands: commands of several programs, levels and distances, restarts of
-/// the board, broker and gateway, lost lines and readers, in simulated time. A real agent and a real gateway
-/// stand between a scripted board and what is asked; each view is compared with what the board did.
+/// the board, broker and gateway, lost lines and readers, and commands that contradict a meaning, in
+/// simulated time. A real agent, gateway, registry and export stand between a scripted board and what is
+/// asked, and each view is compared with what the board did: the agent's answer and what asipctl prints of
+/// it, $values, the gateway's HTTP, the state topics of Home Assistant, Homie and the Web of Things or the
+/// metrics of Sparkplug (each history has another one), and the list that is made of the registry's answer.
 /// What single tests show of it. The rules of docs/service-bus.md, "Properties and their values":
 ///  reading changes nothing                   ValuesOfBoard.Asked_TheBoardIsSentNothing,
 ///                                            RealBoardTest.NoReading_SwitchesALampOff; run_lamp() here
@@ -21,13 +24,17 @@
 ///                                            KnownValuesTest.ModeOfAPin_EndsWhatWasWritten
 ///  a board that is away, and is back
 ///                              ValuesOfBoard.BoardAway_LastValuesStayAndAreUnknownAfterTheReturn
+///  a pin that nothing holds has no value     PinProperty.ClassOfAnInputWithoutAMode_Floats,
+///                                            KnownValuesTest.PinThatFloats_HasNoValueUntilItIsAnInput
+///  an event of a button is told once         StandingVectors.WhatIsToldOfButtons_IsWhatTheFileSays
 ///  buttons and doors do not bounce           ContactTest, Button.Contact_BouncesUnlessItIsSteady,
 ///                                            RealBoardTest.ButtonThatBounces_IsOnePressAndOneRelease
 ///  a contradicting command refuses writes
 ///                              PinProperty.CommandThatContradictsTheMeaning_RefusesTheWriteAndSaysWhy,
 ///                              StandingTest.PutOfAValueThatIsRefused_SaysWhyAndSendsNothing,
 ///                              ExporterTest.CommandThatThePropertyRefuses_IsTheLastErrorAndNotSent,
-///                              SparkplugNodeTest.CommandThatThePropertyRefuses_IsAnsweredAndNotSent
+///                              SparkplugNodeTest.CommandThatThePropertyRefuses_IsAnsweredAndNotSent,
+///                              and the histories here
 /// What a user saw before there were properties:
 ///  1 reading switches a lamp off             as above
 ///  2 the same from Python, and toggle        test_reading_sets_nothing_whatever_the_pin_is,
