@@ -52,10 +52,6 @@ class Boxes(Bus):
         self.end(f"agent-{port}")
         self.end(f"sim-{port}")
 
-    def asipctl(self, *words, limit=120):
-        return subprocess.run([str(BIN / "asipctl"), *words], capture_output=True, text=True, timeout=limit, check=False,
-                              env={**os.environ, "ASIP_BROKER": f"127.0.0.1:{self.broker_port}"})
-
     def is_without_asip(self, board):
         found = self.get("/api/boards")["items"]
         return any(each["board"] == board and each["state"] == "lost" and each["reason"] == "silent" for each in found)

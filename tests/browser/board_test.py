@@ -3,6 +3,7 @@
 
 import contextlib
 import json
+import re
 import threading
 import time
 import unittest
@@ -129,15 +130,45 @@ class BoardPage(PageTest):
         eventually(lambda: heads() == ["Values", "Controls"], "values before servos")
         self.assertEqual(height(".title-row button.stop"), height("header button.stop"))
 
-    def test_PinMap_ShowsWhatIsInUse_AndNoWordOfTheWireStandsOutsideAdvanced(self):
+    def test_PinMap_ShowsWhatIsInUse(self):
         self.open("board/desk")
         pins = lambda: [each.find_element(By.CLASS_NAME, "pin-name").get_property("textContent") for each in self.browser.find(".pin") if each.is_displayed()]
         eventually(lambda: set(pins()) >= {"Pin 7", "Pin 9"} and "Pin 0" not in pins() and "Pin A3" not in pins(), "pins in use")
-        words = self.browser.text("asip-board").split()
-        for wire in ("io", "loopback", "complete", "[0,"):
-            self.assertNotIn(wire, words)
         self.browser.button("All 20 pins").click()
         eventually(lambda: len(pins()) == 20, "all pins")
+
+    def test_NoWordOfTheWire_StandsOutsideAdvanced(self):
+        send = lambda *words: self.bus.asipctl("send", *words)
+        send("desk/io", "mode", "13", "3")
+        send("desk/servo", "write", "7", "90")
+        self.bus.post("/api/boards/desk/raw", {"lines": ["I,d,13,1"]})
+        self.bus.post("/api/boards/desk/services/io/commands/mode", [13, 0])
+        wire = re.compile(r"\b(io|loopback|complete|[A-Z]+_[A-Z_]+)\b|\b[A-Z],\w|[\[{]\S|\bmode \d|\blatched\b")
+        for route, there in (("", "Pins, Distance"), ("board/desk", "Servo 0 angle"), ("history", "Set the mode of pin 13: unallocated"), ("dashboards", "Dashboards")):
+            self.open(route, anew=True)
+            eventually(lambda: there in self.browser.text(), f"{route}: {there}", 40)  # noqa: B023
+            shown = self.browser.run("""const words = [document.querySelector("main").innerText];
+                for (const each of document.querySelectorAll("main select")) words.push(...[...each.options].map((option) => option.text));
+                return words.join("\\n");""")
+            self.assertIsNone(wire.search(shown), f"{route}: {wire.search(shown)} in {shown}")
+        self.open("history", anew=True)
+        for told in ("Set the mode of pin 13: output", "Turn servo 7: 90°, invalid device number", "Set the level: pin 13, high"):
+            eventually(lambda: told in self.browser.text(), told)  # noqa: B023
+
+    def test_AnalogInputThatNothingSaysIsConnected_IsNoValue(self):
+        self.bus.asipctl("send", "lamp/io", "mode", "14", "analog")
+        self.addCleanup(self.bus.asipctl, "send", "lamp/io", "mode", "14", "input")
+        self.addCleanup(self.bus.post, "/api/boards/lamp/labels", {"names": {"pins": {"14": None}}})
+        stands = lambda: self.bus.get("/api/boards/lamp/values")["values"].get("io/14", {}).get("value")
+        eventually(lambda: stands() is not None, "the board reports it")
+        self.open("?value=io", anew=True)
+        self.open("board/lamp")
+        pin = lambda: self.browser.shown(".pin[title^='Pin A0']")
+        eventually(lambda: "free, analog" in pin().get_attribute("title"), "the pin is there")
+        self.assertEqual((pin().find_element(By.CLASS_NAME, "pin-text").text, self.browser.find(".values-box .number")), ("A in", []))
+        self.bus.post("/api/boards/lamp/labels", {"names": {"pins": {"14": "Soil"}}})
+        eventually(lambda: [each.text for each in self.browser.find(".values-box .number .muted")] == ["Soil"], "with a name it is a value")
+        eventually(lambda: pin().find_element(By.CLASS_NAME, "pin-text").text.isdigit(), "and on its pin")
 
     def test_MainButton_IsHoldToRunForMotorsAndSetForLampsAndServos(self):
         rover = {"board": "rover", "session": "5f3a9c01", "seq": 1, "lease": 600, "firmware": {"protocol": "0.4", "chip": "ATmega2560"},
@@ -181,7 +212,7 @@ class BoardPage(PageTest):
         form = self.browser.shown("form[aria-label='Names and labels']")
         field = lambda name: form.find_element(By.ID, next(label for label in form.find_elements(By.TAG_NAME, "label") if label.text.startswith(name)).get_attribute("for"))
         field("Name of this board").send_keys("left desk")
-        field("Name of servo").send_keys("arm")
+        field("Name of Servo").send_keys("arm")
         field("Labels").send_keys("room=lab, camera")
         form.find_element(By.CSS_SELECTOR, "button.main").click()
         eventually(lambda: "Kept" in form.text, "the agent's word")
@@ -213,7 +244,7 @@ class BoardPage(PageTest):
         eventually(lambda: self.browser.text("h1") == "left desk desk", "kept by the agent")
         self.browser.shown("asip-names summary").click()
         form = self.browser.shown("form[aria-label='Names and labels']")
-        for name in ("Name of this board", "Name of servo", "Labels"):
+        for name in ("Name of this board", "Name of Servo", "Labels"):
             self.browser.run("arguments[0].value = ''", field(name))
         form.find_element(By.CSS_SELECTOR, "button.main").click()
         eventually(lambda: self.browser.text("h1") == "desk", "the name is gone")

@@ -19,8 +19,7 @@ class Boards(PageTest):
         self.open()
         self.row_has("desk", "online")
         self.row_has("lamp", "online")
-        for service in ("io", "distance", "servo"):
-            self.assertIn(service, self.browser.table()["desk"])
+        self.assertIn("Pins, Distance, Servo", self.browser.table()["desk"])
         self.assertIn("2 boards", self.browser.text(".found"))
         self.assertEqual(self.browser.text("asip-link"), "live")
         self.browser.screenshot("boards")

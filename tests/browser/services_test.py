@@ -180,7 +180,7 @@ class Services(PageTest):
 
         def who_did_what():
             self.open("history")
-            return "this machine: servo" in eventually(lambda: self.browser.text("asip-history"), "the history")
+            return "this machine: Turn servo 0: 33°" in eventually(lambda: self.browser.text("asip-history"), "the history")
 
         eventually(who_did_what, "who moved the servo")
         self.browser.screenshot("history")

@@ -172,6 +172,15 @@ class Bus:
         with urllib.request.urlopen(self.url + path, timeout=30) as answer:
             return json.load(answer)
 
+    def post(self, path, body):
+        request = urllib.request.Request(self.url + path, json.dumps(body).encode(), {"Content-Type": "application/json"})
+        with urllib.request.urlopen(request, timeout=30) as answer:
+            return json.load(answer)
+
+    def asipctl(self, *words, limit=120):
+        return subprocess.run([str(program_path("asipctl")), *words], capture_output=True, text=True, timeout=limit, check=False,
+                              env={**os.environ, "ASIP_BROKER": f"127.0.0.1:{self.broker_port}"})
+
     def state(self, board):
         try:
             return self.get(f"/api/boards/{board}")["state"]

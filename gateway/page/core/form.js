@@ -158,7 +158,8 @@ export function answer_text(answer) {
 
 const sentence = (text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
 
-function words_of_error(error) { return String(error ?? "unknown").toLowerCase().replaceAll("_", " "); }
+/// "invalid device number" for INVALID_DEVICE_NUMBER.
+export function words_of_error(error) { return String(error ?? "unknown").toLowerCase().replaceAll("_", " "); }
 
 function value_text(answer) {
   return Object.values(answer ?? {}).map((value) => JSON.stringify(value)).join(" ").replace(/[{}"[\]]/g, " ")

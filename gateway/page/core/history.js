@@ -1,36 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened, in words; searched, and equal rows folded.
-import { reason_text, time_of } from "./text.js";
+import { asked_text } from "./asked.js";
+import { reason_text, time_of, words } from "./text.js";
 
-const nobody = { loopback: "this machine" };
+const programs = { loopback: "this machine", "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug", "web-of-things": "Web of Things" };
+const ends = { ok: "done", timeout: "no answer" };
 const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };
 const happenings = { added: "first seen", state: "", description: "description changed", conflict: "two agents use the name", resolved: "conflict over", forgotten: "forgotten" };
 
-/// A change or command of the API as a row: {board, at, until, state, status, text, times}. `until`: of the oldest of equal ones.
-export function row_of(item) {
+/// A change or command of the API as a row: {board, at, until, state, status, text, raw, times}. `until`: of the oldest of equal ones;
+/// `raw`: as it was asked, for the search. `models` of services, by name.
+export function row_of(item, models = new Map()) {
   const at = time_of(item.at);
-  const row = { board: item.board, at, until: at, state: item.by ? "" : item.state ?? "", status: item.by ? item.status ?? "" : "", times: item.by ? item.count ?? 1 : 1 };
-  row.text = item.by
-    ? [[`${nobody[item.by] ?? item.by}:`, commands[item.what] ?? item.what, item.service, asked_text(item.request)].filter(Boolean).join(" "), item.reason].filter(Boolean).join(", ")
-    : [happenings[item.what] ?? item.what, item.was && `was ${item.was}`, reason_text(item.reason)].filter(Boolean).join(", ");
-  return row;
-}
-
-/// {"write":[0,90]} is "write 0, 90"; what is long and for the agent is named only.
-function asked_text(request) {
-  try {
-    const [[name, args]] = Object.entries(JSON.parse(request)); // throws where it is no object
-    if (["labels", "names", "meanings"].includes(name)) return "names and labels";
-    const values = args !== null && typeof args === "object" ? Object.entries(args).map(([key, value]) => (Array.isArray(args) ? value : `${key} ${value}`)) : args === true || args === null ? [] : [args];
-    return [name, values.map((each) => (typeof each === "object" ? "…" : each)).join(", ")].filter((each) => each !== "").join(" ");
-  } catch {
-    return request; // a raw line, or cut
+  const row = { board: item.board, at, until: at, state: item.by ? "" : item.state ?? "", status: item.by ? ends[item.status] ?? item.status ?? "" : "", times: item.by ? item.count ?? 1 : 1, raw: "" };
+  if (item.by) {
+    const asked = item.request === undefined ? "" : asked_text(item.request, item.service, models);
+    row.raw = [item.by, item.service, item.request].filter(Boolean).join(" ");
+    row.text = [[`${programs[item.by] ?? item.by}:`, commands[item.what] ?? item.what, asked].filter(Boolean).join(" "), item.reason && words(item.reason).toLowerCase()].filter(Boolean).join(", ");
+  } else {
+    const was = item.was && item.was !== item.state && `was ${item.was}`;
+    row.text = [happenings[item.what] ?? item.what, was, reason_text(item.reason) || (item.was && !was && "resumed")].filter(Boolean).join(", ");
   }
+  return row;
 }
 
 /// Whether each of the words stands in it.
 export function fits(row, text) {
-  const all = `${row.board} ${row.state} ${row.status} ${row.text}`.toLowerCase();
+  const all = `${row.board} ${row.state} ${row.status} ${row.text} ${row.raw}`.toLowerCase();
   return text.toLowerCase().split(/\s+/).every((word) => all.includes(word));
 }
 
@@ -49,4 +45,4 @@ export function folded(rows) {
   return out;
 }
 
-const same = (a, b) => a.board === b.board && a.state === b.state && a.status === b.status && a.text === b.text;
+const same = (a, b) => a.board === b.board && a.state === b.state && a.status === b.status && a.text === b.text && a.raw === b.raw;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pins of a board as its description and its properties say.
-import { is_on, value_text } from "./properties.js";
+import { floats, is_on, value_text } from "./properties.js";
 
 export const mode_names = ["unallocated", "input", "input-pullup", "output", "analog", "pwm", "reserved", "other-service", "invalid"];
 export const kDigital = 1;
@@ -70,13 +70,13 @@ export class PinValues {
     this.properties = new Map(pins.map((property) => [Number(property.id.slice(3)), { property, ...values.get(property.id) }]));
   }
 
-  /// {mode, text, level, told}: level 0..1 for the light of the pin, undefined where nothing is known. `told`: the board does not
-  /// report it; it is what was set last.
+  /// {mode, text, level, told, floating}: level 0..1 for the light of the pin, undefined where nothing is known. `told`: the board does not
+  /// report it; it is what was set last. `floating`: the value says nothing.
   state_of(pin) {
     const mode = mode_names[pin.mode];
     const { property, value, how, events } = this.properties.get(pin.number) ?? {};
     if (value === undefined || value === null) return { mode, text: value_text(property, value), level: undefined, told: false };
     const level = typeof value === "number" ? value / (property.max ?? 1) : Number(is_on(value) ?? 0);
-    return { mode, text: value_text(property, value, events), level, told: how === "set" };
+    return { mode, text: value_text(property, value, events), level, told: how === "set", floating: floats(property) };
   }
 }

@@ -51,6 +51,9 @@ export function elements_of(properties) {
   return [...new Set(parts.filter((part) => /^\d+$/.test(part)).map(Number))].sort((a, b) => a - b);
 }
 
+/// An analog pin without a name and a class: nothing says that something is connected to it, so its value floats.
+export const floats = (property) => property?.service === "io" && property.kind === "sensor" && property.advanced === true;
+
 /// Whether something on the board moves: its stop and its controls come first.
 export const moves = (properties) => properties.some((each) => each.advanced && each.kind === "number" && each.service !== "io");
 

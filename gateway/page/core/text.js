@@ -65,3 +65,6 @@ export function time_of(value) {
   const ms = Date.parse(value ?? "");
   return Number.isNaN(ms) ? undefined : ms;
 }
+
+/// What a service is called where no person has named it.
+export const service_text = (name) => (name === "io" ? "Pins" : words(name));

@@ -2,7 +2,7 @@
 // The table of all boards.
 import { attention_of, filter_of, named, query_of } from "../core/attention.js";
 import { alive, states } from "../core/catalogue.js";
-import { duration_text, moment_text, plural, reason_text, state_text } from "../core/text.js";
+import { duration_text, moment_text, plural, reason_text, service_text, state_text } from "../core/text.js";
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
 import { boards, status } from "./model.js";
 import { load_firmware } from "./firmware.js";
@@ -174,14 +174,14 @@ class Boards extends Part {
     const key = JSON.stringify([kinds, labels]);
     if (key !== this.shown_kinds) {
       this.shown_kinds = key;
-      const fill = (select, first, names, chosen) => {
+      const fill = (select, first, names, chosen, text_of = service_text) => {
         const all = names.includes(chosen) || first.some(([value]) => value === chosen) ? names : [...names, chosen];
-        select.replaceChildren(...first.map(([value, text]) => h("option", { value }, text)), ...all.map((name) => h("option", { value: name }, name)));
+        select.replaceChildren(...first.map(([value, text]) => h("option", { value }, text)), ...all.map((name) => h("option", { value: name }, text_of(name))));
         select.value = chosen;
       };
       fill(this.kind, [["", "All services"]], kinds, filter.kind);
       fill(this.value, [["", "First value of each"], ["-", "No values"]], kinds, filter.value);
-      fill(this.group, [["", "Not grouped"]], labels, filter.group);
+      fill(this.group, [["", "Not grouped"]], labels, filter.group, (key) => key);
       this.group.hidden = labels.length === 0 && filter.group === "";
     }
     const counts = catalogue.counts();
@@ -259,7 +259,7 @@ class Boards extends Part {
     const why = reason_text(board.reason);
     since.title = [board.since === undefined ? state_text(board.state) : `${state_text(board.state)} since ${moment_text(board.since, now)}`, why].filter(Boolean).join(": ");
     state.title = why;
-    const text = board.services.join("  ");
+    const text = board.services.map(service_text).join(", ");
     set_text(services, text);
     services.title = text;
     set_text(chip, [board.chip, board.sketch].filter(Boolean).join(", "));

@@ -1,10 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened to one board, or on the whole bus.
+import { model_name } from "../core/asked.js";
 import { fits, folded, row_of } from "../core/history.js";
 import { moment_text } from "../core/text.js";
-import { request } from "../net/bus.js";
+import { path_of, request } from "../net/bus.js";
 import { h, Part, set_text, state_mark } from "./dom.js";
 import { boards } from "./model.js";
+
+const models = new Map(); // by name
+let model_names;
+
+/// Those that the services of these rows are described by: what was asked is told in their words.
+async function load_models(items) {
+  if (!items.some((each) => each.request !== undefined)) return models;
+  model_names ??= request("api/models").then(({ items: all }) => all, () => (model_names = undefined));
+  const all = await model_names ?? [];
+  const names = all.map((each) => each.name);
+  const wanted = new Set(items.filter((each) => each.request).map((each) => (each.service ? model_name(each.service, names) : all.find(({ id }) => id === each.request.split(",")[0])?.name)));
+  await Promise.all([...wanted].filter((name) => name && !models.has(name)).map(async (name) => {
+    const model = await request(path_of("models", name)).catch(() => undefined);
+    if (model) models.set(name, model);
+  }));
+  return models;
+}
 
 const kPage = 50;
 const kSearched = 1000; // a page of the search
@@ -53,9 +71,10 @@ class History extends Part {
     try {
       do {
         const answer = await request(`${this.path}?limit=${text ? kSearched : kPage}${cursor ? `&cursor=${encodeURIComponent(cursor)}` : ""}`);
+        const known = await load_models(answer.items);
         if (turn !== this.turn) return; // something else is looked for by now
         searched += answer.items.length;
-        const found = answer.items.map(row_of);
+        const found = answer.items.map((item) => row_of(item, known));
         rows.push(...(text ? found.filter((row) => fits(row, text)) : found));
         cursor = answer.cursor;
       } while (text && cursor && rows.length < wanted && searched < kSearched * kSearchedPages);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What people call a board, its services and its pins, and its labels. The board's agent keeps them.
 import { changed_labels, changed_names, labels_text } from "../core/labels.js";
-import { words } from "../core/text.js";
+import { service_text, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
 import { status } from "./model.js";
@@ -59,7 +59,7 @@ class Names extends Part {
     this.own = field("Name of this board", labels.name ?? "", { maxlength: 63, placeholder: this.board_name });
     const services = description?.services ?? [];
     this.services = new Map(services.map((service) => [service.name,
-      field(`Name of ${service.name}`, names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.title ?? words(service.name) })]));
+      field(`Name of ${service_text(service.name)}`, names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.name === "io" ? "Pins" : service.title ?? words(service.name) })]));
     this.labels = field("Labels, with commas or blanks between them", labels_text(labels), { placeholder: "room=lab, shelf=2" });
   }
 

@@ -78,10 +78,11 @@ class Pins extends Part {
   }
 
   draw() {
-    for (const { pin, button, light, text, more } of this.cells.values()) {
-      const { mode, text: value, level, told } = this.values.state_of(pin);
+    for (const { pin, button, light, text: said, more } of this.cells.values()) {
+      const { mode, text, level: known, told, floating } = this.values.state_of(pin);
+      const [value, level] = floating ? ["", undefined] : [text, known];
       const taken = pin.owner !== "";
-      set_text(text, taken ? pin.owner : value || short[mode] || "");
+      set_text(said, taken ? pin.owner : value || short[mode] || "");
       const idle = pin.number !== this.opened && (pin.owner === "system" || (!taken && !pin.name && !this.values.properties.has(pin.number)));
       set_class(button, `pin${taken ? " taken" : ""}${idle ? " idle" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
       set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}${told ? " told" : ""}`);

@@ -3,7 +3,7 @@
 import { command_order } from "../core/form.js";
 import { parse_assignments } from "../core/labels.js";
 import { for_each_board, lists_of, many_text, result_of } from "../core/many.js";
-import { plural, words } from "../core/text.js";
+import { plural, service_text, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import "./command.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
@@ -96,13 +96,13 @@ class Selection extends Part {
 
   send_form() {
     const ids = [fresh_id("service"), fresh_id("command")];
-    const service = h("select", { id: ids[0], onchange: () => choose_service() }, this.services().map((name) => h("option", { value: name }, name)));
+    const service = h("select", { id: ids[0], onchange: () => choose_service() }, this.services().map((name) => h("option", { value: name }, service_text(name))));
     const command = h("select", { id: ids[1], onchange: () => choose_command() });
     const form = h("div", {});
     let model;
     const choose_command = () => {
       const ask = (args) => this.each(async (name) => {
-        if (!boards.catalogue.rows.get(name)?.services.includes(service.value)) return `has no ${service.value}`;
+        if (!boards.catalogue.rows.get(name)?.services.includes(service.value)) return `has no ${service_text(service.value)}`;
         await request(path_of("boards", name, "services", service.value, "commands", command.value), { method: "POST", body: args });
         return undefined;
       });

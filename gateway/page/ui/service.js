@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One service of a board: its live values with a plot, and forms for its commands, which stand where the board has its controls.
-import { command_order, place_of } from "../core/form.js";
-import { elements_of, is_simple, value_text } from "../core/properties.js";
+import { asked_text } from "../core/asked.js";
+import { command_order, place_of, words_of_error } from "../core/form.js";
+import { elements_of, floats, is_simple, value_text } from "../core/properties.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, plural, time_of, unit_text, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
@@ -176,7 +177,7 @@ class Service extends Part {
     this.standing = { properties, values };
     if (!this.loaded) return;
     const mine = properties.filter((each) => each.service === this.service.name);
-    this.show_list(mine.filter((each) => each.access === "read"));
+    this.show_list(mine.filter((each) => each.access === "read" && !floats(each)));
     for (const group of this.groups.values()) if (group.listed && group.numbers.some(({ key }) => changed.has(key))) this.says(group, values, changed);
     this.elements = elements_of(mine);
     this.show_set(mine.filter((each) => each.access !== "read" && each.kind !== "button"), values, changed);
@@ -274,8 +275,8 @@ class Service extends Part {
   board_error(message) {
     const error = message.value ?? message;
     this.on_value?.(error);
-    const text = (value) => shortened(typeof value === "string" ? value : JSON.stringify(value) ?? "");
-    set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${text(error.error ?? "unknown")} (${text(error.request)})`);
+    const asked = typeof error.request === "string" ? asked_text(error.request, this.service.name, new Map(this.model ? [[this.model.name, this.model]] : [])) : "";
+    set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${shortened(words_of_error(error.error))}${asked && ` (${shortened(asked)})`}`);
     this.show_card();
   }
 

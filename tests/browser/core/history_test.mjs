@@ -8,20 +8,19 @@ const command = (second, request, more = {}) => row_of({ board: "desk", at: at(s
 const state = (second, now, was, board = "desk") => row_of({ board, at: at(second), what: "state", state: now, was });
 
 test("a command is who, what and how it ended", () => {
-  const row = command(1, "write 0 90", { count: 3 });
-  assert.equal(row.text, "ann: servo write 0 90");
-  assert.equal(row.status, "ok");
+  const row = command(1, '{"write":[0,90]}', { count: 3, status: "timeout" });
+  assert.equal(row.text, "ann: Servo, write 0, 90");
+  assert.equal(row.status, "no answer");
   assert.equal(row.times, 3);
+  assert.equal(command(1, '{"write":[0,90]}', { by: "loopback", status: "error", reason: "INVALID_DEVICE_NUMBER" }).text, "this machine: Servo, write 0, 90, invalid device number");
+  assert.equal(command(1, undefined, { by: "home-assistant", what: "stop" }).text, "Home Assistant: stopped it");
 });
 
-test("what was asked is words, not the wire", () => {
-  const text = (request, by = "ann") => command(1, request, { by }).text;
-  assert.equal(text('{"write":[0,90]}', "loopback"), "this machine: servo write 0, 90");
-  assert.equal(text('{"stop-all":true}'), "ann: servo stop-all");
-  assert.equal(text('{"write":{"servo":0,"angle":9}}'), "ann: servo write servo 0, angle 9");
-  assert.equal(text('{"labels":{"room":"lab"}}'), "ann: servo names and labels");
-  assert.equal(text('{"set":[[{"pixel":3}]]}'), "ann: servo set …");
-  for (const odd of ["{", "7", "null", "{}", "I,d,13,1"]) assert.equal(text(odd), `ann: servo ${odd}`);
+test("a board that was stopped, and is resumed, says so", () => {
+  const now = { board: "desk", at: at(1), what: "state", state: "online", was: "online" };
+  assert.equal(row_of({ ...now, reason: "latched" }).text, "STOPPED until it is resumed");
+  assert.equal(row_of(now).text, "resumed");
+  assert.equal(row_of({ ...now, was: "lost" }).text, "was lost");
 });
 
 test("equal rows are one, with how often and since when", () => {
@@ -43,8 +42,8 @@ test("rows of other boards, and those with another end, are not folded", () => {
 });
 
 test("each word is looked for, whatever its case", () => {
-  const row = command(1, "write 0 90");
-  assert.equal(fits(row, "ANN write"), true);
-  assert.equal(fits(row, "desk servo 90"), true);
+  const row = command(1, "W,0,90");
+  assert.equal(fits(row, "ANN raw"), true);
+  assert.equal(fits(row, "desk servo W,0,90"), true, "also as it was sent");
   assert.equal(fits(row, "bob"), false);
 });

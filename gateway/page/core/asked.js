@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was asked of a board, in the words of the service's model: no screen but "Advanced" shows the wire.
+import { button_text } from "./form.js";
+import { service_text, with_unit, words } from "./text.js";
+
+/// The model of a service: that of its name, also where a board has several ("servo2"). Undefined: it is not known.
+export const model_name = (service, names) => [service, service.replace(/-?\d+$/, "")].find((each) => names.includes(each));
+
+/// {model, name, args} of a request as JSON or as text, as far as they are known; `models`: those that are, by name.
+function read(request, service, models) {
+  const own = service ? models.get(model_name(service, [...models.keys()])) : undefined;
+  try {
+    const [[name, args]] = Object.entries(JSON.parse(request)); // throws where it is no object
+    return { model: own, name, args };
+  } catch {
+    const [first, ...rest] = String(request ?? "").split(",");
+    const model = own ?? (service ? undefined : [...models.values()].find((each) => each.id === first));
+    const [tag, ...args] = own ? [first, ...rest] : rest;
+    const name = Object.keys(model?.commands ?? {}).find((each) => model.commands[each].tag === tag);
+    return { model, name, args: name && args.map((each) => (each.trim() === "" || Number.isNaN(Number(each)) ? each : Number(each))) };
+  }
+}
+
+/// [argument, value] of those that one word says; undefined where there are others.
+function pairs_of(command, args) {
+  const list = Array.isArray(args) ? args : args === true || args === null || args === undefined ? [] : [args];
+  const named = args !== null && typeof args === "object" && !Array.isArray(args);
+  const pairs = (command.args ?? []).map((each, i) => [each, named ? args[each.name] : list[i]]);
+  return pairs.some(([each, value]) => each.type === "list" || each.type === "count" || typeof value === "object") ? undefined : pairs.filter(([, value]) => value !== undefined);
+}
+
+/// "angle 90°", of one that has a word only that: "output".
+function pair_text([argument, value], alone) {
+  const called = Object.entries(argument.names ?? {}).find(([, number]) => number === value)?.[0];
+  if (called) return words(called).toLowerCase();
+  return alone ? with_unit(value, argument.unit) : `${argument.name} ${with_unit(value, argument.unit)}`;
+}
+
+function model_text(model, name, args) {
+  const command = model.commands[name];
+  const pairs = pairs_of(command, args);
+  const chosen = pairs?.find(([argument]) => argument.name === model.element)?.[1];
+  const title = button_text(command, name, model.element, chosen === undefined ? undefined : String(chosen));
+  const rest = (pairs ?? []).filter(([argument]) => argument.name !== model.element || !title.includes(`${model.element} ${chosen}`));
+  const told = rest.map((each) => pair_text(each, rest.length === 1 && each[0].name !== model.element)).join(", ");
+  const of = `${title} ${told}`.toLowerCase().includes(model.element ?? model.name) ? "" : ` (${service_text(model.name)})`;
+  return [title + of, pairs ? told : "…"].filter(Boolean).join(": ");
+}
+
+/// "Turn servo 0: 90°" for {"write":[0,90]} and for "W,0,90".
+export function asked_text(request, service = "", models = new Map()) {
+  const { model, name, args } = read(request, service, models);
+  if (!service && ["labels", "names", "meanings"].includes(name)) return "names and labels";
+  if (model?.commands?.[name]) return model_text(model, name, args);
+  if (!name) return "a raw request";
+  const values = (Array.isArray(args) ? args : args === true || args === null ? [] : typeof args === "object" ? Object.entries(args).map((each) => each.join(" ")) : [args]).map((each) => (typeof each === "object" ? "…" : each));
+  return [`${service && `${service_text(service)}, `}${words(name).toLowerCase()}`, values.join(", ")].filter((each) => each !== "").join(" ");
+}
