@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/application.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <boost/asio/post.hpp>
+#include <cstdlib>
 #include <ctime>
+#include <sstream>
 #include <utility>
 
 #include "asip/mqtt/failure.hpp"
@@ -27,6 +31,17 @@ constexpr Duration kTokensCheck = std::chrono::milliseconds(250);
 
 Instant present() {
     return {Clock::now(), text::wall_now()};
+}
+
+/// Whether a program stands in PATH, or beside this one.
+bool has_program(const std::string& name) {
+    std::error_code error;
+    const auto own = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+    const char* const path = std::getenv("PATH");
+    std::istringstream folders(own.string() + ":" + (path == nullptr ? "" : path));
+    for (std::string folder; std::getline(folders, folder, ':');)
+        if (!folder.empty() && access((folder + "/" + name).c_str(), X_OK) == 0) return true;
+    return false;
 }
 
 /// The time of this thread alone: what other programs use meanwhile is not counted to a client.
@@ -62,6 +77,7 @@ Application::Application(ProgramOptions options)
     mqtt::Client::Handlers answers;
     answers.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
     urgent_ = std::make_unique<mqtt::Client>(io_, std::move(urgent), std::move(answers));
+    options_.gateway.simulator = has_program("asip-sim");
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(*models), std::move(units_of),
                                          system_random(), random_secret, port());
@@ -111,6 +127,7 @@ Gateway::Port Application::port() {
     port.v5 = [this] { return client_->v5(); };
     port.now = present;
     port.server = [this] { return server_->counters(); };
+    port.exports = [this] { return exports_stand(); };
     port.soon = [this](std::function<void()> then) {
         soon_.expires_after(kSoon);
         soon_.async_wait([then = std::move(then)](const boost::system::error_code& error) {
@@ -163,9 +180,27 @@ void Application::handle(const mqtt::Message& received) {
         each->changes();
         if (!topic) each->message(received);
     }
-    if (home_assistant_seen_ || options_.home_assistant || received.topic != kHomeAssistant) return;
-    home_assistant_seen_ = true;
-    log::info("Home Assistant is on this broker; with --home-assistant this gateway shows it every board");
+    if (received.topic != kHomeAssistant) return;
+    if (!home_assistant_there_ && !options_.exports_on.contains("home-assistant"))
+        log::info(
+            "Home Assistant is on this broker; with --home-assistant this gateway shows it every board");
+    home_assistant_there_ = received.payload == "online";
+}
+
+std::vector<ExportStanding> Application::exports_stand() const {
+    std::vector<ExportStanding> result;
+    for (const auto& each : exports_) {
+        const auto& one = each->of();
+        auto& standing = result.emplace_back();
+        standing.system = one.by();
+        standing.title = one.title();
+        standing.on = options_.exports_on.contains(standing.system);
+        standing.shows = standing.on && one.active();
+        if (!one.turn().active() && one.turn().held(present().time))
+            standing.other = one.turn().holder()->host;
+        if (standing.system == "home-assistant") standing.found = home_assistant_there_;
+    }
+    return result;
 }
 
 void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
@@ -191,7 +226,7 @@ void Application::read_tokens(bool first) {
         return;
     }
     if (!error) tokens_read_ = written;
-    log::info("tokens read", {{"file", options_.tokens}, {"tokens", tokens->size()}});
+    log::info("tokens read", {{"file", options_.tokens}, {"tokens", tokens->all().size()}});
     gateway_->gate().set_tokens(std::move(*tokens));
 }
 
@@ -214,7 +249,7 @@ int Application::run() {
     for (const auto& each : exports_)
         for (auto& filter : each->subscriptions())
             port().subscribe(std::move(filter), true);
-    if (!options_.home_assistant) port().subscribe(kHomeAssistant, true);
+    port().subscribe(kHomeAssistant, true);
     mqtt::SubscribeOptions replies;
     replies.qos = 1;
     const auto answers = options_.gateway.replies();

@@ -34,6 +34,7 @@ class Application {
     Gateway::Port port();
     void turn();
     mqtt::Client::Handlers handlers();
+    std::vector<ExportStanding> exports_stand() const;
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void schedule_tick();
     void read_tokens(bool first);
@@ -54,7 +55,7 @@ class Application {
     BoardShares boards_;
     std::unique_ptr<Gateway> gateway_;
     std::vector<std::unique_ptr<Exports>> exports_;
-    bool home_assistant_seen_ = false;
+    std::optional<bool> home_assistant_there_;  // as it says itself
     std::unique_ptr<http::Server> server_;
     std::optional<std::filesystem::file_time_type> tokens_read_, tokens_seen_;  // when it was written
     Time tokens_checked_{};

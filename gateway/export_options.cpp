@@ -33,6 +33,7 @@ bool is_meant(const ExportOptions& raw, std::string_view name) {
 void add_export(const ExportOptions& raw, bool enabled, std::shared_ptr<const exports::Dialect> dialect,
                 ProgramOptions& options) {
     if (!is_meant(raw, dialect->by())) return;
+    if (enabled) options.exports_on.emplace(dialect->by());
     auto made = export_of<exports::Exporter::Options>(raw, options, enabled);
     made.dialect = std::move(dialect);
     options.exports.emplace_back([made](Random random, exports::Export::Port port) {
@@ -70,7 +71,6 @@ Expected<void> home_assistant_of(ExportOptions& raw, bool enabled, ProgramOption
         return fail("--home-assistant: must differ from --topic-root");
     if (!enabled && (home.read_only || home.entity_ids))
         return fail("home-assistant-read-only and home-assistant-entity-ids need --home-assistant");
-    options.home_assistant = enabled;
     add_export(raw, enabled, std::make_shared<exports::HomeAssistant>(home), options);
     return {};
 }
@@ -104,6 +104,7 @@ Expected<void> sparkplug_of(ExportOptions& raw, bool enabled, ProgramOptions& op
         return fail("sparkplug-read-only and sparkplug-host need --sparkplug");
     auto made = export_of<exports::SparkplugNode::Options>(raw, options, enabled);
     if (!is_meant(raw, "sparkplug")) return {};
+    if (enabled) options.exports_on.emplace("sparkplug");
     made.dialect = node;
     options.exports.emplace_back([made](Random random, exports::Export::Port port) {
         return std::make_unique<exports::SparkplugNode>(made, std::move(random), std::move(port));

@@ -18,6 +18,7 @@
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
 #include "gateway/dashboard/dashboards.hpp"
+#include "gateway/export_standing.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/metrics/command_times.hpp"
 #include "gateway/mirror/mirror.hpp"
@@ -44,6 +45,7 @@ struct GatewayOptions {
     std::size_t socket_bytes = 96 * 1024;  ///< what a WebSocket takes of that: its message and buffers
     bool page = true;
     bool metrics = true;
+    bool simulator = false;  ///< its machine has asip-sim
     api::ThingsOptions things;
 
     /// Where what it asks is answered, on topics below.
@@ -68,6 +70,7 @@ class Gateway {
         std::function<bool()> v5;                      ///< the broker speaks MQTT 5
         std::function<Instant()> now;                  ///< never earlier than before
         std::function<http::ServerCounters()> server;  ///< for metrics
+        std::function<std::vector<ExportStanding>()> exports;
         /// Calls back within a millisecond or two, once what is under way is done.
         std::function<void(std::function<void()>)> soon;
     };
@@ -120,6 +123,7 @@ class Gateway {
     api::BoardModels& board_models() { return board_models_; }
     api::Things& things() { return things_; }
     http::ServerCounters server_counters() const { return port_.server(); }
+    std::vector<ExportStanding> exports() const { return port_.exports(); }
     /// The document of the API as JSON, made once.
     const std::string& openapi();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct ProgramOptions {
     http::ServerLimits limits;
     /// Of each dialect one; where it is not enabled what it left on the broker is cleared.
     std::vector<exports::MakeExport> exports;
-    bool home_assistant = false;  ///< it is exported to
+    std::set<std::string> exports_on;  ///< those that are, by what sends their commands
 };
 
 /// What is asked of `asip-gateway token ROLE NAME`.

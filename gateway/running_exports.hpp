@@ -61,6 +61,7 @@ class Exports {
     void message(const mqtt::Message& message);
     void tick();
     void stop(Duration limit, std::function<void()> done);
+    const exports::Export& of() const { return *export_; }
 
   private:
     exports::Export::Port port();

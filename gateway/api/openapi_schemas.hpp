@@ -150,9 +150,18 @@ inline constexpr std::string_view kComponents = R"json({
     "name": {"type": "string"}, "control": {"type": "boolean"}, "until": {"type": "string"}, "by": {"type": "string"},
     "token": {"type": "string"}, "path": {"type": "string"}}},
   "Status": {"type": "object", "required": ["version", "you", "broker", "mirror"],
-    "description": "For a token that is limited to boards or services: of these alone, without broker address, registries and streams",
+    "description": "For a token that is limited to boards or services: of these alone, without broker address and all that is of no board; users are for an admin",
     "properties": {"version": {"type": "string"}, "you": {"type": "object"}, "broker": {"type": "object"},
-      "mirror": {"type": "object"}, "registries": {"type": "array"}, "streams": {"type": "object"}}},
+      "mirror": {"type": "object"}, "registries": {"type": "array"}, "streams": {"type": "object"},
+      "exports": {"type": "array", "items": {"type": "object", "required": ["system", "title", "on", "shows"], "properties": {
+        "system": {"type": "string"}, "title": {"type": "string"}, "on": {"type": "boolean", "description": "The gateway has its option"},
+        "shows": {"type": "boolean", "description": "It shows boards there now"},
+        "other": {"type": "string", "description": "The machine of another gateway that does"},
+        "found": {"type": "boolean", "description": "What the system last said of itself; missing: nothing yet"}}}},
+      "simulator": {"type": "boolean", "description": "The gateway's machine has asip-sim"},
+      "users": {"type": "array", "description": "Of the tokens file", "items": {"type": "object", "required": ["name", "role"], "properties": {
+        "name": {"type": "string"}, "role": {"type": "string"}, "until": {"type": "string"}, "dashboard": {"type": "string"},
+        "boards": {"type": "array", "items": {"type": "string"}}, "services": {"type": "array", "items": {"type": "string"}}}}}}},
   "Code": {"type": "object", "required": ["code", "expires_in"], "properties": {
     "code": {"type": "string"}, "expires_in": {"type": "integer"}}},
   "Health": {"type": "object", "required": ["status"], "properties": {"status": {"type": "string"}}}

@@ -12,11 +12,39 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::size_t kMaxUsers = 200;  // in an answer that a page asks for every ten seconds
+
 json registries_of(const Mirror& mirror) {
     json list = json::array();
     for (const auto& [id, info] : mirror.registries()) {
         json item{{"id", id}, {"state", info.state}};
         if (auto stats = model::parse_json(info.stats)) item["stats"] = std::move(*stats);
+        list.push_back(std::move(item));
+    }
+    return list;
+}
+
+json exports_of(const Gateway& gateway) {
+    json list = json::array();
+    for (const auto& each : gateway.exports()) {
+        json item{{"system", each.system}, {"title", each.title}, {"on", each.on}, {"shows", each.shows}};
+        if (!each.other.empty()) item["other"] = each.other;
+        if (each.found) item["found"] = *each.found;
+        list.push_back(std::move(item));
+    }
+    return list;
+}
+
+json users_of(const Tokens& tokens) {
+    json list = json::array();
+    for (const auto& each : tokens.all()) {
+        if (list.size() == kMaxUsers) break;
+        json item{{"name", each.name},
+                  {"role", std::string(to_string(each.role)) + (each.raw ? "+raw" : "")}};
+        if (each.until) item["until"] = text::iso_time(*each.until);
+        if (!each.boards.empty()) item["boards"] = each.boards;
+        if (!each.services.empty()) item["services"] = each.services;
+        if (!each.dashboard.empty()) item["dashboard"] = each.dashboard;
         list.push_back(std::move(item));
     }
     return list;
@@ -58,6 +86,9 @@ void get_status(Call& call) {
         broker["address"] = gateway.options().broker;
         body["registries"] = registries_of(mirror);
         body["streams"] = {{"clients", gateway.streams().size()}, {"left_out", mirror.values().left_out()}};
+        body["exports"] = exports_of(gateway);
+        body["simulator"] = gateway.options().simulator;
+        if (rights.role == Role::kAdmin) body["users"] = users_of(gateway.gate().tokens());
     }
     body["broker"] = std::move(broker);
     body["mirror"] = std::move(catalogue);

@@ -27,7 +27,7 @@ class Tokens {
     /// caller's to judge.
     const Rights* find(std::string_view token) const;
     const Rights* named(std::string_view name) const;
-    std::size_t size() const { return tokens_.size(); }
+    const std::vector<Rights>& all() const { return tokens_; }
 
   private:
     std::vector<Rights> tokens_;

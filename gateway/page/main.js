@@ -4,7 +4,7 @@ import "./ui/board.js";
 import "./ui/boards.js";
 import { is_kiosk } from "./ui/dashboard.js";
 import "./ui/shell.js";
-import "./ui/system.js";
+import "./ui/settings.js";
 import { attention_of, title_badge } from "./core/attention.js";
 import { base, request } from "./net/bus.js";
 import { h, set_text } from "./ui/dom.js";
@@ -17,7 +17,7 @@ const screens = [
   [/^dashboards$/, () => ["Dashboards", document.createElement("asip-dashboards")]],
   [/^dashboard\/([^/?]+)(?:\?.*)?$/, (name) => [name, document.createElement("asip-dashboard").begin(name)]],
   [/^history$/, () => ["History", h("div", {}, h("h1", { tabindex: "-1" }, "History"), document.createElement("asip-history").begin("api/history", true))]],
-  [/^bus$/, () => ["Bus", document.createElement("asip-system")]],
+  [/^(?:settings|bus)$/, () => ["Settings", document.createElement("asip-settings")]],
 ];
 
 // The token becomes a code that works once, and the code a cookie: the token itself is kept nowhere.

@@ -180,7 +180,7 @@ class Boards(PageTest):
 
     def test_Nothing_IsSentWhenPagesAreOpened(self):
         with commands_heard(self.bus) as heard:
-            for route in ("", "board/desk", "board/lamp", "history", "bus"):
+            for route in ("", "board/desk", "board/lamp", "history", "settings"):
                 self.open(route)
                 self.browser.shown("main > *")
             self.open_board("desk", anew=True)

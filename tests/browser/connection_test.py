@@ -164,8 +164,8 @@ class Connection(PageTest):
         self.browser.driver.get(f"http://127.0.0.1:{port}/")
         text = eventually(lambda: "no connection to the broker" in self.browser.text("asip-banner") and self.browser.text("asip-banner"), "the sign", 30)
         self.assertNotIn("since", text)
-        self.browser.driver.get(f"http://127.0.0.1:{port}/#/bus")
-        eventually(lambda: "Broker" in self.browser.text("asip-system"), "the cards")
+        self.browser.driver.get(f"http://127.0.0.1:{port}/#/settings")
+        eventually(lambda: "Broker" in self.browser.text("asip-settings"), "the cards")
         self.assertNotIn("00:00:00", self.browser.text("body"))
 
     def test_SevenTabs_NoneStalls(self):
@@ -184,8 +184,8 @@ class Connection(PageTest):
         eventually(lambda: "Done" in form.text, "the answer in the seventh tab")
         # A browser has six connections for all pages of an address: were they taken by streams, this would hang.
         driver.get("about:blank")
-        self.open("bus", anew=True)
-        self.browser.shown("asip-system")
+        self.open("settings", anew=True)
+        self.browser.shown("asip-settings")
         for handle in driver.window_handles:
             if handle != first:
                 driver.switch_to.window(handle)

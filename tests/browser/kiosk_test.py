@@ -163,7 +163,7 @@ class Kiosk(PageTest):
         self.all_pins()
         self.assertNotIn(token, self.browser.driver.current_url)
         self.shows_nothing_that_acts()
-        self.browser.run("location.hash = '#/bus'")
+        self.browser.run("location.hash = '#/settings'")
         self.browser.button("Sign out").click()
         self.browser.shown("#token", seconds=40)
 

@@ -11,7 +11,7 @@ from selenium.webdriver.common.keys import Keys
 from board_test import published
 from rig import BUILD, PageTest, eventually
 
-ROUTES = {"boards": "", "board": "board/desk", "history": "history", "bus": "bus", "unknown": "nowhere"}
+ROUTES = {"boards": "", "board": "board/desk", "history": "history", "settings": "settings", "unknown": "nowhere"}
 AXE = pathlib.Path(BUILD, "axe-core/node_modules/axe-core/axe.min.js")
 
 

@@ -185,15 +185,6 @@ class Services(PageTest):
         eventually(who_did_what, "who moved the servo")
         self.browser.screenshot("history")
 
-    def test_BusPage_ShowsBrokerGatewayAndRegistry(self):
-        self.open("bus")
-        text = eventually(lambda: "Registry first" in self.browser.text() and self.browser.text(), "the cards")
-        self.assertIn("Broker", text)
-        self.assertIn("connected", text)
-        self.assertIn(str(self.bus.broker_port), text)
-        self.assertIn("Every board that is known is there", text)
-        self.browser.screenshot("bus")
-
     def test_BoardThatIsNotKnown_SaysSo(self):
         type(self).expected_errors = ("/api/boards/nobody",)
         self.addCleanup(setattr, type(self), "expected_errors", ())

@@ -4,6 +4,9 @@ import { asked_text } from "./asked.js";
 import { reason_text, time_of, words } from "./text.js";
 
 const programs = { loopback: "this machine", "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug", "web-of-things": "Web of Things" };
+/// Who asked, as a person reads it.
+export const who_text = (by) => programs[by] ?? by;
+
 const ends = { ok: "done", timeout: "no answer" };
 const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };
 const happenings = { added: "first seen", state: "", description: "description changed", conflict: "two agents use the name", resolved: "conflict over", forgotten: "forgotten" };
@@ -16,7 +19,7 @@ export function row_of(item, models = new Map()) {
   if (item.by) {
     const asked = item.request === undefined ? "" : asked_text(item.request, item.service, models);
     row.raw = [item.by, item.service, item.request].filter(Boolean).join(" ");
-    row.text = [[`${programs[item.by] ?? item.by}:`, commands[item.what] ?? item.what, asked].filter(Boolean).join(" "), item.reason && words(item.reason).toLowerCase()].filter(Boolean).join(", ");
+    row.text = [[`${who_text(item.by)}:`, commands[item.what] ?? item.what, asked].filter(Boolean).join(" "), item.reason && words(item.reason).toLowerCase()].filter(Boolean).join(", ");
   } else {
     const was = item.was && item.was !== item.state && `was ${item.was}`;
     row.text = [happenings[item.what] ?? item.what, was, reason_text(item.reason) || (item.was && !was && "resumed")].filter(Boolean).join(", ");

@@ -69,4 +69,10 @@ export class Part extends HTMLElement {
   }
 }
 
+/// A command that a person types on a machine, with a button that copies it.
+export function command_line(text) {
+  const copy = h("button", { "aria-label": `Copy ${text}`, onclick: () => navigator.clipboard?.writeText(text).then(() => set_text(copy, "Copied"), () => undefined) }, "Copy");
+  return h("div", { class: "command-line" }, h("code", {}, text), copy);
+}
+
 export function state_mark(state) { return h("span", { class: `state ${state}` }, state_text(state)); }

@@ -27,8 +27,10 @@ boards.addEventListener("change", () => {
   const text = losses.of(boards.catalogue.rows.values(), Date.now());
   if (!text || !wanted()) return;
   // Of several tabs, and of a loss that grows, one notice stays: that is what its tag is for.
-  worker().then((it) => it.showNotification(text.title, { body: text.body, tag: "asip-lost", icon: "icon.svg" }));
+  tell(text);
 });
+
+const tell = ({ title, body }) => worker().then((it) => it.showNotification(title, { body, tag: "asip-lost", icon: "icon.svg" }));
 
 async function worker() {
   await navigator.serviceWorker.register(script_url("notices.js"));
@@ -37,10 +39,17 @@ async function worker() {
 navigator.serviceWorker?.addEventListener("message", () => { location.hash = "#/?state=lost"; });
 
 class Notify extends Part {
+  /// Call before it is put into the page. `whole`: with a notice to try.
+  begin(whole) {
+    this.whole = whole;
+    return this;
+  }
+
   shown() {
     this.button = h("button", { onclick: () => this.turn() }, "Notify me of lost boards");
     this.answer = h("span", { role: "status", class: "muted" });
-    this.append(this.button, " ", this.answer);
+    this.trial = h("button", { onclick: () => tell({ title: "A board is lost", body: "So it is told. None is lost now." }) }, "Try it");
+    this.append(this.button, " ", this.trial, " ", this.answer);
     this.listen(status, "change", () => this.show());
     this.show();
   }
@@ -48,6 +57,7 @@ class Notify extends Part {
   show() {
     this.hidden = !("Notification" in window && navigator.serviceWorker) || !status.now || status.you.role === "kiosk";
     this.button.setAttribute("aria-pressed", String(wanted()));
+    this.trial.hidden = !this.whole || !wanted();
   }
 
   async turn() {

@@ -69,6 +69,10 @@ class ApiTest : public testing::Test {
         port.v5 = [] { return true; };
         port.now = [this] { return at(time_); };
         port.server = [] { return http::ServerCounters{}; };
+        port.exports = [] {
+            return std::vector<ExportStanding>{
+                {"home-assistant", "Home Assistant", true, false, "cellar", true}};
+        };
         port.soon = [](const std::function<void()>& then) { then(); };
         gateway_ = std::make_unique<Gateway>(
             std::move(options), model::ModelSet::standard(), catalogue::UnitsOf(),

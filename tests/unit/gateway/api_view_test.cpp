@@ -16,7 +16,8 @@ class ViewTest : public ApiTest {
     explicit ViewTest(const std::string& base_path = {}) : ApiTest(Role::kNone, base_path) {
         gateway_->gate().set_tokens(*Tokens::parse(
             "kiosk lobby " + hash_of("lobby") + " boards=mid services=servo\n" + "viewer team " +
-            hash_of("team") + " boards=mid,z*\n" + "viewer all " + hash_of("all") + "\n"));
+            hash_of("team") + " boards=mid,z*\n" + "viewer all " + hash_of("all") + "\nadmin boss " +
+            hash_of("boss") + " until=2999-01-01T00:00:00.000Z\n"));
         for (const std::string board : {"alpha", "hidden", "mid", "zeta"})
             described(board, board == "mid" ? "Shown" : "Covert");
     }
@@ -159,6 +160,17 @@ TEST_F(ViewTest, Status_OfALimitedToken_IsOfItsBoardsAlone) {
     EXPECT_FALSE(lobby["broker"].contains("address")) << "where the broker is";
     EXPECT_FALSE(lobby.contains("registries"));
     EXPECT_FALSE(lobby.contains("streams"));
+    for (const auto* name : {"exports", "simulator", "users"})
+        EXPECT_FALSE(lobby.contains(name)) << name;
+    EXPECT_EQ(
+        all["exports"][0].dump(),
+        R"({"found":true,"on":true,"other":"cellar","shows":false,"system":"home-assistant","title":"Home Assistant"})");
+    EXPECT_EQ(all["simulator"], false);
+    EXPECT_FALSE(all.contains("users")) << "for an admin";
+    const auto users = as("boss", "/api/status")->body()["users"];
+    ASSERT_EQ(users.size(), 4u);
+    EXPECT_EQ(users[0].dump(), R"({"boards":["mid"],"name":"lobby","role":"kiosk","services":["servo"]})");
+    EXPECT_EQ(users[3]["until"], "2999-01-01T00:00:00.000Z");
     EXPECT_EQ(lobby["you"]["command"], false);
     EXPECT_EQ(lobby["you"]["limited"], true);
     EXPECT_EQ(as("team", "/api/status")->body()["mirror"]["boards"], 2);
