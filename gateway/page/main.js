@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which screen is shown.
+import "./ui/add_board.js";
 import "./ui/board.js";
 import "./ui/boards.js";
 import { is_kiosk } from "./ui/dashboard.js";
@@ -11,13 +12,17 @@ import { h, set_text } from "./ui/dom.js";
 import { boards, status } from "./ui/model.js";
 
 const main = document.getElementById("main");
+const kDocs = "https://github.com/asip/asip-service-bus/blob/main/docs/";
+const kPage = "gateway.md#the-page";
+// Address, what shows it with its title, and the page of the documentation that is about it.
 const screens = [
-  [/^(?:\?(.*))?$/, (query) => ["Boards", document.createElement("asip-boards").begin(query)]],
-  [/^board\/([^/]+)$/, (name) => [name, document.createElement("asip-board").begin(name)]],
-  [/^dashboards$/, () => ["Dashboards", document.createElement("asip-dashboards")]],
-  [/^dashboard\/([^/?]+)(?:\?.*)?$/, (name) => [name, document.createElement("asip-dashboard").begin(name)]],
-  [/^history$/, () => ["History", h("div", {}, h("h1", { tabindex: "-1" }, "History"), document.createElement("asip-history").begin("api/history", true))]],
-  [/^(?:settings|bus)$/, () => ["Settings", document.createElement("asip-settings")]],
+  [/^(?:\?(.*))?$/, (query) => ["Boards", document.createElement("asip-boards").begin(query)], kPage],
+  [/^add(?:\/([^/]+))?$/, (name) => ["Add board", document.createElement("asip-add-board").begin(name ?? "")], "asipctl.md#boards-from-the-box"],
+  [/^board\/([^/]+)$/, (name) => [name, document.createElement("asip-board").begin(name)], kPage],
+  [/^dashboards$/, () => ["Dashboards", document.createElement("asip-dashboards")], "dashboards.md"],
+  [/^dashboard\/([^/?]+)(?:\?.*)?$/, (name) => [name, document.createElement("asip-dashboard").begin(name)], "dashboards.md"],
+  [/^history$/, () => ["History", h("div", {}, h("h1", { tabindex: "-1" }, "History"), document.createElement("asip-history").begin("api/history", true))], "service-bus.md#who-did-what"],
+  [/^(?:settings|bus)$/, () => ["Settings", document.createElement("asip-settings")], "gateway.md#boards-in-other-systems"],
 ];
 
 // The token becomes a code that works once, and the code a cookie: the token itself is kept nowhere.
@@ -52,12 +57,12 @@ function decoded(text) {
 }
 
 function screen_of(path) {
-  if (status.refused) return status.problem.status === 401 ? sign_in() : link_is_over();
+  if (status.refused) return [...(status.problem.status === 401 ? sign_in() : link_is_over()), "gateway.md#who-may-do-what"];
   if (is_kiosk()) return [status.you.dashboard, document.createElement("asip-dashboard").begin(status.you.dashboard)];
   if (base.pathname.includes("/kiosk/") && !status.now) return ["", h("div", {})]; // what the link shows is not known yet
-  for (const [pattern, make] of screens) {
+  for (const [pattern, make, help] of screens) {
     const match = pattern.exec(path);
-    if (match) return make(...match.slice(1).map((part) => (path.startsWith("?") ? part : decoded(part))));
+    if (match) return [...make(...match.slice(1).map((part) => (path.startsWith("?") || part === undefined ? part : decoded(part)))), help];
   }
   return ["Not found", h("div", {}, h("h1", { tabindex: "-1" }, "There is no such page"), h("a", { href: "#/" }, "All boards"))];
 }
@@ -71,15 +76,16 @@ function show(first = false) {
   const wanted = location.hash.replace(/^#\/?/, "");
   if (wanted === "main") return main.focus(); // the link that skips the header
   path = wanted;
-  const [title, screen] = screen_of(path);
+  const [title, screen, help = kPage] = screen_of(path);
   main.replaceChildren(screen);
+  document.getElementById("help").href = kDocs + help;
   document.body.classList.toggle("bare", is_kiosk() || /^dashboard\/.*\?full/.test(path));
   document.body.classList.toggle("kiosk", is_kiosk());
   screen_title = title;
   show_title();
   for (const link of document.querySelectorAll("nav a")) {
     const target = link.getAttribute("href").slice(2);
-    const here = target === path || (target === "" && (path.startsWith("board/") || path.startsWith("?"))) || (target === "dashboards" && path.startsWith("dashboard/"));
+    const here = target === path || (target === "" && (/^(?:board\/|add|\?)/.test(path))) || (target === "dashboards" && path.startsWith("dashboard/"));
     if (here) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }

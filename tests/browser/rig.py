@@ -18,7 +18,7 @@ from selenium.webdriver.common.keys import Keys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import bus  # noqa: E402
-from bus import BIN, BUILD, DESK, IMAGES, LAMP, ROOT, Bus, can_connect, commands_heard, eventually, free_port, paho_client, program_path, publish_boards, settings_file  # noqa: E402,F401
+from bus import BIN, BUILD, DESK, IMAGES, LAMP, ROOT, Bus, can_connect, commands_heard, die_with_parent, eventually, free_port, paho_client, program_path, publish_boards, settings_file  # noqa: E402,F401
 
 bus.NOT_YET += (StaleElementReferenceException,)  # elements that changed while they were read
 SCREENSHOTS = BUILD / "screenshots"

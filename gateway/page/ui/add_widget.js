@@ -30,8 +30,9 @@ async function add_to_dashboard(name, title, widget, fresh) {
 
 class AddWidget extends Part {
   /// Call before it is put into the page. `offers`: a function that gives what can be added, now; `what`: for people who cannot see it.
-  begin(what, offers) {
-    Object.assign(this, { what, offers });
+  /// With `done` it is open, and that is called with the dashboard; `title`: of a new one.
+  begin(what, offers, { title = "", done } = {}) {
+    Object.assign(this, { what, offers, title, done });
     return this;
   }
 
@@ -41,6 +42,8 @@ class AddWidget extends Part {
     this.append(this.button, this.panel);
     this.listen(status, "change", () => this.allow());
     this.allow();
+    this.button.hidden = Boolean(this.done);
+    if (this.done) this.toggle();
   }
 
   allow() { this.hidden = status.you.arrange !== true; }
@@ -65,7 +68,7 @@ class AddWidget extends Part {
     const where = h("select", { id: fresh_id("where"), onchange: () => { fresh.hidden = where.value !== ""; } },
       dashboards.map((each) => h("option", { value: each.name }, each.title || each.name)), h("option", { value: "" }, "A new dashboard"));
     if (dashboards.some((each) => each.name === last_dashboard)) where.value = last_dashboard;
-    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, placeholder: "Its title, such as Greenhouse", autocomplete: "off" });
+    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, value: this.title, placeholder: "Its title, such as Greenhouse", autocomplete: "off" });
     const fresh = h("div", { class: "field text", hidden: where.value !== "" }, h("label", { for: title.id }, "Title of the new dashboard"), title);
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     const save = async (event) => {
@@ -83,6 +86,7 @@ class AddWidget extends Part {
     try {
       await add_to_dashboard(name, title, widget, fresh);
       last_dashboard = name;
+      if (this.done) return this.done(name);
       this.tell("ok", "Added. ", h("a", { href: `#/dashboard/${encodeURIComponent(name)}` }, "Show the dashboard"));
     } catch (problem) {
       this.tell("refused", problem.message);

@@ -52,11 +52,16 @@ class Boards extends Part {
     this.found = h("span", { class: "muted found", role: "status" });
     this.value = h("select", { "aria-label": "Value that is shown", onchange: () => this.filtered({ value: this.value.value }) });
     this.group = h("select", { "aria-label": "Group by a label", onchange: () => this.filtered({ group: this.group.value }) });
-    return h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"));
+    this.adding = h("a", { class: "button", href: "#/add" }, "Add board");
+    return h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"), this.adding);
   }
 
   /// Boards are selected by users who may do something with them.
-  allow() { this.classList.toggle("picks", status.may_command || status.may_label); }
+  allow() {
+    this.classList.toggle("picks", status.may_command || status.may_label);
+    this.invite.hidden = !status.may_label || !boards.catalogue.complete || boards.catalogue.rows.size > 0;
+    this.adding.hidden = !status.may_label || boards.catalogue.rows.size === 0;
+  }
 
   pick(names, on) {
     for (const name of names) if (on) picked.add(name); else picked.delete(name);
@@ -71,10 +76,12 @@ class Boards extends Part {
       : h("button", { onclick: () => this.filtered({ sort: key, descending: filter.sort === key && !filter.descending }) }, title)));
     this.filler = h("div", { class: "filler", role: "presentation" });
     this.scroll = h("div", { class: "scroll", role: "rowgroup", tabindex: "-1", onkeydown: (event) => this.key(event) }, this.filler);
-    this.empty = h("p", { class: "empty", hidden: true });
+    this.empty = h("p", {});
+    this.invite = h("a", { class: "button main", href: "#/add" }, "Add board");
+    this.empty_box = h("div", { class: "empty", hidden: true }, this.empty, this.invite);
     this.grid = h("div", { class: "boards", role: "table", "aria-label": "Boards" },
       h("div", { role: "rowgroup", class: "head-box" }, h("div", { role: "row", class: "row head" }, h("span", { role: "columnheader", class: "c-pick" }, this.pick_all), this.heads)), this.scroll);
-    return h("div", { class: "table-box" }, this.grid, this.empty);
+    return h("div", { class: "table-box" }, this.grid, this.empty_box);
   }
 
   filtered(change) {
@@ -155,9 +162,10 @@ class Boards extends Part {
     });
     this.grid.setAttribute("aria-rowcount", this.rows.length + 1);
     this.filler.style.height = this.scroll.style.height = `${this.rows.length * this.row_height}px`;
-    this.empty.hidden = this.rows.length > 0;
+    this.empty_box.hidden = this.rows.length > 0;
     this.grid.hidden = this.rows.length === 0;
     set_text(this.empty, this.empty_text(catalogue));
+    this.allow();
     const all = catalogue.rows.size;
     set_text(this.found, this.shown_boards === all ? plural(all, "board") : `${this.shown_boards.toLocaleString("en")} of ${plural(all, "board")}`);
     this.measure();
@@ -165,7 +173,7 @@ class Boards extends Part {
 
   empty_text(catalogue) {
     if (catalogue.rows.size > 0) return "No board fits. Change the search or the filters.";
-    return catalogue.complete ? "No board is there yet. Start an asip-agent for a board, and it appears here." : "Looking for boards …";
+    return catalogue.complete ? "No board is there yet. Plug one in, and it appears here." : "Looking for boards …";
   }
 
   show_filters(catalogue) {

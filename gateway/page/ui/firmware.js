@@ -5,7 +5,7 @@ import { path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
 import { status } from "./model.js";
 
-const kinds = [["", "find out"], ["uno", "Uno"], ["nano", "Nano"], ["nano-old", "Nano, until 2018"], ["mega", "Mega 2560"]];
+export const kinds = [["", "find out"], ["uno", "Uno"], ["nano", "Nano"], ["nano-old", "Nano, until 2018"], ["mega", "Mega 2560"]];
 
 /// Asks the agent of a board to load AsipServices. The sentence that says how it ended: {kind, text}.
 export async function load_firmware(board, kind) {
