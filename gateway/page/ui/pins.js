@@ -50,7 +50,8 @@ class Pins extends Part {
   build() {
     this.cells = new Map();
     const draw_pin = (pin) => {
-      const cell = { pin, name: h("span", { class: "pin-name" }, h("span", { class: "hidden" }, "Pin "), pin.label, pin.name && h("span", { class: "pin-called" }, pin.name)), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }), more: h("span", { class: "hidden" }) };
+      const cell = { pin, name: h("span", { class: "pin-name" }, h("span", { class: "hidden" }, "Pin "), pin.label), called: h("span", { class: "pin-called" }), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }), more: h("span", { class: "hidden" }) };
+      cell.name.append(cell.called);
       cell.button = h("button", { class: "pin", "aria-expanded": "false", onclick: () => this.open(pin) }, cell.name, " ", cell.light, cell.text, cell.more);
       this.cells.set(pin.number, cell);
       return cell.button;
@@ -78,10 +79,11 @@ class Pins extends Part {
   }
 
   draw() {
-    for (const { pin, button, light, text: said, more } of this.cells.values()) {
+    for (const { pin, button, light, called, text: said, more } of this.cells.values()) {
       const { mode, text, level: known, told, floating } = this.values.state_of(pin);
       const [value, level] = floating ? ["", undefined] : [text, known];
       const taken = pin.owner !== "";
+      set_text(called, pin.name);
       set_text(said, taken ? pin.owner : value || short[mode] || "");
       const idle = pin.number !== this.opened && (pin.owner === "system" || (!taken && !pin.name && !this.values.properties.has(pin.number)));
       set_class(button, `pin${taken ? " taken" : ""}${idle ? " idle" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
@@ -116,12 +118,11 @@ class Pins extends Part {
 
   open_panel() {
     const { pin } = this.cells.get(this.opened);
-    const can = kinds.filter((_, bit) => pin.can & (1 << bit)).join(", ");
     this.panel.hidden = false;
     this.panel.setAttribute("aria-label", `Pin ${pin.label}`);
     this.state_line = h("span", {});
     this.output = h("output", { class: "answer", "aria-live": "polite" });
-    this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, h("small", { class: "muted" }, [pin.name, can || "no use known"].filter(Boolean).join(", "))), h("p", {}, this.state_line));
+    this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, (this.panel_note = h("small", { class: "muted" }))), h("p", {}, this.state_line));
     this.mode_buttons = new Map();
     this.controls = h("div", { class: "setters" });
     if (pin.owner === "" && this.may_command) this.add_modes(pin);
@@ -173,6 +174,7 @@ class Pins extends Part {
     const { pin } = this.cells.get(this.opened);
     const { mode, text, told } = this.values.state_of(pin);
     const { property, value } = this.values.properties.get(pin.number) ?? {};
+    set_text(this.panel_note, [pin.name, kinds.filter((_, bit) => pin.can & (1 << bit)).join(", ") || "no use known"].filter(Boolean).join(", "));
     const owner = { "": "Free", system: "Used by the board itself" }[pin.owner] ?? `Belongs to the service ${pin.owner}`;
     set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `set to ${text}` : `now ${text}`)].filter(Boolean).join(", ") + "."
       + (property?.refused ? ` It cannot be set: ${property.refused}.` : ""));
@@ -199,7 +201,7 @@ class Pins extends Part {
   }
 }
 
-function shape_of(pins) { return JSON.stringify(pins.map((pin) => ({ ...pin, mode: undefined }))); }
+function shape_of(pins) { return JSON.stringify(pins.map((pin) => ({ ...pin, mode: undefined, name: undefined }))); }
 
 export function has_pins(description) { return pins_of(description).length > 0; }
 export { mode_names };
