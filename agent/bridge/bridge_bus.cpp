@@ -255,7 +255,7 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     if (valid && latch_.holds(board_.services, *request)) {
         out.lines.push_back(
             {error_line(request->service, request->tag, protocol::ErrorCode::kDeviceNotAvailable), client});
-        if (may_publish()) control_.report_refused(line, out);
+        if (may_publish()) control_.report_refused(line, now, out);
         return ClientResult::kRefused;
     }
     if (valid && session.accepts_requests() && session.waiting(client) >= kMaxClientLines)
@@ -282,7 +282,7 @@ Bridge::ClientResult Bridge::client_line(session::ClientId client, std::string_v
     out.lines.push_back({request ? error_line(request->service, request->tag, code)
                                  : error_to_no_request(line, session.identity()),
                          client});
-    if (may_publish()) control_.report_refused(line, why, out);
+    if (may_publish()) control_.report_refused(line, why, now, out);
     return ClientResult::kRefused;
 }
 

@@ -66,6 +66,12 @@ void Control::on_command(const Command& command, Time now, session::Actions& act
     if (was_seen(*execution, command, now, out)) return;
     if (command.stopped)
         return refuse_it(bus::kRefusedStopped, "the board was stopped while it waited; it was not sent");
+    const auto refuse_line = [&](std::string_view line, session::Refusal why) {
+        execution->service = service_of_line(board_.services, line);
+        refuse(*execution, request_of_line(line), session::to_string(why), refusal_text(why), now, out);
+    };
+    if (const auto line = first_of_too_many(command, *execution); !line.empty())
+        return refuse_line(line, session::Refusal::kQueueFull);
     const auto* service = command.service.empty() ? nullptr : board_.services.find(command.service);
     if (!command.service.empty() && service == nullptr)
         return refuse_it(
@@ -81,10 +87,7 @@ void Control::on_command(const Command& command, Time now, session::Actions& act
         return refuse_it(bus::kRefusedInvalid, std::move(fault));
     if (const auto why = refusal(*lines, execution->client, now)) {
         if (service != nullptr) return refuse_it(session::to_string(*why), refusal_text(*why));
-        const auto line = lines->front().request.line;
-        execution->service = service_of_line(board_.services, line);
-        return refuse(*execution, request_of_line(line), session::to_string(*why), refusal_text(*why), now,
-                      out);
+        return refuse_line(lines->front().request.line, *why);
     }
     execute(execution, *lines, now, actions, out);
 }
@@ -109,6 +112,16 @@ bool Control::was_seen(Execution& execution, const Command& command, Time now, E
             break;
     }
     return true;
+}
+
+std::string_view Control::first_of_too_many(const Command& command, const Execution& execution) const {
+    const auto room = board_.session.room(execution.client);
+    if (!command.service.empty() || command.envelope.form != bus::RequestEnvelope::Form::kRaw ||
+        room >= protocol::kMaxRequestsPerPayload || !board_.session.accepts_requests())
+        return {};
+    const auto lines = protocol::lines_of(command.envelope.text);
+    const bool told_otherwise = lines.count > protocol::kMaxRequestsPerPayload;  // by read()
+    return lines.count > room && !told_otherwise ? lines.first : std::string_view();
 }
 
 std::string Control::hold_fault(const Execution& execution, const std::vector<Line>& lines) const {
@@ -302,32 +315,31 @@ void Control::refuse(Execution& execution, std::string_view request, std::string
                      std::string text, Time now, Effects& out) {
     out.log(program::log::Level::kDebug, "command refused", {{"reason", std::string(reason)}, {"why", text}});
     // An empty payload clears a stored command: nothing was asked for.
-    if (!execution.reply.wanted() && !request.empty())
-        report_failure(
-            board_,
-            {execution.service.empty() ? "io" : execution.service, request, reason, text, execution.reply.by},
-            out);
+    const bool reported = !execution.reply.wanted() && !request.empty();
+    if ((reported || !execution.reply.by.empty()) && !refusals_.take(now))
+        execution.noted.clear();
+    else if (reported)
+        report_failure(board_,
+                       {execution.service.empty() ? "io" : execution.service, request, reason, text,
+                        execution.reply.by, refusals_.take_dropped()},
+                       out);
     execution.outcome = bus::Reply::refused(std::string(reason), std::move(text));
     conclude(execution, now, out);
 }
 
-void Control::report_refused(std::string_view line, session::Refusal why, Effects& out) const {
-    report_failure(board_,
-                   {service_of_line(board_.services, line),
-                    request_of_line(line),
-                    session::to_string(why),
-                    refusal_text(why),
-                    {}},
-                   out);
+void Control::report_refused(std::string_view line, session::Refusal why, Time now, Effects& out) {
+    report(line, session::to_string(why), refusal_text(why), now, out);
 }
 
-void Control::report_refused(std::string_view line, Effects& out) const {
-    report_failure(board_,
-                   {service_of_line(board_.services, line),
-                    request_of_line(line),
-                    bus::kRefusedStopped,
-                    latch_.why_refused(board_.name),
-                    {}},
+void Control::report_refused(std::string_view line, Time now, Effects& out) {
+    report(line, bus::kRefusedStopped, latch_.why_refused(board_.name), now, out);
+}
+
+void Control::report(std::string_view line, std::string_view reason, std::string_view error, Time now,
+                     Effects& out) {
+    if (!refusals_.take(now)) return;
+    const auto service = service_of_line(board_.services, line);
+    report_failure(board_, {service, request_of_line(line), reason, error, {}, refusals_.take_dropped()},
                    out);
 }
 

@@ -10,6 +10,7 @@
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
 #include "agent/command/recent_answers.hpp"
+#include "agent/counts/allowance.hpp"
 #include "agent/counts/statistics.hpp"
 #include "agent/inbound/command_age.hpp"
 #include "agent/inbound/inbound.hpp"
@@ -31,6 +32,9 @@ inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 /// the service's error topic instead. A repeated message is answered again and not executed again.
 class Control {
   public:
+    /// Refusals that are reported, or noted, at once, and then in a second. All are counted.
+    static constexpr double kRefusals = 100, kRefusalsPerSecond = 20;
+
     /// All references must outlive it.
     Control(Board& board, const CommandAge& age, Statistics& statistics, Safety& safety,
             ReportPeriods& periods, BoardValues& values, const StopLatch& latch)
@@ -49,9 +53,9 @@ class Control {
     /// A request of the session ended. Requests of others are ignored.
     void on_finished(const session::Finished& end, Time now, Effects& out);
     /// The session refused a line of a point-to-point client: reported on the error topic of its service.
-    void report_refused(std::string_view line, session::Refusal why, Effects& out) const;
+    void report_refused(std::string_view line, session::Refusal why, Time now, Effects& out);
     /// The same, because the board is stopped.
-    void report_refused(std::string_view line, Effects& out) const;
+    void report_refused(std::string_view line, Time now, Effects& out);
     /// The sender (`by`) of the open commands of this client; empty: it is not known, or there are several.
     std::string sender_of(session::ClientId client) const;
     /// Answers that were forgotten before their minute was over.
@@ -100,6 +104,9 @@ class Control {
     /// person.
     Expected<std::vector<Line>> read(const Command& command, Execution& execution,
                                      const session::ServiceTable::Entry* service) const;
+    /// Of raw lines that are more than their client has room for the first; else empty. They are not read: a
+    /// flood must cost little.
+    std::string_view first_of_too_many(const Command& command, const Execution& execution) const;
     std::string hold_fault(const Execution& execution, const std::vector<Line>& lines) const;
     std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,
                                             Time now) const;
@@ -112,6 +119,8 @@ class Control {
                 Time now, Effects& out);
     /// Answers, remembers and notes the outcome. Once for each command.
     void conclude(Execution& execution, Time now, Effects& out);
+    void report(std::string_view line, std::string_view reason, std::string_view error, Time now,
+                Effects& out);
     void send(const bus::ReplyTo& to, bus::Reply reply, Time now, Effects& out) const;
     session::AnswerCheck answer_check(const Execution& execution) const;
     model::DecodeContext decode_context() const;
@@ -125,6 +134,7 @@ class Control {
     BoardValues& values_;
     const StopLatch& latch_;
     RecentAnswers recent_;
+    Allowance refusals_{kRefusals, kRefusalsPerSecond};
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };
 

@@ -30,6 +30,7 @@ void report_failure(const Board& board, const Failure& failure, Effects& out) {
                          {"reason", std::string(failure.reason)},
                          {"error", std::string(failure.error)}};
     if (!failure.by.empty()) value["by"] = std::string(failure.by);
+    if (failure.dropped > 0) value["dropped"] = failure.dropped;
     publish_error(board, failure.service, value, out);
 }
 

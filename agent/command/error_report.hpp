@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -22,7 +23,8 @@ struct Failure {
     std::string_view request;  ///< of a long one the beginning is reported
     std::string_view reason;
     std::string_view error;
-    std::string_view by;  ///< its sender; empty: not known
+    std::string_view by;        ///< its sender; empty: not known
+    std::uint64_t dropped = 0;  ///< so many reports are missing before this one
 };
 /// Reports it on the error topic, because its sender wants no answer:
 /// `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <deque>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "agent/counts/allowance.hpp"
 #include "asip/program/log.hpp"
 #include "asip/time.hpp"
 
@@ -30,9 +30,7 @@ class LogFeed {
 
   private:
     std::deque<std::string> kept_;
-    std::uint64_t dropped_ = 0;  // since the last one that was kept
-    double allowance_ = kBurst;
-    std::optional<Time> last_;
+    Allowance allowance_{kBurst, kPerSecond};
 };
 
 }  // namespace asip::agent

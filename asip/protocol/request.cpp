@@ -75,6 +75,28 @@ std::string_view significant(std::string_view line) {
     return line.starts_with('!') ? std::string_view{} : line;
 }
 
+namespace {
+
+/// Takes the next line off, as significant() gives it.
+std::string_view take_line(std::string_view& payload) {
+    const auto end = find_any(payload, kRequestEnds);
+    const auto line = significant(payload.substr(0, end));
+    payload.remove_prefix(end == std::string_view::npos ? payload.size() : end + 1);
+    return line;
+}
+
+}  // namespace
+
+PayloadLines lines_of(std::string_view payload) {
+    PayloadLines lines;
+    while (!payload.empty()) {
+        const auto line = take_line(payload);
+        if (line.empty()) continue;
+        if (lines.count++ == 0) lines.first = line;
+    }
+    return lines;
+}
+
 Expected<std::vector<Request>> split_requests(std::string_view payload) {
     if (payload.size() > kMaxPayloadBytes) {
         return fail("payload is " + std::to_string(payload.size()) + " bytes long, above " +
@@ -82,9 +104,7 @@ Expected<std::vector<Request>> split_requests(std::string_view payload) {
     }
     std::vector<Request> requests;
     while (!payload.empty()) {
-        const auto end = find_any(payload, kRequestEnds);
-        const auto line = significant(payload.substr(0, end));
-        payload.remove_prefix(end == std::string_view::npos ? payload.size() : end + 1);
+        const auto line = take_line(payload);
         if (line.empty()) continue;
         const auto request = parse_request(line);
         if (!request) return fail(request.error());

@@ -77,4 +77,11 @@ std::string_view significant(std::string_view line);
 /// views point into the payload.
 Expected<std::vector<Request>> split_requests(std::string_view payload);
 
+/// The lines of a control payload that boards do not ignore, before anything else is known of them.
+struct PayloadLines {
+    std::size_t count = 0;
+    std::string_view first{};
+};
+PayloadLines lines_of(std::string_view payload);
+
 }  // namespace asip::protocol
