@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cstdlib>
-#include <ctime>
 #include <sstream>
 #include <utility>
 
@@ -44,20 +43,13 @@ bool has_program(const std::string& name) {
     return false;
 }
 
-/// The time of this thread alone: what other programs use meanwhile is not counted to a client.
-Duration processor_time() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-}
-
 }  // namespace
 
 Application::Application(ProgramOptions options)
     : options_(std::move(options)),
       timer_(io_),
       soon_(io_),
-      shares_(processor_time, [this] { turn(); }),
+      shares_(bus::Shares::processor_time, [this] { turn(); }),
       boards_(
           shares_, [this](const mqtt::Message& received) { handle(received); },
           [this](const std::string& topic) {
@@ -71,12 +63,9 @@ Application::Application(ProgramOptions options)
     auto mqtt = options_.mqtt;
     mqtt.max_queued_messages = 20'000;
     mqtt.max_queued_bytes = 32u << 20;
-    auto urgent = mqtt;
-    urgent.client_id += "-stop";
+    asker_ = connection_for_answers(mqtt, "-commands");
+    stopper_ = connection_for_answers(mqtt, "-stop");
     client_ = std::make_unique<mqtt::Client>(io_, std::move(mqtt), handlers());
-    mqtt::Client::Handlers answers;
-    answers.on_message = [this](const mqtt::Message& received) { gateway_->message(received); };
-    urgent_ = std::make_unique<mqtt::Client>(io_, std::move(urgent), std::move(answers));
     options_.gateway.simulator = has_program("asip-sim");
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
     gateway_ = std::make_unique<Gateway>(options_.gateway, std::move(*models), std::move(units_of),
@@ -113,9 +102,12 @@ Gateway::Port Application::port() {
     port.publish = [this](mqtt::Message message) {
         return client_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
     };
-    port.urgent_ready = [this] { return urgent_->subscribed(); };
+    port.ask = [this](mqtt::Message message) {
+        return asker_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
+    };
+    port.urgent_ready = [this] { return stopper_->subscribed(); };
     port.publish_first = [this](mqtt::Message message) {
-        auto& client = urgent_->subscribed() ? urgent_ : client_;
+        auto& client = stopper_->subscribed() ? stopper_ : asker_;
         return client->publish(std::move(message), mqtt::Priority::kUrgent) != mqtt::PublishResult::kRefused;
     };
     port.subscribe = [this](std::string filter, bool retained) {
@@ -124,7 +116,7 @@ Gateway::Port Application::port() {
         client_->subscribe(std::move(filter), subscription);
     };
     port.unsubscribe = [this](const std::string& filter) { client_->unsubscribe(filter); };
-    port.v5 = [this] { return client_->v5(); };
+    port.v5 = [this] { return asker_->v5(); };
     port.now = present;
     port.server = [this] { return server_->counters(); };
     port.exports = [this] { return exports_stand(); };
@@ -146,6 +138,7 @@ mqtt::Client::Handlers Application::handlers() {
             each->subscribed();
     };
     result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
+        boards_.disconnected();
         gateway_->disconnected();
         for (const auto& each : exports_)
             each->disconnected();
@@ -153,19 +146,31 @@ mqtt::Client::Handlers Application::handlers() {
     };
     result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
     result.on_message = [this](const mqtt::Message& received) { message(received); };
-    result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
+    add_refusals(result);
+    return result;
+}
+
+void Application::add_refusals(mqtt::Client::Handlers& to) const {
+    to.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
         log::warning(mqtt::denied_text(options_.mqtt.user, topic, reason, "gateway"));
     };
-    result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
-    return result;
+    to.on_subscribe_refused = program::BrokerLog::subscribe_refused;
+}
+
+std::unique_ptr<mqtt::Client> Application::connection_for_answers(const mqtt::Options& like,
+                                                                  const char* name) {
+    auto options = like;
+    options.client_id += name;
+    mqtt::Client::Handlers handlers;
+    handlers.on_message = [this](const mqtt::Message& received) { gateway_->answer(received); };
+    add_refusals(handlers);
+    return std::make_unique<mqtt::Client>(io_, std::move(options), std::move(handlers));
 }
 
 // While the mirror reads what is retained, no message waits: its mark says that all of them were handled.
 void Application::message(const mqtt::Message& received) {
     const auto topic = gateway_->mirror().topics().parse(received.topic);
-    const bool of_board = topic && !topic->board.empty() && topic->kind != bus::TopicKind::kDemand &&
-                          topic->kind < bus::TopicKind::kRegistryState;
-    if (!of_board || gateway_->mirror().reading()) return handle(received);
+    if (!topic || !bus::BoardShares::counts(*topic) || gateway_->mirror().reading()) return handle(received);
     boards_.message(topic->board, received, Clock::now());
 }
 
@@ -253,10 +258,10 @@ int Application::run() {
     mqtt::SubscribeOptions replies;
     replies.qos = 1;
     const auto answers = options_.gateway.replies();
-    client_->subscribe(answers.below("+").filter(), replies);
-    urgent_->subscribe(Commands::urgent(answers).below("+").filter(), replies);
-    client_->start();
-    urgent_->start();
+    asker_->subscribe(answers.below("+").filter(), replies);
+    stopper_->subscribe(Commands::urgent(answers).below("+").filter(), replies);
+    for (const auto& client : {client_.get(), asker_.get(), stopper_.get()})
+        client->start();
     server_->start();
     log_access();
     schedule_tick();
@@ -283,7 +288,8 @@ void Application::schedule_tick() {
 void Application::stop() {
     gateway_->leave();
     server_->stop();
-    urgent_->stop(std::chrono::seconds(1), [] {});
+    for (const auto& client : {asker_.get(), stopper_.get()})
+        client->stop(std::chrono::seconds(1), [] {});
     auto last = std::make_shared<int>(static_cast<int>(exports_.size()));
     for (const auto& each : exports_)
         each->stop(std::chrono::seconds(2), [this, last] {

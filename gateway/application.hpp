@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "asip/bus/board_shares.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"
-#include "gateway/board_shares.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/options.hpp"
@@ -18,8 +18,8 @@
 
 namespace asip::gateway {
 
-/// The program: a gateway with its server, its two connections to the bus (one for stops alone) and its
-/// clock, on one thread. It logs; what it is made of does not, but for what clients did.
+/// The program: a gateway with its server, its connections to the bus and its clock, on one thread. It logs;
+/// what it is made of does not, but for what clients did.
 class Application {
   public:
     /// Throws std::runtime_error where an address, a certificate, the tokens or a model cannot be used.
@@ -35,6 +35,8 @@ class Application {
     void turn();
     mqtt::Client::Handlers handlers();
     std::vector<ExportStanding> exports_stand() const;
+    void add_refusals(mqtt::Client::Handlers& to) const;
+    std::unique_ptr<mqtt::Client> connection_for_answers(const mqtt::Options& like, const char* name);
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void schedule_tick();
     void read_tokens(bool first);
@@ -50,9 +52,11 @@ class Application {
     boost::asio::steady_timer soon_;
     std::unique_ptr<program::StopSignal> stop_signal_;
     std::unique_ptr<mqtt::Client> client_;
-    std::unique_ptr<mqtt::Client> urgent_;  // for stops: what waits in the other does not wait in this
-    Shares shares_;
-    BoardShares boards_;
+    // A broker delivers the messages of one connection one behind the other: answers must not wait behind
+    // what boards publish, nor those to stops behind any.
+    std::unique_ptr<mqtt::Client> asker_, stopper_;
+    bus::Shares shares_;
+    bus::BoardShares boards_;
     std::unique_ptr<Gateway> gateway_;
     std::vector<std::unique_ptr<Exports>> exports_;
     std::optional<bool> home_assistant_there_;  // as it says itself

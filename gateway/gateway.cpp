@@ -158,9 +158,12 @@ void Gateway::leave() {
         wait->done(false);
 }
 
+bool Gateway::answer(const mqtt::Message& message) {
+    return requester_.take(message) || commands_.take(message, now());
+}
+
 void Gateway::message(const mqtt::Message& message) {
-    if (requester_.take(message)) return;
-    if (commands_.take(message, now())) return;
+    if (answer(message)) return;
     if (dashboards_.take(message)) return;
     demander_.take(message, now().time);
     mirror_.message(message, now());
@@ -212,7 +215,7 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
     start.answer_first = urgent && port_.urgent_ready();
     switch (commands_.start(start, port_.v5(), now(), done, message)) {
         case Commands::Started::kPublish:
-            if (!(urgent ? port_.publish_first : port_.publish)(std::move(message)))
+            if (!(urgent ? port_.publish_first : port_.ask)(std::move(message)))
                 commands_.not_published(start, now());
             break;
         case Commands::Started::kRepeated:
@@ -243,7 +246,7 @@ bool Gateway::ask_registry(const std::string& payload, const std::string& client
         if (!answer || !question.done) return;
         std::exchange(question.done, {})(&*answer);
     });
-    if (!port_.publish(std::move(message))) question.until = now().time;
+    if (!port_.ask(std::move(message))) question.until = now().time;
     return true;
 }
 

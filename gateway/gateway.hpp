@@ -61,13 +61,15 @@ class Gateway {
     /// they return, but for what `soon` is given.
     struct Port {
         std::function<bool(mqtt::Message)> publish;  ///< false: refused, the queue is full
+        /// A command or a question, over a connection by which nothing else comes than answers.
+        std::function<bool(mqtt::Message)> ask;
         /// Whether there is a connection for what is urgent, with its answers subscribed.
         std::function<bool()> urgent_ready;
-        /// Ahead of all that waits: over that connection, or first over the other.
+        /// Ahead of all that waits: over that connection, or first over the one of `ask`.
         std::function<bool(mqtt::Message)> publish_first;
         std::function<void(std::string filter, bool retained)> subscribe;
         std::function<void(const std::string& filter)> unsubscribe;
-        std::function<bool()> v5;                      ///< the broker speaks MQTT 5
+        std::function<bool()> v5;                      ///< `ask` speaks MQTT 5
         std::function<Instant()> now;                  ///< never earlier than before
         std::function<http::ServerCounters()> server;  ///< for metrics
         std::function<std::vector<ExportStanding>()> exports;
@@ -97,6 +99,8 @@ class Gateway {
     void leave();
     /// Any message of the bus. What is none of the gateway's is passed over.
     void message(const mqtt::Message& message);
+    /// A message of the connections for commands, questions and stops. False: it answers nothing.
+    bool answer(const mqtt::Message& message);
     /// Call ten times a second: leases, deadlines, waits and rights end by it.
     void tick();
 

@@ -25,7 +25,12 @@ Instant now() {
 
 }  // namespace
 
-Application::Application(RegistryOptions options) : options_(std::move(options)), timer_(io_) {
+Application::Application(RegistryOptions options)
+    : options_(std::move(options)),
+      timer_(io_),
+      topics_(options_.topic_root),
+      shares_(bus::Shares::processor_time, [this] { share_turn(); }),
+      boards_(shares_, [this](const mqtt::Message& received) { take(received); }, [](const std::string&) {}) {
     if (!options_.history.empty()) {
         history_ = std::make_unique<HistoryKeeper>(
             io_, History::Options{options_.history, options_.history_age, options_.history_bytes},
@@ -93,6 +98,7 @@ mqtt::Client::Handlers Application::handlers() {
         registry_->connected(connected.max_packet_bytes, now());
     };
     result.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
+        boards_.disconnected();
         registry_->disconnected();
         log::warning("connection lost; the catalogue is kept and checked when the broker is back",
                      {{"why", failure.text}, {"boards", registry_->boards()}});
@@ -131,6 +137,21 @@ void Application::connect_failed(const mqtt::ConnectionFailure& failure) {
 }
 
 void Application::message(const mqtt::Message& received) {
+    const auto topic = topics_.parse(received.topic);
+    if (!topic || !bus::BoardShares::counts(*topic) || registry_->reading()) return take(received);
+    arrived_ = true;
+    schedule_turn();
+    boards_.message(topic->board, received, Clock::now());
+}
+
+// What else there is to do is done between two turns.
+void Application::share_turn() {
+    boost::asio::post(io_, [this] {
+        if (shares_.run()) share_turn();
+    });
+}
+
+void Application::take(const mqtt::Message& received) {
     registry_->message(received, now());
     arrived_ = true;
     schedule_turn();
@@ -147,6 +168,7 @@ void Application::schedule_tick() {
     timer_.async_wait([this](const boost::system::error_code& error) {
         if (error || stopping_) return;
         registry_->tick(now());
+        boards_.tick(Clock::now());
         schedule_turn();
         notify();
         schedule_tick();

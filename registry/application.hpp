@@ -4,6 +4,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 
+#include "asip/bus/board_shares.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"
@@ -32,6 +33,8 @@ class Application {
     mqtt::Client::Handlers handlers();
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
+    void take(const mqtt::Message& message);
+    void share_turn();
     void schedule_tick();
     void schedule_turn();
     void notify();
@@ -43,6 +46,9 @@ class Application {
     boost::asio::steady_timer timer_;
     std::unique_ptr<program::StopSignal> stop_signal_;
     std::unique_ptr<HistoryKeeper> history_;
+    bus::Topics topics_;
+    bus::Shares shares_;
+    bus::BoardShares boards_;
     std::unique_ptr<Registry> registry_;
     std::unique_ptr<mqtt::Client> client_;
     std::unique_ptr<Webhook> webhook_;

@@ -54,6 +54,8 @@ class Registry {
     /// Whether questions wait for their turn, which comes once the program has read what came meanwhile.
     bool questions_wait() const { return endpoint_.waits(); }
     void answer_in_turn(Instant now);
+    /// What is retained is being read: no message may wait, for the last one says that all were handled.
+    bool reading() const { return first_state_.active(); }
     /// Call ten times a second, also while not connected.
     void tick(Instant now);
     /// The last message before the end.

@@ -311,7 +311,7 @@ void Connection::pump_later() {
     });
 }
 
-void Connection::in_turns(std::uint64_t number, Shares::Job step) {
+void Connection::in_turns(std::uint64_t number, bus::Shares::Job step) {
     if (waits_for(number)) step_ = std::move(step);
 }
 
@@ -333,7 +333,7 @@ void Connection::upgrade(std::uint64_t number, std::unique_ptr<Channel> channel)
     count_input(0);
     websocket_ = WebSocket::start(
         std::move(transport_), *request_, std::move(channel), shared_->limits,
-        [self = shared_from_this()](Shares::Job job) {
+        [self = shared_from_this()](bus::Shares::Job job) {
             self->shared_->shares.add(self->asker_.name, std::move(job));
         },
         [self = shared_from_this()] { self->close(); });

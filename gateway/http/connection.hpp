@@ -20,9 +20,9 @@ struct AddressUse {
 
 /// What the connections of a server share.
 struct Shared {
-    explicit Shared(Shares& all) : shares(all) {}
+    explicit Shared(bus::Shares& all) : shares(all) {}
 
-    Shares& shares;
+    bus::Shares& shares;
     Server::AskerOf asker_of;
     Server::Handler handler;
     ServerLimits limits;
@@ -53,7 +53,7 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     void respond(std::uint64_t number, Response response) override;
     void stream(std::uint64_t number, Response head, std::unique_ptr<Source> source) override;
     void upgrade(std::uint64_t number, std::unique_ptr<Channel> channel) override;
-    void in_turns(std::uint64_t number, Shares::Job step) override;
+    void in_turns(std::uint64_t number, bus::Shares::Job step) override;
     bool waits_for(std::uint64_t number) const override {
         return phase_ == Phase::kHandling && number == number_;
     }
@@ -100,7 +100,7 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     std::size_t read_bytes_ = 0;  // by the reader
     std::optional<Request> request_;
     Asker asker_;
-    Shares::Job step_;  // of an answer that costs much
+    bus::Shares::Job step_;  // of an answer that costs much
     std::string head_;
     Response response_;
     std::unique_ptr<Source> source_;

@@ -66,7 +66,7 @@ tcp::endpoint tcp_endpoint(const Protocol::endpoint& generic) {
 
 class Server::Impl : public std::enable_shared_from_this<Impl> {
   public:
-    Impl(asio::io_context& io, Options options, Shares& shares, AskerOf asker_of, Handler handler)
+    Impl(asio::io_context& io, Options options, bus::Shares& shares, AskerOf asker_of, Handler handler)
         : io_(io), shared_(std::make_shared<Shared>(shares)), timer_(io) {
         shared_->asker_of = std::move(asker_of);
         shared_->handler = std::move(handler);
@@ -233,7 +233,7 @@ class Server::Impl : public std::enable_shared_from_this<Impl> {
     }();
 };
 
-Server::Server(asio::io_context& io, Options options, Shares& shares, AskerOf asker_of, Handler handler)
+Server::Server(asio::io_context& io, Options options, bus::Shares& shares, AskerOf asker_of, Handler handler)
     : impl_(std::make_shared<Impl>(io, std::move(options), shares, std::move(asker_of), std::move(handler))) {
 }
 

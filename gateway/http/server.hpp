@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "asip/bus/shares.hpp"
 #include "asip/time.hpp"
 #include "gateway/http/message.hpp"
 #include "gateway/http/request_reader.hpp"
-#include "gateway/shares.hpp"
 
 namespace boost::asio {
 class io_context;
@@ -60,7 +60,7 @@ class Responder {
     virtual void respond(std::uint64_t number, Response response) = 0;
     virtual void stream(std::uint64_t number, Response head, std::unique_ptr<Source> source) = 0;
     virtual void upgrade(std::uint64_t number, std::unique_ptr<Channel> channel) = 0;
-    virtual void in_turns(std::uint64_t number, Shares::Job step) = 0;
+    virtual void in_turns(std::uint64_t number, bus::Shares::Job step) = 0;
     virtual bool waits_for(std::uint64_t number) const = 0;
 };
 
@@ -99,7 +99,7 @@ class Reply {
     /// Only while the handler is being called. An answer that costs much: `step` is called, each time in
     /// another turn of its asker and ahead of its other requests, until it returns false or no client waits
     /// any more. A step should take a millisecond or two.
-    void in_turns(Shares::Job step) const {
+    void in_turns(bus::Shares::Job step) const {
         if (const auto responder = responder_.lock()) responder->in_turns(number_, std::move(step));
     }
     /// No client waits for an answer any more: it was given, or the client closed the connection.
@@ -173,7 +173,8 @@ class Server {
 
     /// Binds. Throws std::runtime_error with a sentence where an address or certificate cannot be used.
     /// `shares`: by which requests, messages and streams have their turns; it must outlive the server.
-    Server(boost::asio::io_context& io, Options options, Shares& shares, AskerOf asker_of, Handler handler);
+    Server(boost::asio::io_context& io, Options options, bus::Shares& shares, AskerOf asker_of,
+           Handler handler);
     ~Server();
 
     /// Accepts connections from now on. Call once.

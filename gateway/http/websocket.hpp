@@ -17,7 +17,7 @@ class WebSocket {
     virtual void leave() = 0;
 
     /// Adds a job of its client.
-    using InTurn = std::function<void(Shares::Job)>;
+    using InTurn = std::function<void(bus::Shares::Job)>;
     /// Answers the upgrade and serves `channel` until the end, then calls `ended` once. `request` must be a
     /// valid upgrade: see is_upgrade().
     static std::shared_ptr<WebSocket> start(Transport transport, const Request& request,

@@ -74,7 +74,8 @@ std::vector<std::pair<std::string, bool>> Mirror::subscriptions() const {
 
             {topics_.values("+"), true},
             {topics_.registry_state("+"), true},
-            {topics_.registry_stats("+"), true}};
+            {topics_.registry_stats("+"), true},
+            {options_.own_topic, false}};
 }
 
 void Mirror::status(const Instant& now, std::string_view broker) {

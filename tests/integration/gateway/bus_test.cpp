@@ -8,6 +8,7 @@
 
 #include "running_gateway.hpp"
 #include "tests/integration/agent/rig.hpp"
+#include "tests/support/tcp_relay.hpp"
 
 namespace asip::test {
 namespace {
@@ -54,6 +55,21 @@ TEST_F(GatewayBus, Command_IsExecutedAndItsProofComesBack) {
     EXPECT_EQ(refused.status, 422) << refused.body;
     EXPECT_GT(refused.json()["code"].get<int>(), 0);
     EXPECT_EQ(post(port(), servo + "/commands/write", "[0,900]").status, 400);
+}
+
+// The broker has more of what boards publish than the gateway takes.
+TEST_F(GatewayBus, WhatBoardsPublishIsStuck_CommandsStopsAndQuestionsAreAnswered) {
+    TcpRelay relay(broker_.port());
+    RunningGateway gateway("127.0.0.1:" + std::to_string(relay.port()));
+    ASSERT_TRUE(gateway.becomes("uno1", "online")) << gateway.process().errors();
+    relay.cut_answers([](std::string_view first) {
+        return first.find("-commands") == std::string_view::npos &&
+               first.find("-stop") == std::string_view::npos;
+    });
+    const auto moved = post(gateway.port(), "/api/boards/uno1/services/servo/commands/write", "[0,45]");
+    EXPECT_EQ(moved.status, 200) << moved.body;
+    EXPECT_EQ(get(gateway.port(), "/api/boards/uno1/history").status, 200);
+    EXPECT_EQ(post(gateway.port(), "/api/boards/uno1/stop?once=true").status, 200);
 }
 
 TEST_F(GatewayBus, Values_ComeLive) {

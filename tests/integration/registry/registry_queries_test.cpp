@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "asip/model/model_set.hpp"
@@ -155,6 +156,31 @@ TEST(Registry, FloodOfQuestions_OthersAreAnsweredInTime_AndTheConnectionStays) {
     EXPECT_TRUE(flood.wait_for(
         [](const mqtt::Message& answer) { return answer.payload.find("queue-full") != std::string::npos; }));
     EXPECT_EQ(registry.process().errors().find("connection lost"), std::string::npos);
+}
+
+// Each is a row of the history and an event for watchers.
+TEST(Registry, FloodOfStatesOfOneBoard_QueriesAreAnsweredInTime_AndTheLastStateCounts) {
+    MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};
+    TempDir folder;
+    RunningRegistry registry(
+        broker.address(), "r1",
+        {"--history", folder.file("history.db"), "--config", settings_file("stats-interval = 1s\n")});
+    ASSERT_TRUE(registry.complete());
+    const std::string statistics = "asip/registry/r1/$stats";
+    BusProbe flood(broker.port(), {"nothing"});
+    BusProbe probe(broker.port(), {statistics});
+    flood.publish(announcement("uno1", description_text("uno1", "a", 1), 60));
+    ASSERT_TRUE(becomes(probe, "uno1", "online"));
+    for (int i = 0; i < 100'000; ++i)
+        flood.publish("asip/servicebus/uno1/$state", i % 2 == 0 ? "lost" : "online");
+    flood.publish("asip/servicebus/uno1/$state", "sleeping");
+    const auto began = std::chrono::steady_clock::now();
+    ASSERT_TRUE(ask(probe, R"({"find":"boards","limit":1})")) << registry.process().errors();
+    EXPECT_LT(std::chrono::steady_clock::now() - began, time_limit(std::chrono::seconds(2)));
+    EXPECT_TRUE(becomes(probe, "uno1", "sleeping"));
+    const auto told = probe.count(statistics);
+    ASSERT_TRUE(wait_until([&] { return probe.count(statistics) > told + 1; }));
+    EXPECT_LT(nlohmann::json::parse(*probe.last(statistics))["messages"], 70'000) << "the board's share";
 }
 
 TEST(Registry, Flood_NothingIsLostAndQueriesAreStillAnswered) {

@@ -26,7 +26,7 @@ class ApiTest : public testing::Test {
             response.emplace().status = 101;
             channel = std::move(made);
         }
-        void in_turns(std::uint64_t, Shares::Job step) override {
+        void in_turns(std::uint64_t, bus::Shares::Job step) override {
             for (steps = 1; step(); ++steps) {
             }
         }
@@ -62,7 +62,7 @@ class ApiTest : public testing::Test {
             published_.push_back(std::move(message));
             return true;
         };
-        port.publish_first = port.publish;
+        port.ask = port.publish_first = port.publish;
         port.urgent_ready = [this] { return urgent_ready_; };
         port.subscribe = [](const std::string&, bool) {};
         port.unsubscribe = [](const std::string&) {};

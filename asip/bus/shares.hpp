@@ -9,7 +9,7 @@
 
 #include "asip/time.hpp"
 
-namespace asip::gateway {
+namespace asip::bus {
 
 /// Shares the processor among clients and boards. What is to be done for one of them is a job of its name;
 /// of the names that have jobs the one goes next that has used the least time. What a name used while no
@@ -21,7 +21,7 @@ class Shares {
     /// One step. True: there is more to do, in another turn.
     using Job = std::function<bool()>;
 
-    /// `clock`: of what jobs use, the processor time of this thread. `wake`: called when there is a job and
+    /// `clock`: of what jobs use: processor_time(). `wake`: called when there is a job and
     /// there was none; run() must be called then, and again as long as it returns true, with what else the
     /// program has to do in between.
     Shares(std::function<Duration()> clock, std::function<void()> wake)
@@ -33,6 +33,8 @@ class Shares {
     /// Names of which anything is known: those that have jobs, or have used more than others.
     std::size_t names() const { return accounts_.size(); }
     Duration now() const { return clock_(); }
+    /// The time of this thread alone: what other programs use meanwhile is counted to nobody.
+    static Duration processor_time();
 
   private:
     struct Account {
@@ -52,4 +54,4 @@ class Shares {
     const Accounts::value_type* running_ = nullptr;
 };
 
-}  // namespace asip::gateway
+}  // namespace asip::bus

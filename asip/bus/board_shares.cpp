@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/board_shares.hpp"
+#include "asip/bus/board_shares.hpp"
 
 #include <algorithm>
 
-namespace asip::gateway {
+namespace asip::bus {
 namespace {
 
 std::size_t bytes_of(const mqtt::Message& message) {
@@ -50,7 +50,9 @@ void BoardShares::drop(Board& board, std::list<mqtt::Message>::iterator which) {
 }
 
 bool BoardShares::next(const std::string& name) {
-    auto& board = boards_.find(name)->second;
+    const auto found = boards_.find(name);
+    if (found == boards_.end() || found->second.waiting.empty()) return false;
+    auto& board = found->second;
     const auto message = std::move(board.waiting.front());
     board.waiting.pop_front();
     board.bytes -= bytes_of(message);
@@ -58,6 +60,13 @@ bool BoardShares::next(const std::string& name) {
     handle_(message);
     board.left -= shares_.now() - began;
     return !board.waiting.empty();
+}
+
+void BoardShares::disconnected() {
+    for (auto& [name, board] : boards_) {
+        board.waiting.clear();
+        board.bytes = 0;
+    }
 }
 
 void BoardShares::tick(Time now) {
@@ -68,4 +77,4 @@ void BoardShares::tick(Time now) {
     }
 }
 
-}  // namespace asip::gateway
+}  // namespace asip::bus

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/shares.hpp"
+#include "asip/bus/shares.hpp"
 
 #include <algorithm>
+#include <ctime>
 
-namespace asip::gateway {
+namespace asip::bus {
 
 Shares::Place Shares::place_of(const Accounts::value_type& account) {
     return {account.second.urgent.empty(), account.second.used, &account.first};
+}
+
+Duration Shares::processor_time() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 void Shares::add(const std::string& name, Job job, bool urgent) {
@@ -57,4 +64,4 @@ bool Shares::run() {
     return !waiting_.empty();
 }
 
-}  // namespace asip::gateway
+}  // namespace asip::bus

@@ -6,10 +6,11 @@
 #include <string>
 #include <string_view>
 
+#include "asip/bus/shares.hpp"
+#include "asip/bus/topics.hpp"
 #include "asip/mqtt/message.hpp"
-#include "gateway/shares.hpp"
 
-namespace asip::gateway {
+namespace asip::bus {
 
 /// What boards publish, each within its share of the processor. A message is handled as it comes, until its
 /// board has used kBurst, or a kPart-th of the time since. From then on its messages have their turns, and
@@ -27,9 +28,16 @@ class BoardShares {
                 std::function<void(const std::string&)> replaced)
         : shares_(shares), handle_(std::move(handle)), replaced_(std::move(replaced)) {}
 
+    /// Whether what comes on such a topic is counted to its board: boards alone publish there.
+    static bool counts(const TopicRef& topic) {
+        return !topic.board.empty() && topic.kind != TopicKind::kDemand &&
+               topic.kind < TopicKind::kRegistryState;
+    }
     void message(std::string_view board, const mqtt::Message& message, Time now);
     /// Forgets boards that used little. Call a few times a second.
     void tick(Time now);
+    /// Forgets what waits: it is older than what the next connection brings.
+    void disconnected();
     std::size_t boards() const { return boards_.size(); }
 
   private:
@@ -51,4 +59,4 @@ class BoardShares {
     Boards boards_;
 };
 
-}  // namespace asip::gateway
+}  // namespace asip::bus

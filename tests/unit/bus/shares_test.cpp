@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose turn it is: clients that ask much, boards that publish much, and stops between them. What a job costs
 // is counted here, and no clock is read.
-#include "gateway/shares.hpp"
+#include "asip/bus/shares.hpp"
 
 #include <gmock/gmock.h>
 
-#include "clock.hpp"
-#include "gateway/board_shares.hpp"
+#include "asip/bus/board_shares.hpp"
 
-namespace asip::gateway {
+namespace asip::bus {
 namespace {
 
+using namespace std::chrono_literals;
 using testing::Each;
 using testing::ElementsAre;
 
@@ -128,6 +128,16 @@ TEST_F(BoardSharesTest, FloodOfOneBoard_CostsItsShare_AndEndsWithItsLastMessage)
     EXPECT_EQ(boards.boards(), 0u);
 }
 
+TEST_F(BoardSharesTest, ConnectionLost_WhatWaitedIsForgotten_AndTheNextMessageIsHandled) {
+    for (int i = 0; i < 200; ++i)
+        message("hog", "state", "lost");
+    boards.disconnected();
+    handled.clear();
+    message("hog", "state", "online");
+    run();
+    EXPECT_THAT(handled, ElementsAre("state online"));
+}
+
 TEST_F(BoardSharesTest, WhatWaitsOfABoard_KeepsItsOrder_AndHasABound) {
     for (int i = 0; i < 100; ++i)
         message("hog", "state", "");
@@ -145,4 +155,4 @@ TEST_F(BoardSharesTest, WhatWaitsOfABoard_KeepsItsOrder_AndHasABound) {
 }
 
 }  // namespace
-}  // namespace asip::gateway
+}  // namespace asip::bus
