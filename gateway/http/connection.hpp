@@ -16,6 +16,7 @@ namespace asip::gateway::http {
 struct AddressUse {
     std::size_t connections = 0;
     std::size_t input_bytes = 0;
+    std::size_t handshakes = 0;  // of TLS, under way
 };
 
 /// What the connections of a server share.
@@ -61,6 +62,7 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
   private:
     enum class Phase { kHandshake, kReading, kHandling, kWriting, kStreaming, kWebSocket, kClosed };
 
+    void shakes_hands(bool now);
     void read();
     void received(const boost::system::error_code& error, std::size_t bytes);
     void feed();
@@ -100,6 +102,7 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     std::size_t read_bytes_ = 0;  // by the reader
     std::optional<Request> request_;
     Asker asker_;
+    bool in_handshake_ = false;
     bus::Shares::Job step_;  // of an answer that costs much
     std::string head_;
     Response response_;

@@ -72,6 +72,21 @@ TEST_F(GatewayTls, PlainHttp_IsClosedAndTheNextIsServed) {
     EXPECT_EQ(curl(gateway.port(), {"--cacert", file("root.pem")}).status, 0);
 }
 
+TEST_F(GatewayTls, ManyHandshakesOfOneAddress_AreTurnedAwayAndOthersAreServed) {
+    RunningGateway gateway(broker_.address(),
+                           {"--http-cert", file("chain.pem"), "--http-key", file("server.key")});
+    const std::vector<std::string> trust{"--cacert", file("root.pem")};
+    {
+        std::vector<std::unique_ptr<Wire>> silent;
+        for (int i = 0; i < 64; ++i)
+            silent.push_back(std::make_unique<Wire>(gateway.port()));
+        EXPECT_TRUE(wait_until([&] { return Wire(gateway.port()).closed(std::chrono::milliseconds(500)); }));
+        EXPECT_NE(curl(gateway.port(), trust).status, 0);
+        EXPECT_EQ(curl(gateway.port(), {"--cacert", file("root.pem"), "--interface", "127.0.0.2"}).status, 0);
+    }
+    EXPECT_TRUE(wait_until([&] { return curl(gateway.port(), trust).status == 0; }));
+}
+
 TEST_F(GatewayTls, KeyOfAnotherCertificate_DoesNotStart) {
     const auto refused =
         run({ASIP_PROGRAMS "/asip-gateway", "--broker", broker_.address(), "--http", "127.0.0.1:0",
