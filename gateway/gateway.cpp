@@ -18,7 +18,7 @@ constexpr std::size_t kBytesOfQuestion = 16 * 1024;  // to a registry, with what
 
 // A command and its sender. A renewal is a sign of life, many times a second.
 void log_command(const CommandRecord& record) {
-    if (record.renewal) return;
+    if (record.renewal || record.of_many) return;
     const auto& reply = *record.reply;
     program::log::info("command", {{"by", record.by},
                                    {"target", record.target},
@@ -178,6 +178,7 @@ void Gateway::tick() {
     dashboards_.tick(present.time);
     publish_all(demander_.due(present.time));
     commands_.tick(present);
+    many_boards_.tick(present.time);
     streams_.tick(present, gate_);
     gate_.logins().expire(present.time);
     command_rates_.expire(present.time);
@@ -196,8 +197,8 @@ void Gateway::tick() {
 
 void Gateway::command(Commands::Start start, Commands::Done done) {
     const auto refused = [&](std::string reason, std::string error) {
-        CommandRecord record{start.id, start.by, start.target, start.payload,
-                             now(),    {},       false,        start.renewal};
+        CommandRecord record{start.id, start.by, start.target,  start.payload, now(),
+                             {},       false,    start.renewal, start.of_many};
         record.reply = bus::Reply::refused(std::move(reason), std::move(error));
         record.reply->id = start.id;
         record.reply->by = start.by;

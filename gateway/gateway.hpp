@@ -14,6 +14,7 @@
 #include "asip/mqtt/message.hpp"
 #include "gateway/api/board_models.hpp"
 #include "gateway/api/board_texts.hpp"
+#include "gateway/api/many_boards.hpp"
 #include "gateway/api/things.hpp"
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
@@ -126,6 +127,7 @@ class Gateway {
     api::BoardTexts& board_texts() { return board_texts_; }
     api::BoardModels& board_models() { return board_models_; }
     api::Things& things() { return things_; }
+    api::ManyBoards& many_boards() { return many_boards_; }
     http::ServerCounters server_counters() const { return port_.server(); }
     std::vector<ExportStanding> exports() const { return port_.exports(); }
     /// The document of the API as JSON, made once.
@@ -175,6 +177,7 @@ class Gateway {
     api::BoardTexts board_texts_;
     api::BoardModels board_models_{models_};
     api::Things things_{options_.things, models_};
+    api::ManyBoards many_boards_{*this};
     std::unordered_map<std::string, std::string> session_names_;
     metrics::CommandTimes durations_;
     std::vector<const CommandRecord*> to_log_;  // of commands_, which keeps them for a minute

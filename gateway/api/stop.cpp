@@ -14,73 +14,18 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxWhyBytes = 200;
 
-/// The answers of several boards, sent once all have come.
-struct Answers {
-    explicit Answers(http::Reply to) : reply(std::move(to)) {}
-
-    http::Reply reply;
-    json boards = json::object();
-    std::size_t missing = 0;
-
-    void answered(const std::string& board, const bus::Reply& answer) {
-        boards[board] = json::parse(text_for_clients(answer), nullptr, false);
-        boards[board].erase("id");
-        if (--missing == 0) send();
-    }
-    void send() {
-        const bool all = std::all_of(boards.begin(), boards.end(),
-                                     [](const json& each) { return each.value("status", "") == "ok"; });
-        reply.send(json_response({{"boards", std::move(boards)}}, all ? 200 : 207));
-    }
-};
-
-/// What a stop says: it holds until the board is resumed, unless it is for once.
-std::string stop_payload(const Call& call) {
+/// A stop holds until the board is resumed, unless it is for once. What is known before is in `known`.
+ManyBoards::Asked asked(const Call& call, bool stop, json known = json::object()) {
     const auto* once = call.request.parameter("once");
     const auto* why = call.request.parameter("why");
-    json payload = json::object();
-    if (once == nullptr || *once != "true") payload["latch"] = true;
-    if (why != nullptr && !why->empty()) payload["why"] = why->substr(0, kMaxWhyBytes);
-    return model::dump_json(payload);
-}
-
-Commands::Start start_of(const Call& call, const std::string& board, const char* session) {
-    Commands::Start start;
-    start.session = session;
-    start.by = call.principal.rights.name;
-    start.target = board;
-    start.client = call.client();
-    return start;
-}
-
-void send_stop(const Call& call, const std::string& board, Commands::Done done) {
-    auto start = start_of(call, board, "stop");
-    start.topic = call.gateway.mirror().topics().stop(board);
-    start.payload = stop_payload(call);
-    start.urgent = true;
-    call.gateway.command(std::move(start), std::move(done));
-}
-
-void send_resume(const Call& call, const std::string& board, Commands::Done done) {
-    auto start = start_of(call, board, "resume");
-    start.topic = call.gateway.mirror().topics().board_in(board);
-    start.payload = R"({"resume":true})";
-    call.gateway.command(std::move(start), std::move(done));
-}
-
-using Send = void (*)(const Call&, const std::string&, Commands::Done);
-
-/// Asks each board and answers when all have answered; `known` is what is known before.
-void ask_all(const Call& call, const std::vector<std::string>& boards, Send send,
-             json known = json::object()) {
-    auto answers = std::make_shared<Answers>(call.reply);
-    answers->boards = std::move(known);
-    answers->missing = boards.size();
-    if (boards.empty()) return answers->send();
-    for (const auto& board : boards) {
-        send(call, board,
-             [answers, board](const CommandRecord& record) { answers->answered(board, *record.reply); });
-    }
+    ManyBoards::Asked result;
+    result.stop = stop;
+    result.latch = stop && (once == nullptr || *once != "true");
+    if (stop && why != nullptr) result.why = why->substr(0, kMaxWhyBytes);
+    result.by = call.principal.rights.name;
+    result.client = call.client();
+    result.known = std::move(known);
+    return result;
 }
 
 /// The boards that the body names; nothing where it names none, which is all that the client sees.
@@ -101,14 +46,22 @@ Expected<std::optional<std::vector<std::string>>> named_boards(const Call& call)
     return names;
 }
 
-void ask_named(const Call& call, std::vector<std::string> names, Send send) {
+void ask_named(const Call& call, std::vector<std::string> names, bool stop) {
     json unknown = json::object();
     std::erase_if(names, [&](const std::string& name) {
         if (call.sees(name) && call.gateway.mirror().known(name, call.now())) return false;
         unknown[name] = {{"status", "refused"}, {"reason", "unknown-board"}, {"error", "no such board"}};
         return true;
     });
-    ask_all(call, names, send, std::move(unknown));
+    auto all = asked(call, stop, std::move(unknown));
+    all.boards = std::move(names);
+    call.gateway.many_boards().ask(std::move(all), call.reply);
+}
+
+void ask_one(const Call& call, const std::string& board, bool stop) {
+    auto one = asked(call, stop);
+    one.boards = {board};
+    call.gateway.many_boards().ask(std::move(one), call.reply);
 }
 
 }  // namespace
@@ -116,15 +69,14 @@ void ask_named(const Call& call, std::vector<std::string> names, Send send) {
 void post_stop_board(Call& call) {
     if (!bus_is_there(call)) return;
     const auto board = board_of(call);
-    if (!board) return;
-    ask_all(call, {board->board}, send_stop);
+    if (board) ask_one(call, board->board, true);
 }
 
 void post_stop(Call& call) {
     if (!bus_is_there(call)) return;
     auto names = named_boards(call);
     if (!names) return send_problem(call, 400, names.error());
-    if (*names) return ask_named(call, std::move(**names), send_stop);
+    if (*names) return ask_named(call, std::move(**names), true);
     auto boards = call.gateway.mirror().board_names();
     std::erase_if(boards, [&](const std::string& each) { return !call.sees(each); });
     stop_boards(call, boards);
@@ -133,21 +85,20 @@ void post_stop(Call& call) {
 // A board that is lost may have an agent that stops it once it is back: it is sent the stop, and not waited
 // for.
 void stop_boards(Call& call, const std::vector<std::string>& boards) {
-    std::vector<std::string> alive, lost;
+    auto all = asked(call, true);
     for (const auto& board : boards) {
         const auto item = call.gateway.mirror().board(board, call.now());
         if (!item || item->names_only) continue;
-        (model::is_gone(item->state) ? lost : alive).push_back(board);
+        (model::is_gone(item->state) ? all.lost : all.boards).push_back(board);
     }
-    ask_all(call, alive, send_stop);
-    for (const auto& board : lost)
-        send_stop(call, board, [](const CommandRecord&) {});
+    std::sort(all.boards.begin(), all.boards.end());
+    call.gateway.many_boards().ask(std::move(all), call.reply);
 }
 
 void post_resume_board(Call& call) {
     if (!bus_is_there(call)) return;
     const auto board = board_of(call);
-    if (board) ask_all(call, {board->board}, send_resume);
+    if (board) ask_one(call, board->board, false);
 }
 
 // Those that are stopped, and have an agent that hears it.
@@ -155,14 +106,15 @@ void post_resume(Call& call) {
     if (!bus_is_there(call)) return;
     auto names = named_boards(call);
     if (!names) return send_problem(call, 400, names.error());
-    if (*names) return ask_named(call, std::move(**names), send_resume);
-    std::vector<std::string> stopped;
+    if (*names) return ask_named(call, std::move(**names), false);
+    auto all = asked(call, false);
     for (auto& board : call.gateway.mirror().board_names()) {
         const auto item = call.gateway.mirror().known(board, call.now());
         if (item && item->reason == model::to_text(model::StateReason::kLatched) && call.sees(board))
-            stopped.push_back(std::move(board));
+            all.boards.push_back(std::move(board));
     }
-    ask_all(call, stopped, send_resume);
+    std::sort(all.boards.begin(), all.boards.end());
+    call.gateway.many_boards().ask(std::move(all), call.reply);
 }
 
 void post_renew(Call& call) {

@@ -81,7 +81,8 @@ Commands::Started Commands::start(Start& start, bool v5, const Instant& now, Don
     // A stop is never too late.
     if (!start.urgent) message.expire_after(start.deadline);
     Entry entry;
-    entry.record = {start.id, start.by, start.target, start.payload, now, std::nullopt, false, start.renewal};
+    entry.record = {start.id,     start.by, start.target,  start.payload, now,
+                    std::nullopt, false,    start.renewal, start.of_many};
     entry.part = std::move(start.part);
     entry.topic = start.topic;
     entry.reply_topic = reply_topic;

@@ -27,6 +27,7 @@ struct CommandRecord {
     std::optional<bus::Reply> reply;  ///< empty: under way
     bool late = false;                ///< the answer came after the client had got a timeout
     bool renewal = false;             ///< it only keeps another command in force
+    bool of_many = false;             ///< one of many that are logged together
 };
 
 /// Commands from their start until a minute after their answer. Pure: the caller publishes and gives what
@@ -54,6 +55,7 @@ class Commands {
         /// another connection.
         bool answer_first = false;
         bool renewal = false;  ///< only keeps another command in force
+        bool of_many = false;  ///< one of many that are logged together
         std::string client{};  ///< Budget: whose it is
         Budget::Part part{};   ///< of `client`: bytes_of() while the command is remembered
     };
