@@ -34,7 +34,7 @@ SECONDS = 4
 EVERY = 0.05
 NEVER = 30.0  # is a question waited for
 LONGEST = 60.0  # it takes to be well again
-MUSTS = {"stop": 0.5, "stop-http": 1.0, "command": 2.0, "query": 2.0, "page": 2.0}
+MUSTS = {"stop": 0.5, "stop-http": 1.0, "command": 2.0, "command-http": 2.0, "query": 2.0, "page": 2.0}
 UNITS = {"agent-desk": "asip-agent@", "agent-lamp": "asip-agent@", "registry": "asip-registry", "gateway": "asip-gateway"}
 FINE = ("ok", "stopped")  # answers; an operator may stop a board
 SHARE = 0.7  # of a unit's limit
@@ -153,17 +153,17 @@ class OverMqtt(Asker):
 
 
 class OverHttp(Asker):
-    def __init__(self, bus, name, method, path):
+    def __init__(self, bus, name, method, path, body=None):
         super().__init__()
-        self.request = method, path, None, bus.headers(name)
+        self.request = method, path, body, bus.headers(name)
         self.connection = http.client.HTTPConnection("127.0.0.1", bus.http_port, timeout=NEVER)
 
     def ask(self):
         try:
             self.connection.request(*self.request)
             answer = self.connection.getresponse()
-            answer.read()
-            return "ok" if answer.status == 200 else str(answer.status)
+            reason = re.search(rb'"reason":"([a-z-]+)"', answer.read())
+            return "ok" if answer.status == 200 else reason[1].decode() if reason else str(answer.status)
         except (OSError, http.client.HTTPException) as error:
             self.connection.close()
             return None if isinstance(error, TimeoutError) else repr(error)
@@ -175,6 +175,7 @@ def start_askers(bus):
         "stop": OverMqtt(bus, "ann", "stop", "desk", "asip/desk/$stop"),
         "stop-http": OverHttp(bus, "ann", "POST", "/api/boards/desk/stop?once=true"),
         "command": OverMqtt(bus, "ann", "command", "lamp", "asip/lamp/in", raw="#,?"),
+        "command-http": OverHttp(bus, "ann", "POST", "/api/boards/lamp/services/io/commands/write", "[13,1]"),
         "query": OverMqtt(bus, "bob", "query", "registry", "asip/registry/query", find="boards", limit=100),
         "page": OverHttp(bus, "bob", "GET", "/api/boards?limit=100"),
     }
@@ -248,7 +249,7 @@ def faults(figures):
     return found + [f"memory of {name}" for name, share in figures.get("memory", {}).items() if share > SHARE]
 
 
-HEAD = (f"{'milliseconds at worst; seconds until all is well; % of memory':<78} " + " ".join(f"{name:>9}" for name in ("bare", *MUSTS)) +
+HEAD = (f"{'milliseconds at worst; seconds until all is well; % of memory':<78} " + " ".join(f"{name[:9]:>9}" for name in ("bare", *MUSTS)) +
         "  after agnt agnt regi gate      MB share  load  musts that do not hold")
 
 
