@@ -2,11 +2,8 @@
 #include "gateway/http/connection.hpp"
 
 #include <algorithm>
-#include <boost/asio/bind_executor.hpp>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
-
-#include "gateway/http/turn_executor.hpp"
 
 namespace asip::gateway::http {
 namespace {
@@ -50,37 +47,6 @@ bool Connection::count_input(std::size_t bytes) {
     const auto& limits = shared_->limits;
     return shared_->input_bytes <= limits.input_bytes &&
            (use_ == nullptr || use_->input_bytes <= limits.input_bytes_per_address);
-}
-
-void Connection::start(asio::ssl::context* tls) {
-    until(shared_->limits.head_time);
-    if (tls == nullptr) {
-        phase_ = Phase::kReading;
-        return read();
-    }
-    if (use_ != nullptr && use_->handshakes >= shared_->limits.handshakes_per_address) {
-        ++shared_->counters.turned_away;
-        return close();
-    }
-    shakes_hands(true);
-    transport_.use_tls(*tls);
-    // A handshake costs a millisecond or two, and nobody has shown a token before it.
-    const TurnExecutor turns(asio::query(transport_.get_executor(), asio::execution::context),
-                             shared_->shares, "address " + address_);
-    transport_.tls()->async_handshake(
-        asio::ssl::stream_base::server,
-        asio::bind_executor(turns, [self = shared_from_this()](const ErrorCode& error) {
-            if (self->closed()) return;
-            self->shakes_hands(false);
-            if (error) return self->close();
-            self->phase_ = Phase::kReading;
-            self->read();
-        }));
-}
-
-void Connection::shakes_hands(bool now) {
-    if (use_ == nullptr || std::exchange(in_handshake_, now) == now) return;
-    use_->handshakes += now ? 1 : -1;
 }
 
 void Connection::close() {
