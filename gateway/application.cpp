@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "asip/caller/client_port.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
@@ -63,8 +64,11 @@ Application::Application(ProgramOptions options)
     auto mqtt = options_.mqtt;
     mqtt.max_queued_messages = 20'000;
     mqtt.max_queued_bytes = 32u << 20;
-    asker_ = connection_for_answers(mqtt, "-commands");
-    stopper_ = connection_for_answers(mqtt, "-stop");
+    mqtt::Client::Handlers calls;
+    calls.on_subscribed = [this] { gateway_->can_call(); };
+    calls.on_disconnected = [this](const mqtt::ConnectionFailure& why) { gateway_->cannot_call(why); };
+    asker_ = connection_for_answers(mqtt, "-commands", std::move(calls));
+    stopper_ = connection_for_answers(mqtt, "-stop", {});
     client_ = std::make_unique<mqtt::Client>(io_, std::move(mqtt), handlers());
     options_.gateway.simulator = has_program("asip-sim");
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
@@ -99,24 +103,20 @@ void Application::turn() {
 
 Gateway::Port Application::port() {
     Gateway::Port port;
+    port.calls = caller::port_of(*asker_);
+    port.calls.unacknowledged = nullptr;  // what others have published is under way at any time
     port.publish = [this](mqtt::Message message) {
         return client_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
     };
-    port.ask = [this](mqtt::Message message) {
-        return asker_->publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
-    };
     port.urgent_ready = [this] { return stopper_->subscribed(); };
-    port.publish_first = [this](mqtt::Message message) {
+    port.calls.publish_first = [this](mqtt::Message message) {
         auto& client = stopper_->subscribed() ? stopper_ : asker_;
         return client->publish(std::move(message), mqtt::Priority::kUrgent) != mqtt::PublishResult::kRefused;
     };
-    port.subscribe = [this](std::string filter, bool retained) {
-        mqtt::SubscribeOptions subscription;
-        subscription.retained = retained;
-        client_->subscribe(std::move(filter), subscription);
+    port.subscribe = [this](const std::string& filter, bool retained) {
+        client_->subscribe(filter, {.retained = retained});
     };
     port.unsubscribe = [this](const std::string& filter) { client_->unsubscribe(filter); };
-    port.v5 = [this] { return asker_->v5(); };
     port.now = present;
     port.server = [this] { return server_->counters(); };
     port.exports = [this] { return exports_stand(); };
@@ -153,15 +153,15 @@ mqtt::Client::Handlers Application::handlers() {
 void Application::add_refusals(mqtt::Client::Handlers& to) const {
     to.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
         log::warning(mqtt::denied_text(options_.mqtt.user, topic, reason, "gateway"));
+        gateway_->denied(topic, reason);
     };
     to.on_subscribe_refused = program::BrokerLog::subscribe_refused;
 }
 
-std::unique_ptr<mqtt::Client> Application::connection_for_answers(const mqtt::Options& like,
-                                                                  const char* name) {
+std::unique_ptr<mqtt::Client> Application::connection_for_answers(const mqtt::Options& like, const char* name,
+                                                                  mqtt::Client::Handlers handlers) {
     auto options = like;
     options.client_id += name;
-    mqtt::Client::Handlers handlers;
     handlers.on_message = [this](const mqtt::Message& received) { gateway_->answer(received); };
     add_refusals(handlers);
     return std::make_unique<mqtt::Client>(io_, std::move(options), std::move(handlers));
@@ -250,11 +250,11 @@ void Application::log_access() const {
 int Application::run() {
     log::info("gateway starts", {{"broker", options_.gateway.broker}});
     for (auto& [filter, retained] : gateway_->subscriptions())
-        port().subscribe(std::move(filter), retained);
+        client_->subscribe(std::move(filter), {.retained = retained});
     for (const auto& each : exports_)
         for (auto& filter : each->subscriptions())
-            port().subscribe(std::move(filter), true);
-    port().subscribe(kHomeAssistant, true);
+            client_->subscribe(std::move(filter));
+    client_->subscribe(kHomeAssistant);
     mqtt::SubscribeOptions replies;
     replies.qos = 1;
     const auto answers = options_.gateway.replies();

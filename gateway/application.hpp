@@ -36,7 +36,8 @@ class Application {
     mqtt::Client::Handlers handlers();
     std::vector<ExportStanding> exports_stand() const;
     void add_refusals(mqtt::Client::Handlers& to) const;
-    std::unique_ptr<mqtt::Client> connection_for_answers(const mqtt::Options& like, const char* name);
+    std::unique_ptr<mqtt::Client> connection_for_answers(const mqtt::Options& like, const char* name,
+                                                         mqtt::Client::Handlers handlers);
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void schedule_tick();
     void read_tokens(bool first);

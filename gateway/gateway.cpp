@@ -65,7 +65,11 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, catalogue::Unit
     : options_(std::move(options)),
       port_(std::move(port)),
       models_(std::move(models)),
-      demander_(bus::Topics(options_.topic_root), options_.user, options_.client, random),
+      caller_({.topics = bus::Topics(options_.topic_root),
+               .user = options_.user,
+               .name = options_.client,
+               .role = "gateway"},
+              random, port_.calls),
       mirror_(mirror_options(options_, std::move(units_of)), random,
               {[this](mqtt::Message message) { port_.publish(std::move(message)); }, port_.subscribe,
                port_.unsubscribe}),
@@ -73,12 +77,11 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, catalogue::Unit
                   {[this](mqtt::Message message) { return port_.publish(std::move(message)); },
                    [this] { mirror_.log().add("dashboards", {}, "{}"); },
                    [](const std::string& sentence) { program::log::warning(sentence); }}),
-      commands_(options_.replies()),
+      commands_(caller_),
       gate_(options_.gate, std::move(secrets)),
       budget_(options_.client_bytes),
       streams_(options_.streams_per_client),
-      command_rates_(options_.commands_per_second),
-      requester_(random_hex(random, 8), options_.replies().below("registry")) {
+      command_rates_(options_.commands_per_second) {
     gate_.set_shared({[this](std::string_view hash) { return dashboards_.link_of(hash); },
                       [this](const Rights& rights) { return dashboards_.holds(rights); },
                       [this](const std::string& name) {
@@ -135,23 +138,18 @@ void Gateway::read_dashboards() {
 void Gateway::subscribed() {
     dashboards_.subscribed();
     mirror_.subscribed(now());
-    demander_.connected(now().time);
 }
 
 void Gateway::disconnected() {
     mirror_.disconnected(now());
     dashboards_.disconnected();
-    demander_.disconnected();
-}
-
-void Gateway::publish_all(std::vector<mqtt::Message> messages) {
-    for (auto& message : messages)
-        port_.publish(std::move(message));
 }
 
 void Gateway::leave() {
-    publish_all(demander_.leave());
-    commands_.leave(now());
+    caller_.leave();
+    auto unknown = bus::Reply::timeout(bus::kTimeoutNoAnswer);
+    unknown.error = "the gateway ended before the answer";
+    caller_.end_all(unknown);
     for (auto& question : questions_)
         if (const auto done = std::exchange(question.done, {})) done(nullptr);
     for (auto& wait : std::exchange(waits_, {}))
@@ -159,13 +157,11 @@ void Gateway::leave() {
 }
 
 bool Gateway::answer(const mqtt::Message& message) {
-    return requester_.take(message) || commands_.take(message, now());
+    return caller_.message(message, now().time);
 }
 
 void Gateway::message(const mqtt::Message& message) {
-    if (answer(message)) return;
-    if (dashboards_.take(message)) return;
-    demander_.take(message, now().time);
+    if (answer(message) || dashboards_.take(message)) return;
     mirror_.message(message, now());
     read_dashboards();
     if (wait_ready_) finish_waits(false);
@@ -176,8 +172,8 @@ void Gateway::tick() {
     mirror_.tick(present);
     read_dashboards();
     dashboards_.tick(present.time);
-    publish_all(demander_.due(present.time));
-    commands_.tick(present);
+    caller_.tick(present.time);
+    commands_.tick(present.time);
     many_boards_.tick(present.time);
     streams_.tick(present, gate_);
     gate_.logins().expire(present.time);
@@ -211,14 +207,9 @@ void Gateway::command(Commands::Start start, Commands::Done done) {
         return refused(std::string(bus::kRefusedQueueFull),
                        "what is kept of your commands would be too much; it is kept for a minute");
     }
-    mqtt::Message message;
-    const bool urgent = start.urgent;
-    start.answer_first = urgent && port_.urgent_ready();
-    switch (commands_.start(start, port_.v5(), now(), done, message)) {
-        case Commands::Started::kPublish:
-            if (!(urgent ? port_.publish_first : port_.ask)(std::move(message)))
-                commands_.not_published(start, now());
-            break;
+    start.answer_first = start.urgent && port_.urgent_ready();
+    switch (commands_.start(start, now(), done)) {
+        case Commands::Started::kSent:
         case Commands::Started::kRepeated:
             break;
         case Commands::Started::kIdReused:
@@ -242,12 +233,13 @@ bool Gateway::ask_registry(const std::string& payload, const std::string& client
     question.done = std::move(done);
     question.until = now().time + kRegistryTime;
     question.part = std::move(part);
-    question.request = requester_.ask(message, port_.v5(), [&question](const mqtt::Message& received) {
+    const auto answered = [&question](const mqtt::Message& received) {
         const auto answer = bus::parse_answer(received.payload);
         if (!answer || !question.done) return;
         std::exchange(question.done, {})(&*answer);
-    });
-    if (!port_.ask(std::move(message))) question.until = now().time;
+    };
+    question.request = caller_.ask(std::move(message), answered, now().time);
+    if (question.request.id().empty()) question.until = now().time;
     return true;
 }
 

@@ -8,8 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "asip/bus/request/demander.hpp"
-#include "asip/bus/request/requester.hpp"
+#include "asip/caller/caller.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/message.hpp"
 #include "gateway/api/board_models.hpp"
@@ -61,21 +60,19 @@ class Gateway {
     /// What it needs of its surroundings. All are called on its thread, and must not call back into it before
     /// they return, but for what `soon` is given.
     struct Port {
-        std::function<bool(mqtt::Message)> publish;  ///< false: refused, the queue is full
-        /// A command or a question, over a connection by which nothing else comes than answers.
-        std::function<bool(mqtt::Message)> ask;
+        /// Commands, questions and demands, over a connection by which nothing else comes than answers.
+        /// `publish_first`: over the connection for what is urgent, or first over this.
+        caller::Caller::Port calls{};
+        std::function<bool(mqtt::Message)> publish{};  ///< false: refused, the queue is full
+        std::function<void(const std::string& filter, bool retained)> subscribe{};
+        std::function<void(const std::string& filter)> unsubscribe{};
         /// Whether there is a connection for what is urgent, with its answers subscribed.
-        std::function<bool()> urgent_ready;
-        /// Ahead of all that waits: over that connection, or first over the one of `ask`.
-        std::function<bool(mqtt::Message)> publish_first;
-        std::function<void(std::string filter, bool retained)> subscribe;
-        std::function<void(const std::string& filter)> unsubscribe;
-        std::function<bool()> v5;                      ///< `ask` speaks MQTT 5
-        std::function<Instant()> now;                  ///< never earlier than before
-        std::function<http::ServerCounters()> server;  ///< for metrics
-        std::function<std::vector<ExportStanding>()> exports;
+        std::function<bool()> urgent_ready{};
+        std::function<Instant()> now{};                  ///< never earlier than before
+        std::function<http::ServerCounters()> server{};  ///< for metrics
+        std::function<std::vector<ExportStanding>()> exports{};
         /// Calls back within a millisecond or two, once what is under way is done.
-        std::function<void(std::function<void()>)> soon;
+        std::function<void(std::function<void()>)> soon{};
     };
 
     /// `models`: what services are described by; `units_of`: of these, for queries. `random`: for names on
@@ -96,6 +93,11 @@ class Gateway {
     void subscribed();
     /// The connection is lost: what is known is still served, and said to be old (status, streams).
     void disconnected();
+    /// The connection for commands, questions and their answers is there, or is lost.
+    void can_call() { caller_.connected(now().time); }
+    void cannot_call(const mqtt::ConnectionFailure& why) { caller_.disconnected(why, now().time); }
+    /// The broker's access rules refused a message: a client may wait for its answer.
+    void denied(const std::string& topic, const std::string& reason) { caller_.denied(topic, reason); }
     /// The program ends: nothing is demanded any more, and no client waits for an answer.
     void leave();
     /// Any message of the bus. What is none of the gateway's is passed over.
@@ -114,7 +116,7 @@ class Gateway {
     Gate& gate() { return gate_; }
     Streams& streams() { return streams_; }
     Budget& budget() { return budget_; }
-    bus::Demander& demander() { return demander_; }
+    caller::Caller& caller() { return caller_; }
     Rates& command_rates() { return command_rates_; }
     /// What clients call their sessions -> a level of a topic. Kept since each command needs one; bounded in
     /// number by the one place that adds to it.
@@ -151,7 +153,7 @@ class Gateway {
 
   private:
     struct Question {
-        bus::Requester::Request request;
+        caller::Caller::Question request;
         Answered done;
         Time until;
         Budget::Part part;
@@ -161,12 +163,11 @@ class Gateway {
     void finished(const CommandRecord& record, Duration time);
     void log_commands();
     void read_dashboards();
-    void publish_all(std::vector<mqtt::Message> messages);
 
     GatewayOptions options_;
     Port port_;
     model::ModelSet models_;
-    bus::Demander demander_;
+    caller::Caller caller_;
     Mirror mirror_;
     Dashboards dashboards_;
     Commands commands_;
@@ -181,7 +182,6 @@ class Gateway {
     std::unordered_map<std::string, std::string> session_names_;
     metrics::CommandTimes durations_;
     std::vector<const CommandRecord*> to_log_;  // of commands_, which keeps them for a minute
-    bus::Requester requester_;
     std::list<Question> questions_;
     std::list<std::unique_ptr<Wait>> waits_;
     std::uint64_t refused_values_ = 0;

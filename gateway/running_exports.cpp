@@ -36,7 +36,7 @@ exports::Export::Port Exports::port() {
     };
     port.refused = [this](std::uint64_t values) { gateway_.count_refused_values(values); };
     port.want = [this](const std::string& board, const std::string& service, double hz) {
-        return gateway_.demander().want(board, service, hz);
+        return gateway_.caller().want(board, service, hz);
     };
     port.command = [this](const std::string& board, const property::Request& request,
                           std::function<void(std::string)> done) {

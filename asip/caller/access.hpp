@@ -11,7 +11,7 @@ namespace asip::caller {
 /// MQTT 5 say that they deny a message of QoS 1, others say nothing, or close the connection behind it.
 class Access {
   public:
-    explicit Access(std::string user) : user_(std::move(user)) {}
+    Access(std::string user, std::string role) : user_(std::move(user)), role_(std::move(role)) {}
 
     /// A message was published.
     void sent(const std::string& topic) { last_topic_ = topic; }
@@ -33,7 +33,10 @@ class Access {
     std::string may_be_denied() const;
 
   private:
-    std::string user_;
+    /// As what `asipctl secure` is to add the user.
+    std::string role_for(const std::string& topic) const;
+
+    std::string user_, role_;
     std::string last_topic_;
     std::optional<std::string> denied_in_silence_;  // the last question may have been
     std::optional<std::string> cut_off_by_;         // right behind a message on this topic it was closed

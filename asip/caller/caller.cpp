@@ -17,7 +17,7 @@ Caller::Caller(Options options, const Random& random, Port port)
       demander_(options_.topics, options_.user, options_.name, random),
       view_(options_.topics, options_.units_of),
       router_([this](const std::string& filter) { port_.unsubscribe(filter); }),
-      access_(options_.user),
+      access_(options_.user, options_.role),
       watched_(options_.topics.board_names()) {
     port_.subscribe(replies().filter(), {.qos = options_.qos, .retained = false});
 }
@@ -39,15 +39,17 @@ void Caller::disconnected(const mqtt::ConnectionFailure& why, Time now) {
     publish_demands(now);
 }
 
-void Caller::message(const mqtt::Message& message, Time now) {
+bool Caller::message(const mqtt::Message& message, Time now) {
     now_ = now;
-    if (requester_.take(message, now)) return;
+    if (requester_.take(message, now)) return true;
     if (message.topic.starts_with(watched_)) look_at(message, now);
     router_.dispatch(message);
     if (message.retain) retained_at_ = now;
+    return false;
 }
 
 void Caller::tick(Time now) {
+    now_ = now;
     publish_demands(now);
     finish_due(now);
     for (auto each = holds_.begin(); each != holds_.end();) {
@@ -82,9 +84,9 @@ bool Caller::publish(mqtt::Message message) {
     return port_.publish(std::move(message));
 }
 
-bool Caller::publish_asked(mqtt::Message message) {
+bool Caller::publish_asked(mqtt::Message message, bool first) {
     access_.asked(message.topic, !port_.v5() || message.qos == 0);
-    return port_.publish(std::move(message));
+    return (first ? port_.publish_first : port_.publish)(std::move(message));
 }
 
 const std::string& Caller::Call::id() const {
@@ -93,38 +95,33 @@ const std::string& Caller::Call::id() const {
 }
 
 Caller::Call Caller::command(Command command, Done done, Time now) {
+    now_ = now;
     mqtt::Message message;
     message.topic = command.topic;
     message.payload = std::move(command.payload);
     message.qos = command.qos;
     // What reaches the broker while the agent is away is not delivered when it is no longer wanted.
     if (!command.lasts) message.expire_after(command.deadline);
-    const bool v5 = port_.v5();
-    // What names its sender itself stays as it is.
-    if (v5 && !command.plain && !command.by.empty() && message.payload.find("\"by\":") == std::string::npos)
-        message.user_properties = {{"by", std::move(command.by)}};
-    bus::Requester::More more{.plain = command.plain};
+    bus::Requester::More more{.plain = command.plain, .by = command.by, .id = std::move(command.id)};
     if (!command.lasts) more.deadline = command.deadline;
-    const auto due = now + command.deadline + kAnswerTime;
-    const auto call = std::make_shared<Call::Entry>(Call::Entry{std::move(command), std::move(done)});
-    call->sent = now;
+    if (command.replies) more.replies = &*command.replies;
+    const auto call = std::make_shared<Call::Entry>(Call::Entry{
+        std::move(command.topic), std::move(command.silence), std::move(done), now, command.late});
     call->request = requester_.ask(
-        message, v5,
+        message, port_.v5(),
         [this, weak = std::weak_ptr(call)](const mqtt::Message& answer) {
-            if (const auto asked = weak.lock()) answered(asked, answer);
+            if (const auto asked = weak.lock()) finish(asked, bus::read_answer(answer.payload));
         },
         now, more);
-    call->no_room = !publish_asked(std::move(message));
-    due_.emplace(call->no_room ? now : due, call);
+    call->no_room = !publish_asked(std::move(message), command.first);
+    due_.emplace(call->no_room ? now : now + command.deadline + kAnswerTime, call);
     return Call(call);
 }
 
-void Caller::answered(const std::shared_ptr<Call::Entry>& call, const mqtt::Message& message) {
-    finish(call, bus::read_answer(message.payload));
-}
-
 // Its place among those that are due is found empty later.
-void Caller::finish(const std::shared_ptr<Call::Entry>& call, const bus::Reply& reply) {
+void Caller::finish(const std::shared_ptr<Call::Entry>& call, const bus::Reply& reply, bool last) {
+    call->ended = true;
+    if (!last) return call->done(reply);
     call->request.reset();
     if (const auto done = std::exchange(call->done, {})) done(reply);
 }
@@ -133,12 +130,13 @@ void Caller::finish_due(Time now) {
     while (!due_.empty() && due_.begin()->first <= now) {
         const auto call = due_.begin()->second.lock();
         due_.erase(due_.begin());
-        if (!call || !call->done) continue;
+        if (!call || !call->waits()) continue;
         if (call->no_room)
-            finish(call, bus::Reply::refused(std::string(bus::kRefusedQueueFull),
-                                             "too much waits for the broker: it is slow, or away"));
+            finish(call, bus::Reply::refused(
+                             std::string(bus::kRefusedQueueFull),
+                             "too much waits for the broker, which is slow or away: it was not sent"));
         else
-            finish(call, silence(call->command.silence, now - call->sent));
+            finish(call, silence(call->silence, now - call->sent), !call->late);
     }
 }
 
@@ -146,7 +144,7 @@ bus::Reply Caller::silence(std::string text, Duration waited) const {
     auto reply = bus::Reply::timeout(bus::kTimeoutConnection);
     if (const auto& why = access_.why_lost()) {
         reply.error = *why + ", and was not back in time";
-    } else if (waited >= kTimeToAcknowledge && port_.unacknowledged() != 0) {
+    } else if (waited >= kTimeToAcknowledge && port_.unacknowledged && port_.unacknowledged() != 0) {
         reply.error = "the broker does not acknowledge what it is sent; does it stand still?";
     } else {
         reply.reason = bus::kTimeoutNoAnswer;
@@ -159,7 +157,7 @@ bus::Reply Caller::silence(std::string text, Duration waited) const {
 bool Caller::denied(const std::string& topic, const std::string& reason) {
     std::vector<std::shared_ptr<Call::Entry>> those;
     for (const auto& [due, weak] : due_)
-        if (const auto call = weak.lock(); call && call->done && call->command.topic == topic)
+        if (const auto call = weak.lock(); call && call->waits() && call->topic == topic)
             those.push_back(call);
     const auto reply =
         bus::Reply::refused(std::string(bus::kRefusedDenied), access_.denied_text(topic, reason));
@@ -170,20 +168,19 @@ bool Caller::denied(const std::string& topic, const std::string& reason) {
 
 void Caller::end_all(const bus::Reply& reply) {
     for (const auto& [due, weak] : std::exchange(due_, {}))
-        if (const auto call = weak.lock(); call && call->done) finish(call, reply);
+        if (const auto call = weak.lock(); call && call->waits()) finish(call, reply);
 }
 
 std::string Caller::waiting_topic() const {
     for (const auto& [due, weak] : due_)
-        if (const auto call = weak.lock(); call && call->done) return call->command.topic;
+        if (const auto call = weak.lock(); call && call->waits()) return call->topic;
     return {};
 }
 
 Caller::Question Caller::ask(mqtt::Message question, mqtt::Router::OnMessage on_answer, Time now,
                              bool plain) {
     auto asked = requester_.ask(question, port_.v5(), std::move(on_answer), now, {.plain = plain});
-    publish_asked(std::move(question));
-    return asked;
+    return publish_asked(std::move(question)) ? std::move(asked) : Question();
 }
 
 }  // namespace asip::caller

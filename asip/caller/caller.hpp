@@ -32,9 +32,15 @@ struct Command {
     int qos = 1;
     bool plain = false;  ///< for a board that takes part by names only: it reads lines, and no JSON
     bool lasts = false;  ///< the broker may deliver it behind its deadline, which the agent is not told
-    std::string by{};    ///< the user, for histories; empty: not said
+    bool first = false;  ///< ahead of all that waits for the broker: Port::publish_first
+    /// Its agent's answer behind one that was made here is told, too, as long as the handle lives.
+    bool late = false;
+    std::string by{};  ///< the user, for histories; empty: not said
     /// Said where nothing answers: "no answer to S,W,0,90 within 300 ms".
     std::string silence{};
+    std::string id{};  ///< of no other command that waits; empty: made here
+    /// Where its answer comes, which the program has subscribed to; none: where the caller's answers do.
+    std::optional<bus::ReplyTopics> replies{};
 };
 
 /// A program that calls boards and registries over the bus: its calls and their answers, the commands that it
@@ -56,16 +62,20 @@ class Caller {
         std::string name;               ///< one level of a topic, of no other program
         catalogue::UnitsOf units_of{};  ///< for queries by unit
         int qos = 1;                    ///< at which answers, and what boards say of themselves, are to come
+        /// As what `asipctl secure` adds the user; empty: as one who asks what was asked.
+        std::string role{};
     };
 
     /// How the caller acts on the world. Nothing here calls back into it.
     struct Port {
         /// False: there is no room for it.
         std::function<bool(mqtt::Message)> publish;
+        std::function<bool(mqtt::Message)> publish_first{};  ///< of commands that are `first`
         std::function<void(const std::string& filter, mqtt::SubscribeOptions)> subscribe;
         std::function<void(const std::string& filter)> unsubscribe;
-        std::function<bool()> v5;                     ///< the connection speaks MQTT 5
-        std::function<std::size_t()> unacknowledged;  ///< messages of QoS 1 that the broker has not confirmed
+        std::function<bool()> v5;  ///< the connection speaks MQTT 5
+        /// Messages of QoS 1 that the broker has not confirmed. May be empty.
+        std::function<std::size_t()> unacknowledged;
         /// Tells what a watched board said, or (null) that its lease is over. May be empty; it may call the
         /// caller.
         std::function<void(const std::string& board, const mqtt::Message* said)> changed{};
@@ -79,7 +89,8 @@ class Caller {
     // What happens. Times never go back.
     void connected(Time now);
     void disconnected(const mqtt::ConnectionFailure& why, Time now);
-    void message(const mqtt::Message& message, Time now);
+    /// True: it was an answer.
+    bool message(const mqtt::Message& message, Time now);
     /// The broker's access rules refused a message of QoS 1. True: that ended a command, whose answer says
     /// it.
     bool denied(const std::string& topic, const std::string& reason);
@@ -108,10 +119,12 @@ class Caller {
         explicit Call(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
         std::shared_ptr<Entry> entry_;
     };
-    /// `done` is called once, never from inside this: with the agent's answer, or with one that is made here.
-    /// A command is sent once for each connection that breaks before the broker confirms it; agents execute
-    /// it once.
+    /// `done` is called once (Command::late: or twice), never from inside this: with the agent's answer, or
+    /// with one that is made here. A command is sent once for each connection that breaks before the broker
+    /// confirms it; agents execute it once.
     Call command(Command command, Done done, Time now);
+    /// When what happened last happened.
+    Time now() const { return now_; }
     /// Ends all commands that wait, with this answer.
     void end_all(const bus::Reply& reply);
     /// Topic of the oldest command that waits; empty: none.
@@ -135,7 +148,7 @@ class Caller {
     Hold hold(Command command, std::chrono::milliseconds hold, Done begun, Done ended, Time now);
 
     /// Publishes a question that any number of programs may answer; `on_answer` is called for each, as long
-    /// as the handle lives. There is no time limit.
+    /// as the handle lives, which is empty where there was no room for the question. There is no time limit.
     using Question = bus::Requester::Request;
     Question ask(mqtt::Message question, mqtt::Router::OnMessage on_answer, Time now, bool plain = false);
 
@@ -147,7 +160,8 @@ class Caller {
 
     /// Values that are wanted of boards that report on demand, as long as the handle lives. Which boards do
     /// is in their descriptions, which must be watched or subscribed to.
-    [[nodiscard]] bus::Demander::Want want(const std::string& board, const std::string& service, double hz) {
+    [[nodiscard]] bus::Demander::Want want(const std::string& board, const std::string& service,
+                                           double hz = bus::kUsualHz) {
         return demander_.want(board, service, hz);
     }
 
@@ -186,12 +200,11 @@ class Caller {
 
   private:
     using Due = std::multimap<Time, std::weak_ptr<Call::Entry>>;
-    void answered(const std::shared_ptr<Call::Entry>& call, const mqtt::Message& message);
-    void finish(const std::shared_ptr<Call::Entry>& call, const bus::Reply& reply);
+    void finish(const std::shared_ptr<Call::Entry>& call, const bus::Reply& reply, bool last = true);
     void finish_due(Time now);
     void begin_hold(const std::shared_ptr<Hold::Entry>& hold, const bus::Reply& reply);
     void renew(const std::shared_ptr<Hold::Entry>& hold, Time now);
-    bool publish_asked(mqtt::Message message);
+    bool publish_asked(mqtt::Message message, bool first = false);
     void publish_demands(Time now);
     void look_at(const mqtt::Message& message, Time now);
     void look_at_leases(Time now);

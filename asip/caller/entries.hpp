@@ -5,11 +5,15 @@
 namespace asip::caller {
 
 struct Caller::Call::Entry {
-    Command command;
-    Done done;  // empty: it was told
-    bus::Requester::Request request{};
+    std::string topic, silence;
+    Done done;  // empty: all was told
     Time sent{};
+    bool late = false;
+    bool ended = false;  // an answer was told
+    bus::Requester::Request request{};
     bool no_room = false;  // it was not sent
+
+    bool waits() const { return done && !ended; }
 };
 
 struct Caller::Hold::Entry {

@@ -74,7 +74,7 @@ http::Response response_for(const CommandRecord& record, const std::string& base
 
 namespace {
 
-Expected<Duration> deadline_of(const Call& call) {
+Expected<std::chrono::milliseconds> deadline_of(const Call& call) {
     const auto ms =
         whole_parameter(call, "deadline_ms", 5000, bus::kMinDeadline.count(), bus::kMaxDeadline.count());
     if (!ms) return Unexpected<std::string>(ms.error());

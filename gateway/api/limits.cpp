@@ -139,12 +139,12 @@ std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rig
     return std::make_unique<LimitedFeed>(std::move(feed), rights);
 }
 
-bus::Demander::Want demand_within(const Rights& rights, bus::Demander& demander, const std::string& board,
+bus::Demander::Want demand_within(const Rights& rights, caller::Caller& caller, const std::string& board,
                                   const std::string& service, double hz, std::size_t& count) {
     auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
     for (const auto& each : readable(rights.boards, board))
         for (const auto& part : readable(rights.services, service))
-            wants->push_back(demander.want(each, part, hz));
+            wants->push_back(caller.want(each, part, hz));
     count = wants->size();
     return wants;
 }

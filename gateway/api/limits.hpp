@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "asip/bus/registry/answer.hpp"
-#include "asip/bus/request/demander.hpp"
+#include "asip/caller/caller.hpp"
 #include "gateway/auth/rights.hpp"
 #include "gateway/export/exported_board.hpp"
 #include "gateway/mirror/mirror.hpp"
@@ -33,7 +33,7 @@ std::unique_ptr<Feed> limited_feed(std::unique_ptr<Feed> feed, const Rights& rig
 /// Demands values of what a stream shows, of boards that report on demand: of a limited token no more than
 /// what it may read. Names may be patterns.
 /// `count`: set to how many wants that is.
-bus::Demander::Want demand_within(const Rights& rights, bus::Demander& demander, const std::string& board,
+bus::Demander::Want demand_within(const Rights& rights, caller::Caller& caller, const std::string& board,
                                   const std::string& service, double hz, std::size_t& count);
 
 }  // namespace asip::gateway::api

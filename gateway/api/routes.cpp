@@ -59,7 +59,7 @@ std::vector<Answer> command_answers() {
     return {{200, "Executed; `proof` names how that is known", "CommandAnswer"},
             fault(400, "Refused: `invalid`"),
             fault(404, "No such board, service or command"),
-            fault(409, "Refused: `id-reused` or `stopped`"),
+            fault(409, "Refused: `id-reused`, `stopped` or `denied`"),
             fault(422, "The board refused it: `code`, `error`"),
             fault(429, "Too many commands, of one client or for the board (`queue-full`)"),
             fault(503, "The board or the broker is not there"),

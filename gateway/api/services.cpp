@@ -100,7 +100,7 @@ void get_value(Call& call) {
     options.board = call.board();
     options.service = call.service();
     options.after = Place{values.epoch(), last};
-    options.demand = demand_within(call.principal.rights, call.gateway.demander(), options.board,
+    options.demand = demand_within(call.principal.rights, call.gateway.caller(), options.board,
                                    options.service, bus::kUsualHz, options.demands);
     const auto limit = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*wait));
     options.part = call.part();

@@ -104,7 +104,7 @@ Expected<std::unique_ptr<Feed>> value_feed(const Reader& reader, const std::stri
     options.after = std::move(after.place);
     options.after_each = std::move(after.places);
     options.allowed = allowed_services(reader.rights);
-    options.demand = demand_within(reader.rights, reader.gateway.demander(), options.board, options.service,
+    options.demand = demand_within(reader.rights, reader.gateway.caller(), options.board, options.service,
                                    max_hz > 0 ? max_hz : bus::kUsualHz, options.demands);
     options.part = reader.part();
     return std::make_unique<ValueFeed>(reader.gateway.mirror().values(), std::move(options));
@@ -124,7 +124,7 @@ PropertyFeed::Options feed_options(const Reader& reader, const std::string& boar
     options.values.service = service;
     options.values.max_hz = max_hz;
     options.values.allowed = allowed_services(reader.rights);
-    options.values.demand = demand_within(reader.rights, gateway.demander(), board, service,
+    options.values.demand = demand_within(reader.rights, gateway.caller(), board, service,
                                           max_hz > 0 ? max_hz : bus::kUsualHz, options.values.demands);
     options.values.part = reader.part();
     options.part = reader.part();
@@ -141,7 +141,7 @@ PropertyFeed::Options only(const Reader& reader, const std::string& board, std::
             services.insert(std::move(service));
     auto wants = std::make_shared<std::vector<bus::Demander::Want>>();
     for (const auto& service : services)
-        wants->push_back(reader.gateway.demander().want(board, service, hz));
+        wants->push_back(reader.gateway.caller().want(board, service, hz));
     feed.ids = std::move(ids);
     feed.values.demands = wants->size();
     feed.values.demand = std::move(wants);

@@ -114,7 +114,7 @@ std::unique_ptr<ValueFeed> values_of(const Call& call, const std::string& board,
     options.board = board;
     options.service = service;
     options.after = std::move(after);
-    options.demand = call.gateway.demander().want(board, service, kHz);
+    options.demand = call.gateway.caller().want(board, service, kHz);
     options.part = call.part();
     return std::make_unique<ValueFeed>(call.gateway.mirror().values(), std::move(options));
 }
@@ -126,7 +126,7 @@ void read_value(Call& call, const Thing& thing, const Property& property) {
     const auto now = call.now().time;
     if (!property.read || !model::takes_commands(thing.state) || !gateway.mirror().ready())
         return send_value(call.reply, gateway, board, property);
-    const bool first = gateway.things().want(gateway.demander(), board, property.service, now);
+    const bool first = gateway.things().want(gateway.caller(), board, property.service, now);
     const auto last = last_value(gateway, board, property);
     const bool fresh = last.age < kFresh;
     if ((!last.value.is_null() && (fresh || !first)) || !gateway.streams().has_room(call.client()))
@@ -267,7 +267,7 @@ void get_properties(Call& call) {
     for (const auto& property : thing->board->properties) {
         if (property.kind == Kind::kButton) continue;
         if (property.read && model::takes_commands(thing->state))
-            call.gateway.things().want(call.gateway.demander(), thing->board->board, property.service,
+            call.gateway.things().want(call.gateway.caller(), thing->board->board, property.service,
                                        call.now().time);
         if (auto last = last_value(call.gateway, thing->board->board, property); !last.value.is_null())
             values[property::plain_id(property.id)] = std::move(last.value);

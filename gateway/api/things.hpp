@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "asip/bus/request/demander.hpp"
+#include "asip/caller/caller.hpp"
 #include "gateway/export/exported_board.hpp"
 #include "gateway/export/web_of_things.hpp"
 #include "gateway/mirror/mirror.hpp"
@@ -45,7 +45,7 @@ class Things {
     std::optional<Found> find(Mirror& mirror, const std::string& name, const Instant& now);
     /// Demands a service's values for a while, of boards that report on demand. False: they were demanded
     /// already.
-    bool want(bus::Demander& demander, const std::string& board, const std::string& service, Time now);
+    bool want(caller::Caller& caller, const std::string& board, const std::string& service, Time now);
 
   private:
     struct Known {

@@ -38,14 +38,14 @@ std::optional<Things::Found> Things::find(Mirror& mirror, const std::string& nam
     return found;
 }
 
-bool Things::want(bus::Demander& demander, const std::string& board, const std::string& service, Time now) {
+bool Things::want(caller::Caller& caller, const std::string& board, const std::string& service, Time now) {
     std::erase_if(wants_, [&](const auto& each) { return each.second.until <= now; });
     const auto found = wants_.find({board, service});
     const bool is_new = found == wants_.end();
     if (is_new && wants_.size() >= kMaxWants) return true;
     auto& wanted = wants_[{board, service}];
     wanted.until = now + kWantFor;
-    if (is_new) wanted.want = demander.want(board, service);
+    if (is_new) wanted.want = caller.want(board, service);
     return is_new;
 }
 

@@ -8,10 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/request/agent_clock.hpp"
 #include "asip/bus/request/reply.hpp"
-#include "asip/bus/request/reply_topics.hpp"
-#include "asip/mqtt/message.hpp"
+#include "asip/caller/caller.hpp"
 #include "gateway/instant.hpp"
 #include "gateway/stream/budget.hpp"
 
@@ -30,13 +28,12 @@ struct CommandRecord {
     bool of_many = false;             ///< one of many that are logged together
 };
 
-/// Commands from their start until a minute after their answer. Pure: the caller publishes and gives what
-/// arrives. Ids belong to a session: the same id in two sessions is two commands, and each session has a
-/// reply topic, and so a queue on the agent, of its own.
+/// Commands of clients, which a Caller sends, from their start until a minute after their answer. Ids belong
+/// to a session: the same id in two sessions is two commands, and each session has a reply topic, and so a
+/// queue on the agent, of its own.
 class Commands {
   public:
     static constexpr Duration kKeep = std::chrono::seconds(60);
-    static constexpr Duration kGrace = std::chrono::milliseconds(500);  ///< for the answer's way back
     static constexpr std::size_t kMaxRecords = 65'536;
     static constexpr std::size_t kMaxUrgent = 4096;  ///< beyond those
     static constexpr std::size_t kMaxIdBytes = 64;
@@ -49,10 +46,10 @@ class Commands {
         std::string target;
         std::string topic;
         std::string payload;  ///< JSON object, without `deadline_ms`
-        Duration deadline = std::chrono::seconds(5);
+        std::chrono::milliseconds deadline{5'000};
         bool urgent = false;  ///< a stop: taken when there are too many others
-        /// The answer comes below urgent(), past the answers of others: the caller has subscribed that over
-        /// another connection.
+        /// The answer comes below urgent(), past the answers of others: that is subscribed over another
+        /// connection.
         bool answer_first = false;
         bool renewal = false;  ///< only keeps another command in force
         bool of_many = false;  ///< one of many that are logged together
@@ -62,26 +59,20 @@ class Commands {
     /// What is kept of a command, its answer aside.
     static std::size_t bytes_of(const Start& start);
     using Done = std::function<void(const CommandRecord&)>;
-    enum class Started { kPublish, kRepeated, kIdReused, kTooMany };
+    enum class Started { kSent, kRepeated, kIdReused, kTooMany };
 
-    /// Answers come below `replies`, in a level for each session.
-    explicit Commands(bus::ReplyTopics replies) : replies_(std::move(replies)) {}
+    /// Answers come below the caller's, in a level for each session: subscribe to those.
+    explicit Commands(caller::Caller& caller) : caller_(caller) {}
 
     /// Those of urgent commands.
     static bus::ReplyTopics urgent(const bus::ReplyTopics& replies) { return replies.beside("urgent"); }
 
-    /// kPublish: `message` is to be published; `start` has its id. kRepeated: nothing is, `done` is called
-    /// with the first one's answer, now or later. Else `done` is not called. What was refused is not
-    /// remembered, as on the bus: the same again is a new command.
-    Started start(Start& start, bool v5, const Instant& now, Done done, mqtt::Message& message);
-    /// What kPublish asked for cannot be done: the queue to the broker is full.
-    void not_published(const Start& start, const Instant& now);
-    /// False: it answers no command of ours.
-    bool take(const mqtt::Message& message, const Instant& now);
-    /// Call a few times a second: deadlines pass, and what was answered a minute ago is forgotten.
-    void tick(const Instant& now);
-    /// This program ends: every client that waits is answered, as far as is known.
-    void leave(const Instant& now);
+    /// kSent, or kRepeated, where nothing is sent: `done` is called once with the answer, that of the first
+    /// one, now or later; `start` has its id. Else it is not called. What was refused is not remembered, as
+    /// on the bus: the same again is a new command.
+    Started start(Start& start, const Instant& now, Done done);
+    /// Call a few times a second: what was answered a minute ago is forgotten.
+    void tick(Time now);
     /// Null: not known, or longer ago than a minute.
     const CommandRecord* find(std::string_view session, std::string_view id) const;
     /// Where a command was sent to; empty: not known.
@@ -98,24 +89,22 @@ class Commands {
     std::function<void()> before_again;  ///< a record is about to go before its minute; may be empty
 
   private:
-    using Due = std::multimap<Time, std::string_view>;  // -> key of an entry
+    using Kept = std::multimap<Time, std::string_view>;  // the end of keeping an entry -> its key
     struct Entry {
         CommandRecord record;
-        std::string topic, reply_topic;
-        Due::iterator due;  // without an answer: the end of waiting; with one: of keeping it
-        bool answered = false;
-        std::vector<Done> waiting;
+        std::string topic;
         Budget::Part part;
+        std::vector<Done> waiting{};
+        caller::Caller::Call call{};
+        Kept::iterator kept{};  // where it has a reply
     };
     using Entries = std::map<std::string, Entry, std::less<>>;  // by "SESSION.ID"
-    void finish(Entry& entry, bus::Reply reply, Time now);
-    void forget(Entries::iterator entry);
+    void finish(Entries::iterator found, bus::Reply reply);
 
-    bus::ReplyTopics replies_;
+    caller::Caller& caller_;
     Entries entries_;
-    Due due_;
+    Kept kept_;
     std::uint64_t made_up_ = 0;
-    bus::AgentClocks clocks_;  // by reply topic without a session: of one board each
     Counters counters_;
 };
 

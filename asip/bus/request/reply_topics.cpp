@@ -38,11 +38,11 @@ ReplyTopics ReplyTopics::beside(std::string_view suffix) const {
     return made;
 }
 
-std::string ReplyTopics::to(std::string_view request_topic) const {
+std::string_view ReplyTopics::asked(std::string_view request_topic) const {
     if (request_topic.starts_with(root_)) request_topic.remove_prefix(root_.size());
     // A demand stands on the service bus, and the board answers it.
     if (request_topic.starts_with(kServiceBus)) request_topic.remove_prefix(kServiceBus.size());
-    return of(request_topic.substr(0, request_topic.find('/')));
+    return request_topic.substr(0, request_topic.find('/'));
 }
 
 bool ReplyTopics::have(std::string_view topic) const {

@@ -28,7 +28,9 @@ class ReplyTopics {
     /// Subscribe to it before the first request: answers of everybody.
     std::string filter() const { return of("+"); }
     /// Where the answer to a request on `request_topic` comes.
-    std::string to(std::string_view request_topic) const;
+    std::string to(std::string_view request_topic) const { return of(asked(request_topic)); }
+    /// Who is asked there: a board, or `registry`.
+    std::string_view asked(std::string_view request_topic) const;
     /// A topic that only the program itself writes and reads.
     std::string own() const { return of("$self"); }
     /// Of all programs of this user: own() without CLIENT.

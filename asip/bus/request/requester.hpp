@@ -39,7 +39,8 @@ class Requester {
             std::string id;
             std::string reply_topic;
             OnReply on_reply;
-            std::optional<Time> asked;  // of a command: its answer tells the agent's clock
+            std::string clock_of;  // the board; empty: it is no command
+            Time asked;            // its answer tells the agent's clock
         };
         explicit Request(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
         std::shared_ptr<Entry> entry_;
@@ -57,6 +58,10 @@ class Requester {
         bool plain = false;
         /// Of a command: within what time it is to be answered.
         std::optional<std::chrono::milliseconds> deadline{};
+        std::string_view by{};  ///< who asks, unless the payload says it; empty: not said
+        std::string id{};       ///< of no other request that waits; empty: made here
+        /// Where the answer comes; null: on the topics of all.
+        const ReplyTopics* replies = nullptr;
     };
 
     /// Makes `message` (topic and payload are set) one that is answered. `v5`: the connection speaks MQTT 5.
@@ -68,27 +73,17 @@ class Requester {
     }
     Request ask(mqtt::Message& message, bool v5, OnReply on_reply, Time now, const More& more);
 
-    /// Give it every message that arrives. True: it was on a reply topic, and is dealt with. What comes on
-    /// the topic of another answerer than was asked is no answer.
+    /// Give it every message that arrives. True: it was an answer, or on a topic of replies(), and is dealt
+    /// with. What comes on the topic of another answerer than was asked is no answer.
     bool take(const mqtt::Message& message, Time now = Clock::now());
 
   private:
     std::string name_;
     ReplyTopics replies_;
     std::size_t last_ = 0;
-    std::map<std::string, std::weak_ptr<Request::Entry>> open_;
-    AgentClocks clocks_;  // by reply topic: of one board each
+    std::map<std::string, std::weak_ptr<Request::Entry>, std::less<>> open_;
+    std::size_t sweep_at_ = 0;  // so many, ended ones among them
+    AgentClocks clocks_;        // by board
 };
-
-/// What a request's payload looks like: see Requester::ask. `clock`: empty asks for it; none: it is no
-/// command. A `deadline_ms` that the payload has stays.
-std::string with_reply_members(const std::string& payload, const std::string& reply_to, const std::string& id,
-                               const std::optional<std::string>& clock,
-                               std::optional<std::chrono::milliseconds> deadline = {});
-
-/// Whether an agent executes what comes on this topic, and tells its clock with the answer.
-bool is_command_topic(std::string_view topic);
-/// The clock that came with an answer: a user property, or a member of its JSON; empty: none.
-std::string clock_in(const mqtt::Message& answer);
 
 }  // namespace asip::bus

@@ -177,7 +177,66 @@ TEST_F(CallTest, BoardOfNamesAlone_GetsTheLineAsItIs) {
     const auto call =
         command({.topic = "asip/pico/servo/in", .payload = "W,0,90", .plain = true, .by = "ann"});
     EXPECT_EQ(sent[0].payload, "W,0,90");
-    EXPECT_TRUE(sent[0].user_properties.empty() || sent[0].user_properties.front().first != "by");
+}
+
+TEST_F(CallTest, WhoAsks_IsInThePayloadUnlessThatSaysIt) {
+    for (const bool version5 : {true, false}) {
+        v5 = version5;
+        const auto line = command({.topic = "asip/uno1/servo/in", .payload = "W,0,90", .by = "ann"});
+        EXPECT_EQ(json::parse(sent.back().payload).at("by"), "ann");
+        const auto named = command({.topic = "asip/uno1/$stop", .payload = R"({"by":"bert"})", .by = "ann"});
+        EXPECT_EQ(json::parse(sent.back().payload).at("by"), "bert");
+    }
+}
+
+TEST_F(CallTest, IdAndReplyTopicsOfTheProgram_AreTaken) {
+    const auto session = caller->replies().below("s1");
+    const auto call =
+        command({.topic = "asip/uno1/servo/in", .payload = "{}", .id = "s1.7", .replies = session});
+    EXPECT_EQ(call.id(), "s1.7");
+    EXPECT_EQ(sent[0].response_topic, "asip/reply/ann/uno1/me/s1");
+    receive("asip/reply/ann/uno1/me", R"({"id":"s1.7","status":"ok"})");
+    receive("asip/reply/ann/uno2/me/s1", R"({"id":"s1.7","status":"ok"})");
+    EXPECT_TRUE(replies.empty()) << "other topics";
+    answer(sent[0], {{"status", "ok"}}, "1f3c09aa-5000");
+    EXPECT_EQ(replies.size(), 1u);
+    const auto next = write();
+    EXPECT_EQ(json::parse(sent[1].payload).at("clock"), "1f3c09aa-5001") << "of the same board";
+}
+
+TEST_F(CallTest, First_GoesAheadOfAllThatWaits) {
+    const auto stop = command({.topic = "asip/uno1/$stop", .payload = "{}", .lasts = true, .first = true});
+    EXPECT_TRUE(sent.empty());
+    ASSERT_EQ(sent_first.size(), 1u);
+    answer(sent_first[0], {{"status", "ok"}});
+    EXPECT_EQ(replies.size(), 1u);
+}
+
+TEST_F(CallTest, LateAnswer_IsToldWhereItIsWanted) {
+    const auto call =
+        command({.topic = "asip/uno1/servo/in", .payload = "{}", .deadline = 300ms, .late = true});
+    pass(800ms);
+    ASSERT_EQ(replies.size(), 1u);
+    EXPECT_EQ(replies[0].reason, "no-answer");
+    EXPECT_EQ(caller->waiting_topic(), "");
+    EXPECT_FALSE(caller->denied("asip/uno1/servo/in", "Not authorized"));
+    caller->end_all(bus::Reply::timeout());
+    ASSERT_EQ(replies.size(), 1u);
+    answer(sent[0], {{"status", "ok"}});
+    answer(sent[0], {{"status", "error"}});
+    ASSERT_EQ(replies.size(), 2u);
+    EXPECT_TRUE(replies[1].succeeded());
+}
+
+TEST_F(CallTest, ManyThatWait_AreFoundEach) {
+    std::vector<Caller::Call> calls;
+    for (int i = 0; i < 1000; ++i) {
+        calls.push_back(write());
+        if (i % 3 == 0) calls.pop_back();
+    }
+    for (const auto& message : std::vector<mqtt::Message>(sent))
+        answer(message, {{"status", "ok"}});
+    EXPECT_EQ(replies.size(), calls.size());
 }
 
 TEST_F(CallTest, SecondCommand_SaysWhenItWasSentByTheAgentsClock) {

@@ -26,6 +26,10 @@ class SimulatedProgram {
             if (room) sent.push_back(std::move(message));
             return room;
         };
+        port.publish_first = [this](mqtt::Message message) {
+            sent_first.push_back(std::move(message));
+            return true;
+        };
         port.subscribe = [this](const std::string& filter, mqtt::SubscribeOptions) {
             subscribed.push_back(filter);
         };
@@ -87,7 +91,7 @@ class SimulatedProgram {
     bool v5 = true;
     bool room = true;
     std::size_t unacknowledged = 0;
-    std::vector<mqtt::Message> sent;
+    std::vector<mqtt::Message> sent, sent_first;
     std::vector<std::string> subscribed, unsubscribed, changed;
     std::vector<bus::Reply> replies;
     std::unique_ptr<Caller> caller;

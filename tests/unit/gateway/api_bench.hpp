@@ -62,11 +62,13 @@ class ApiTest : public testing::Test {
             published_.push_back(std::move(message));
             return true;
         };
-        port.ask = port.publish_first = port.publish;
+        port.calls.publish = port.calls.publish_first = port.publish;
         port.urgent_ready = [this] { return urgent_ready_; };
+        port.calls.subscribe = [](const std::string&, mqtt::SubscribeOptions) {};
+        port.calls.unsubscribe = [](const std::string&) {};
+        port.calls.v5 = [] { return true; };
         port.subscribe = [](const std::string&, bool) {};
         port.unsubscribe = [](const std::string&) {};
-        port.v5 = [] { return true; };
         port.now = [this] { return at(time_); };
         port.server = [] { return http::ServerCounters{}; };
         port.exports = [] {
@@ -79,6 +81,7 @@ class ApiTest : public testing::Test {
             [n = 0ull]() mutable { return ++n << 56; },
             [n = 0](std::size_t) mutable { return "secret-" + std::to_string(++n); }, std::move(port));
         gateway_->subscribed();
+        gateway_->can_call();
         settle();
     }
 

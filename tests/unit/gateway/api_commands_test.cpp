@@ -162,13 +162,16 @@ TEST_F(ApiTest, QueueToTheBrokerFull_IsAnsweredAtOnceAndCanBeSentAgain) {
     const std::string path = "/api/boards/uno1/services/servo/commands/write";
     queue_full_ = true;
     const auto full = ask("POST", path, "[0,90]", {{"idempotency-key", "k1"}});
+    const auto raw = ask("POST", "/api/boards/uno1/raw", R"({"lines":["I,d,13,1"]})");
+    const auto stop = ask("POST", "/api/boards/uno1/stop");
+    pass(0ms);
     ASSERT_EQ(full->status(), 429);
     EXPECT_EQ(full->header("Retry-After"), "1");
     EXPECT_EQ(full->body()["reason"], "queue-full");
     EXPECT_THAT(full->detail(), HasSubstr("was not sent"));
     EXPECT_EQ(get("/api/commands/k1")->body()["answer"]["reason"], "queue-full");
-    EXPECT_EQ(ask("POST", "/api/boards/uno1/raw", R"({"lines":["I,d,13,1"]})")->status(), 429);
-    EXPECT_EQ(ask("POST", "/api/boards/uno1/stop")->status(), 207);
+    EXPECT_EQ(raw->status(), 429);
+    EXPECT_EQ(stop->status(), 207);
     queue_full_ = false;
     const auto again = ask("POST", path, "[0,90]", {{"idempotency-key", "k1"}});
     ASSERT_EQ(again->status(), 0) << "it is on its way";
@@ -237,6 +240,7 @@ TEST_F(ApiTest, QueueToTheBrokerFull_AWebSocketIsAnsweredAtOnce) {
     ASSERT_TRUE(socket->channel);
     queue_full_ = true;
     socket->channel->received(R"({"command":"uno1/servo","write":[0,90],"id":"7"})");
+    pass(0ms);
     std::string text;
     ASSERT_TRUE(socket->channel->take(text));
     const auto refused = json::parse(text);
@@ -248,6 +252,7 @@ TEST_F(ApiTest, QueueToTheBrokerFull_AWebSocketIsAnsweredAtOnce) {
     EXPECT_EQ(published_.size(), 1u);
     queue_full_ = true;
     socket->channel->received(R"({"command":"uno1/servo","renew":true,"id":"7"})");
+    pass(0ms);
     ASSERT_TRUE(socket->channel->take(text)) << text;
     EXPECT_EQ(json::parse(text)["reason"], "queue-full");
 }
@@ -258,6 +263,29 @@ TEST_F(ApiTest, QueueToTheBrokerFull_ARegistryIsNotWaitedFor) {
     const auto history = get("/api/boards/uno1/history");
     pass(1ms);
     EXPECT_EQ(history->status(), 503);
+}
+
+TEST_F(ApiTest, BrokerThatDeniesACommand_IsAnsweredAtOnce) {
+    announce();
+    const auto sent = ask("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
+    gateway_->denied("asip/uno1/servo/in", "Not authorized");
+    ASSERT_EQ(sent->status(), 409);
+    EXPECT_EQ(sent->body()["reason"], "denied");
+    EXPECT_THAT(sent->detail(), HasSubstr("does not let user gate write to asip/uno1/servo/in"));
+}
+
+TEST_F(ApiTest, ConnectionThatIsNotBackInTime_IsWhatTheTimeoutSays) {
+    announce();
+    const auto sent = ask("POST", "/api/boards/uno1/services/servo/commands/write?deadline_ms=100", "[0,90]");
+    mqtt::ConnectionFailure why;
+    why.text = "mqtt://hub:1883 closed the connection";
+    gateway_->cannot_call(why);
+    pass(600ms);
+    ASSERT_EQ(sent->status(), 504);
+    EXPECT_EQ(sent->body()["reason"], "connection");
+    EXPECT_EQ(sent->detail(),
+              "mqtt://hub:1883 closed the connection, and was not back in time; it may or may not have been "
+              "executed");
 }
 
 TEST_F(ApiTest, LateAnswer_IsFoundAfterThe504) {

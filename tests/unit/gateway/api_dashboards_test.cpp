@@ -464,6 +464,7 @@ TEST_F(Dashboards_, BeforeTheBrokerWasRead_NothingIsSaidToBeMissing) {
     Gateway::Port port;
     port.now = [this] { return at(time_); };
     port.publish = [](mqtt::Message) { return true; };
+    port.calls.subscribe = [](const std::string&, mqtt::SubscribeOptions) {};
     port.soon = [](const std::function<void()>& then) { then(); };
     gateway_ = std::make_unique<Gateway>(
         std::move(options), model::ModelSet::standard(), catalogue::UnitsOf(),

@@ -248,7 +248,7 @@ TEST_F(LimitedApi, CommandsEnvelope_NamesWhoSentIt) {
     announce("uno1");
     as_anna("POST", "/api/boards/uno1/services/servo/commands/write", "[0,90]");
     ASSERT_EQ(published_.size(), 1u);
-    EXPECT_EQ(published_[0].user_properties[0].second, "anna");
+    EXPECT_EQ(json::parse(published_[0].payload).at("by"), "anna");
 }
 
 TEST_F(LimitedApi, CodeOfAToken_BecomesACookieWithItsRights) {

@@ -68,16 +68,26 @@ TEST_F(DemandingApi, LimitedToken_DemandsOnlyWhatItMayRead) {
     kiosk.boards = {"uno1", "lab?"};
     kiosk.services = {"distance", "io*"};
     const auto demanded = [&](const std::string& board, const std::string& service) {
-        bus::Demander demander(bus::Topics(), "gate", "gw", [] { return std::uint64_t{0}; });
-        std::size_t count = 0;
-        const auto want = api::demand_within(kiosk, demander, board, service, 5, count);
-        const Time now{1s};
-        demander.connected(now);
         std::string text;
-        for (const auto* name : {"uno1", "uno2", "lab1"})
-            demander.description(name, true, now);
-        for (const auto& message : demander.due(now))
+        caller::Caller::Port port;
+        port.publish = [&](const mqtt::Message& message) {
             text += std::string(bus::Topics().parse(message.topic)->board) + message.payload + "\n";
+            return true;
+        };
+        port.subscribe = [](const std::string&, mqtt::SubscribeOptions) {};
+        caller::Caller caller({bus::Topics(), "gate", "gw"}, [] { return std::uint64_t{0}; }, port);
+        std::size_t count = 0;
+        const auto want = api::demand_within(kiosk, caller, board, service, 5, count);
+        const Time now{1s};
+        caller.connected(now);
+        for (const std::string name : {"lab1", "uno1", "uno2"}) {
+            mqtt::Message description;
+            description.topic = "asip/servicebus/" + name + "/$description";
+            description.payload =
+                R"({"board":")" + name +
+                R"(","session":"s","seq":1,"lease":60,"on_demand":{"fastest":20,"resting":0},"services":[]})";
+            caller.message(description, now);
+        }
         return text;
     };
     EXPECT_EQ(demanded("uno1", "distance"), "uno1" + demand(R"({"distance":5.0})") + "\n");
