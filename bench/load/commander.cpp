@@ -8,38 +8,19 @@ constexpr auto kTick = std::chrono::milliseconds(5);
 // At boards in one turn, whether they can be commanded.
 constexpr std::size_t kLooks = 5000;
 
-mqtt::Options commander_options(mqtt::Options options) {
-    options.client_id += "-commands";
-    return options;
-}
-
 }  // namespace
 
 Commander::Commander(boost::asio::io_context& io, mqtt::Options options, const std::string& topic_root,
                      const BoardKind& kind, const Fleet& fleet, double per_second)
     : kind_(kind),
       fleet_(fleet),
-      topics_(topic_root),
-      requester_(options.client_id + "-commands",
-                 bus::ReplyTopics(topics_, options.user, options.client_id + "-commands")),
-      client_(io, commander_options(options),
-              {.on_connected = {},
-               .on_disconnected = {},
-               .on_connect_failed = {},
-               .on_message = [this](const mqtt::Message& message) { requester_.take(message); },
-               .on_published = {},
-               .on_subscribe_refused = {},
-               .on_debug = {},
-               .on_subscribed = {}}),
+      bus_(io, std::move(options), bus::Topics(topic_root), "-commands"),
       timer_(io),
-      pace_(per_second) {
-    client_.subscribe(requester_.replies().filter(), {.qos = 1});
-}
+      pace_(per_second) {}
 
 void Commander::start() {
-    client_.start();
-    swept_ = Clock::now();
-    pace_.begin(swept_);
+    bus_.client.start();
+    pace_.begin(Clock::now());
     schedule();
 }
 
@@ -49,8 +30,8 @@ void Commander::schedule() {
         if (error || stopped_) return;
         const Time now = Clock::now();
         pace_.pass(now);
-        if (client_.subscribed() && fleet_.announced() > 0) send_due();
-        if (now - swept_ > std::chrono::seconds(1)) forget_overdue(now);
+        if (bus_.client.subscribed() && fleet_.announced() > 0) send_due();
+        bus_.caller.tick(now);
         schedule();
     });
 }
@@ -63,7 +44,7 @@ void Commander::send_due() {
         const auto& service = kind_.services[(number / fleet_.size()) % kind_.services.size()];
         if (service.command.empty()) continue;
         pace_.done();
-        if (pending_.full())
+        if (waiting_.size() >= Pending::kMax)
             ++tally_.left_out;
         else
             send(board, service);
@@ -71,37 +52,32 @@ void Commander::send_due() {
 }
 
 void Commander::send(std::size_t board, const BoardKind::Service& service) {
-    mqtt::Message message;
-    message.topic = topics_.service_in(fleet_.name(board), service.model->name);
-    message.payload = service.command;
-    message.qos = 1;
-    const auto id = std::make_shared<std::string>();
     const Time now = Clock::now();
-    auto request = requester_.ask(message, client_.v5(), [this, id, now](const mqtt::Message& answer) {
-        const auto reply = bus::parse_reply(answer.payload);
-        if (!reply || !pending_.end(*id)) return;
-        ++(reply->succeeded() ? tally_.ok : tally_.refused);
-        tally_.answered.add(Clock::now() - now);
-    });
-    *id = request.id();
-    ++tally_.sent;
-    pending_.add(std::move(request), now);
-    client_.publish(std::move(message), mqtt::Priority::kReply);
-}
-
-void Commander::forget_overdue(Time now) {
-    swept_ = now;
-    tally_.unanswered += pending_.forget_overdue(now).size();
+    const auto number = tally_.sent++;
+    waiting_[number] = bus_.caller.command(
+        {.topic = bus_.caller.topics().service_in(fleet_.name(board), service.model->name),
+         .payload = service.command,
+         .deadline = Pending::kPatience},
+        [this, number, now](const bus::Reply& reply) {
+            const auto ended = waiting_.extract(number);
+            if (reply.reason == bus::kTimeoutNoAnswer || reply.reason == bus::kTimeoutConnection) {
+                ++tally_.unanswered;
+                return;
+            }
+            ++(reply.succeeded() ? tally_.ok : tally_.refused);
+            tally_.answered.add(Clock::now() - now);
+        },
+        now);
 }
 
 bool Commander::idle(Time now) {
-    forget_overdue(now);
-    return pending_.empty();
+    bus_.caller.tick(now);
+    return waiting_.empty();
 }
 
 CommandTally Commander::tally() const {
     auto result = tally_;
-    result.unanswered += pending_.kinds().size();
+    result.unanswered += waiting_.size();
     return result;
 }
 

@@ -3,10 +3,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <string>
+#include <unordered_map>
 
-#include "asip/bus/request/reply.hpp"
-#include "asip/bus/request/requester.hpp"
-#include "asip/mqtt/client.hpp"
+#include "bench/load/calling.hpp"
 #include "bench/load/fleet.hpp"
 #include "bench/load/pace.hpp"
 #include "bench/load/pending.hpp"
@@ -43,18 +42,14 @@ class Commander {
     void schedule();
     void send_due();
     void send(std::size_t board, const BoardKind::Service& service);
-    void forget_overdue(Time now);
 
     const BoardKind& kind_;
     const Fleet& fleet_;
-    bus::Topics topics_;
-    bus::Requester requester_;
-    mqtt::Client client_;
+    Calling bus_;
     boost::asio::steady_timer timer_;
     Pace pace_;
-    Pending pending_;
+    std::unordered_map<std::size_t, caller::Caller::Call> waiting_;  // by number
     std::size_t next_ = 0;
-    Time swept_{};
     CommandTally tally_;
     bool stopped_ = false;
 };

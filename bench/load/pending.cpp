@@ -3,7 +3,7 @@
 
 namespace asip::load {
 
-void Pending::add(bus::Requester::Request request, Time sent, std::size_t kind) {
+void Pending::add(caller::Caller::Question request, Time sent, std::size_t kind) {
     auto id = request.id();
     waiting_.emplace(std::move(id), Waiting{std::move(request), sent, kind});
 }

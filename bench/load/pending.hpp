@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "asip/bus/request/requester.hpp"
+#include "asip/caller/caller.hpp"
 #include "asip/time.hpp"
 
 namespace asip::load {
@@ -14,12 +14,12 @@ namespace asip::load {
 class Pending {
   public:
     static constexpr std::size_t kMax = 2000;
-    static constexpr Duration kPatience = std::chrono::seconds(10);
+    static constexpr std::chrono::milliseconds kPatience{10'000};
 
     bool full() const { return waiting_.size() >= kMax; }
     bool empty() const { return waiting_.empty(); }
     /// `kind`: whatever the caller tells them apart by.
-    void add(bus::Requester::Request request, Time sent, std::size_t kind = 0);
+    void add(caller::Caller::Question request, Time sent, std::size_t kind = 0);
     /// It has its answer. False: it was not awaited any more.
     bool end(const std::string& id) { return waiting_.erase(id) > 0; }
     /// Forgets those that were sent too long ago, and gives the kind of each.
@@ -29,7 +29,7 @@ class Pending {
 
   private:
     struct Waiting {
-        bus::Requester::Request request;
+        caller::Caller::Question request;
         Time sent;
         std::size_t kind;
     };

@@ -12,11 +12,6 @@ constexpr auto kAskTick = std::chrono::milliseconds(5);
 // A registry that does not list a board which was announced so long ago is wrong.
 constexpr Duration kSurelyKnown = std::chrono::seconds(10);
 
-mqtt::Options numbered(mqtt::Options options, std::size_t number) {
-    options.client_id += "-queries-" + std::to_string(number);
-    return options;
-}
-
 std::vector<std::string> models_of(const BoardKind& kind) {
     std::vector<std::string> models;
     for (const auto& service : kind.services)
@@ -26,20 +21,6 @@ std::vector<std::string> models_of(const BoardKind& kind) {
 
 }  // namespace
 
-Queries::Connection::Connection(boost::asio::io_context& io, mqtt::Options options, const bus::Topics& topics)
-    : requester(options.client_id, bus::ReplyTopics(topics, options.user, options.client_id)),
-      client(io, std::move(options),
-             {.on_connected = {},
-              .on_disconnected = {},
-              .on_connect_failed = {},
-              .on_message = [this](const mqtt::Message& message) { requester.take(message); },
-              .on_published = {},
-              .on_subscribe_refused = {},
-              .on_debug = {},
-              .on_subscribed = {}}) {
-    client.subscribe(requester.replies().filter(), {.qos = 1});
-}
-
 Queries::Queries(boost::asio::io_context& io, const mqtt::Options& options, const std::string& topic_root,
                  const BoardKind& kind, const Fleet& fleet, double per_second)
     : fleet_(fleet),
@@ -48,7 +29,8 @@ Queries::Queries(boost::asio::io_context& io, const mqtt::Options& options, cons
       timer_(io),
       pace_(per_second) {
     for (std::size_t i = 0; i < kConnections; ++i)
-        connections_.push_back(std::make_unique<Connection>(io, numbered(options, i), topics_));
+        connections_.push_back(
+            std::make_unique<Calling>(io, options, topics_, "-queries-" + std::to_string(i)));
 }
 
 void Queries::start() {
@@ -87,7 +69,7 @@ void Queries::ask_due() {
     }
 }
 
-void Queries::ask(Connection& connection) {
+void Queries::ask(Calling& connection) {
     const auto asked = std::make_shared<Asked>();
     asked->sent = Clock::now();
     asked->question = questions_.next([this](std::size_t board) { return fleet_.name(board); });
@@ -99,14 +81,19 @@ void Queries::ask(Connection& connection) {
     message.payload = bus::encode(bus::RegistryRequest{question.query, {}, {}});
     message.qos = 1;
     message.expire_after(Pending::kPatience);
-    auto request =
-        connection.requester.ask(message, connection.client.v5(), [this, asked](const mqtt::Message& answer) {
+    auto request = connection.caller.ask(
+        std::move(message),
+        [this, asked](const mqtt::Message& answer) {
             if (pending_.end(asked->id)) answered(*asked, answer.payload);
-        });
+        },
+        asked->sent);
     asked->id = request.id();
     ++tally_[question.kind].asked;
+    if (asked->id.empty()) {
+        ++tally_[question.kind].unanswered;
+        return;
+    }
     pending_.add(std::move(request), asked->sent, static_cast<std::size_t>(question.kind));
-    connection.client.publish(std::move(message), mqtt::Priority::kReply);
 }
 
 /// Since when the board of a question has been there, if that is so long that each registry knows it.

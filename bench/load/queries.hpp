@@ -6,9 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/request/requester.hpp"
-#include "asip/bus/topics.hpp"
-#include "asip/mqtt/client.hpp"
+#include "bench/load/calling.hpp"
 #include "bench/load/fleet.hpp"
 #include "bench/load/pace.hpp"
 #include "bench/load/pending.hpp"
@@ -38,11 +36,6 @@ class Queries {
     QueryTally tally() const;
 
   private:
-    struct Connection {
-        Connection(boost::asio::io_context& io, mqtt::Options options, const bus::Topics& topics);
-        bus::Requester requester;
-        mqtt::Client client;
-    };
     /// What is known of a question when it is asked.
     struct Asked {
         Question question;
@@ -53,7 +46,7 @@ class Queries {
 
     void schedule();
     void ask_due();
-    void ask(Connection& connection);
+    void ask(Calling& connection);
     void answered(const Asked& asked, const std::string& payload);
     std::optional<Time> there_since(const Question& question, Time now) const;
     void forget_overdue(Time now);
@@ -61,7 +54,7 @@ class Queries {
     const Fleet& fleet_;
     bus::Topics topics_;
     Questions questions_;
-    std::vector<std::unique_ptr<Connection>> connections_;
+    std::vector<std::unique_ptr<Calling>> connections_;
     boost::asio::steady_timer timer_;
     Pace pace_;
     Pending pending_;

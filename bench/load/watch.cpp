@@ -10,7 +10,6 @@ constexpr std::size_t kShownBoards = 3;
 constexpr auto kBetweenComparisons = std::chrono::milliseconds(100);
 
 mqtt::Options watch_options(mqtt::Options options) {
-    options.client_id += "-watch";
     // A snapshot is large.
     options.max_packet_bytes = 0;
     return options;
@@ -33,24 +32,15 @@ Watch::Watch(boost::asio::io_context& io, mqtt::Options options, const std::stri
     : fleet_(fleet),
       topics_(topic_root),
       prefix_(prefix),
-      requester_(options.client_id + "-watch",
-                 bus::ReplyTopics(topics_, options.user, options.client_id + "-watch")),
-      client_(io, watch_options(options), handlers()),
+      bus_(io, watch_options(std::move(options)), topics_, "-watch",
+           [this](const mqtt::Message& message) { received(message); }),
       limit_(io),
       again_(io) {
-    client_.subscribe(topics_.registry_events("+"));
-    client_.subscribe(topics_.registry_state("+"), {.qos = 1});
-    client_.subscribe(requester_.replies().filter(), {.qos = 1});
-}
-
-mqtt::Client::Handlers Watch::handlers() {
-    mqtt::Client::Handlers result;
-    result.on_message = [this](const mqtt::Message& message) { received(message); };
-    return result;
+    bus_.client.subscribe(topics_.registry_events("+"));
+    bus_.client.subscribe(topics_.registry_state("+"), {.qos = 1});
 }
 
 void Watch::received(const mqtt::Message& message) {
-    if (requester_.take(message)) return;
     const auto topic = topics_.parse(message.topic);
     if (!topic) return;
     if (topic->kind == bus::TopicKind::kRegistryState) {
@@ -99,11 +89,10 @@ void Watch::ask(const std::string& registry, const std::string& cursor) {
     message.topic = topics_.registry_query(registry);
     message.payload = bus::encode(bus::RegistryRequest{query, {}, {}});
     message.qos = 1;
-    auto request = requester_.ask(message, client_.v5(), [this, registry](const mqtt::Message& answer) {
+    const auto answered = [this, registry](const mqtt::Message& answer) {
         if (const auto read = bus::parse_answer(answer.payload)) page(registry, *read);
-    });
-    comparisons_[registry].request = std::move(request);
-    client_.publish(std::move(message), mqtt::Priority::kReply);
+    };
+    comparisons_[registry].request = bus_.caller.ask(std::move(message), answered, Clock::now());
 }
 
 void Watch::page(const std::string& registry, const bus::Answer& answer) {

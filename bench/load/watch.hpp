@@ -10,8 +10,7 @@
 
 #include "asip/bus/registry/answer.hpp"
 #include "asip/bus/registry/change_event.hpp"
-#include "asip/bus/request/requester.hpp"
-#include "asip/mqtt/client.hpp"
+#include "bench/load/calling.hpp"
 #include "bench/load/changes.hpp"
 #include "bench/load/fleet.hpp"
 
@@ -43,7 +42,7 @@ class Watch {
           const std::string& prefix, const Fleet& fleet);
 
     /// Connects. Events that came before are not known.
-    void start() { client_.start(); }
+    void start() { bus_.client.start(); }
     /// Asks each registry that lives for its catalogue, again and again until it agrees with the truth; calls
     /// `done` when all do, or after `limit`.
     void compare(Duration limit, std::function<void()> done);
@@ -56,10 +55,9 @@ class Watch {
     struct Comparison {
         std::size_t right = 0, listed = 0, wrong = 0;
         std::vector<std::string> examples{};
-        bus::Requester::Request request{};
+        caller::Caller::Question request{};
     };
 
-    mqtt::Client::Handlers handlers();
     void received(const mqtt::Message& message);
     void event(const bus::ChangeEvent& event);
     void ask(const std::string& registry, const std::string& cursor);
@@ -71,8 +69,7 @@ class Watch {
     const Fleet& fleet_;
     bus::Topics topics_;
     std::string prefix_;
-    bus::Requester requester_;
-    mqtt::Client client_;
+    Calling bus_;
     std::map<std::string, Watched> registries_;
     std::map<std::string, bool> living_;
     std::map<std::string, Comparison> comparisons_;
