@@ -23,6 +23,10 @@ void Caller::listen(const std::string& filter) {
 
 void Caller::watch(const std::string& board) {
     listen(topics().state(board));
+    watch_description(board);
+}
+
+void Caller::watch_description(const std::string& board) {
     listen(topics().description(board));
 }
 

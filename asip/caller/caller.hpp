@@ -168,6 +168,7 @@ class Caller {
     /// Takes notice of one board, and of all, from now on: what they say of themselves makes `boards()`.
     void watch(const std::string& board);
     void watch_names(const std::string& board);
+    void watch_description(const std::string& board);  ///< "+": of all
     void watch_all();
     catalogue::BusView& boards() { return view_; }
     const catalogue::BusView& boards() const { return view_; }

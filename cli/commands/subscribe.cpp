@@ -7,7 +7,6 @@
 #include <set>
 
 #include "asip/bus/registry/board_match.hpp"
-#include "asip/catalogue/bus_view.hpp"
 #include "cli/declaration.hpp"
 #include "cli/events/button_events.hpp"
 #include "cli/events/context_event.hpp"
@@ -99,39 +98,41 @@ class EventPrinter {
 class Subscriber {
   public:
     Subscriber(const SubscribeOptions& options, std::vector<Target> targets, bus::LabelSelector labels,
-               Environment& environment)
+               Environment& environment, BusSession& session)
         : options_(options),
           environment_(environment),
+          session_(session),
           targets_(std::move(targets)),
           labels_(std::move(labels)),
-          view_(environment.topics),
           printer_(options, environment),
           pace_(options.changes, options.max_hz),
           buttons_(environment.topics) {}
 
-    void subscribe(BusSession& session) {
+    void subscribe() {
         // First: they attribute lines and letters to services, and name models.
-        for (const auto& filter : descriptions()) {
-            subscriptions_.push_back(
-                session.subscribe(filter, [this, &session](const mqtt::Message& message) {
-                    const auto board = view_.apply(message, Clock::now());
-                    if (!board.empty() && !labels_.empty()) demand_of_chosen(session, board);
+        for (const auto& boards : described()) {
+            session_.caller().watch_description(boards);
+            if (labels_.empty()) continue;
+            subscriptions_.push_back(session_.subscribe(
+                environment_.topics.description(boards), [this](const mqtt::Message& message) {
+                    if (const auto topic = environment_.topics.parse(message.topic))
+                        demand_of_chosen(std::string(topic->board));
                 }));
         }
         if (labels_.empty() && !options_.no_demand) {
             for (const auto& target : targets_)
-                demands_.push_back(session.demand(target.board, target.service, wanted_hz()));
+                demands_.push_back(session_.demand(target.board, target.service, wanted_hz()));
         }
         for (const auto& filter : context_filters(environment_.topics, targets_, options_.raw)) {
             subscriptions_.push_back(
-                session.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
+                session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
         }
         if (options_.raw || !options_.field.empty()) return;
         std::set<std::string> values;
         for (const auto& target : targets_)
             values.insert(environment_.topics.values(target.is_pattern() ? "+" : target.board));
         for (const auto& filter : values)
-            subscriptions_.push_back(session.subscribe(filter, [this](const mqtt::Message& message) {
+            subscriptions_.push_back(session_.subscribe(filter, [this](const mqtt::Message& message) {
                 for (auto& event : buttons_.take(message))
                     take(std::move(event));
             }));
@@ -147,22 +148,19 @@ class Subscriber {
 
   private:
     /// Of a pattern only where it cannot be done without: they may be thousands.
-    std::set<std::string> descriptions() const {
-        const auto needed = description_filters(environment_.topics, targets_, options_.raw);
-        std::set<std::string> filters(needed.begin(), needed.end());
-        for (const auto& target : targets_) {
-            if (!options_.raw && !target.is_pattern())
-                filters.insert(environment_.topics.description(target.board));
-            if (!labels_.empty())
-                filters.insert(environment_.topics.description(target.is_pattern() ? "+" : target.board));
-        }
-        return filters;
+    std::set<std::string> described() const {
+        std::set<std::string> boards;
+        for (const auto& target : targets_)
+            if (needs_description(target, options_.raw) || !labels_.empty() ||
+                (!options_.raw && !target.is_pattern()))
+                boards.insert(target.is_pattern() ? "+" : target.board);
+        return boards;
     }
 
     double wanted_hz() const { return options_.max_hz > 0 ? options_.max_hz : bus::kUsualHz; }
 
     /// Labels come and go.
-    void demand_of_chosen(BusSession& session, const std::string& board) {
+    void demand_of_chosen(const std::string& board) {
         if (options_.no_demand) return;
         if (!is_chosen(board)) {
             wants_.erase(board);
@@ -172,13 +170,13 @@ class Subscriber {
         for (const auto& target : targets_)
             if (wants.size() < targets_.size())
                 wants.push_back(target.matches(board, target.service)
-                                    ? session.want(board, target.service, wanted_hz())
+                                    ? session_.want(board, target.service, wanted_hz())
                                     : nullptr);
     }
 
     model::ModelPtr model_of(const ContextEvent& event) const {
         if (event.kind != ContextEvent::Kind::kValue) return nullptr;
-        if (const auto* description = view_.description(event.board)) {
+        if (const auto* description = session_.boards().description(event.board)) {
             for (const auto& service : description->services) {
                 if (service.name == event.service) return bus::model_of(service, environment_.models());
             }
@@ -200,7 +198,7 @@ class Subscriber {
 
     bool is_chosen(const std::string& board) const {
         if (labels_.empty()) return true;
-        const auto* description = view_.description(board);
+        const auto* description = session_.boards().description(board);
         return description != nullptr && labels_.matches(description->labels.labels);
     }
 
@@ -212,7 +210,7 @@ class Subscriber {
     }
 
     void take(ContextEvent event) {
-        if (enough() || !is_wanted(event, targets_, view_.description(event.board))) return;
+        if (enough() || !is_wanted(event, targets_, session_.boards().description(event.board))) return;
         if (!is_chosen(event.board)) return;
         event.time = std::chrono::system_clock::now();
         const auto now = Clock::now();
@@ -227,9 +225,9 @@ class Subscriber {
 
     const SubscribeOptions& options_;
     Environment& environment_;
+    BusSession& session_;
     std::vector<Target> targets_;
     bus::LabelSelector labels_;
-    catalogue::BusView view_;
     EventPrinter printer_;
     EventPace pace_;
     std::map<std::string, std::optional<Time>> last_;
@@ -283,8 +281,8 @@ int run_subscribe(const SubscribeOptions& options, Environment& environment) {
     BusSession session(environment);
     session.tell_refused_subscriptions();
     BoardSource source(environment, session);
-    Subscriber subscriber(options, *targets, *labels, environment);
-    subscriber.subscribe(session);
+    Subscriber subscriber(options, *targets, *labels, environment, session);
+    subscriber.subscribe();
     const auto deadline = options.limit ? Clock::now() + *options.limit : Time::max();
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     note_unknown(*targets, *labels, environment, source);

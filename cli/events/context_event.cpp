@@ -132,14 +132,8 @@ std::vector<std::string> context_filters(const bus::Topics& topics, const std::v
     return result;
 }
 
-std::vector<std::string> description_filters(const bus::Topics& topics, const std::vector<Target>& targets,
-                                             bool raw) {
-    std::vector<std::string> result;
-    for (const auto& target : targets) {
-        if (!target.service.empty() && (raw || is_letter(target.service)))
-            result.push_back(topics.description(level(target.board)));
-    }
-    return result;
+bool needs_description(const Target& target, bool raw) {
+    return !target.service.empty() && (raw || is_letter(target.service));
 }
 
 bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,

@@ -37,10 +37,9 @@ std::optional<ContextEvent> context_event(const bus::Topics& topics, const std::
 std::vector<std::string> context_filters(const bus::Topics& topics, const std::vector<Target>& targets,
                                          bool raw);
 
-/// Filters for the descriptions that attribute events to services where the topic alone does not: raw lines
-/// of one service, and a service given by its letter.
-std::vector<std::string> description_filters(const bus::Topics& topics, const std::vector<Target>& targets,
-                                             bool raw);
+/// Whether only the board's description attributes events to the target: raw lines of one service, and a
+/// service given by its letter.
+bool needs_description(const Target& target, bool raw);
 
 /// Whether one of `targets` asks for the event. A raw line is of the service whose letter it begins with
 /// (`@D,`); `description` is the board's, null where it is not known: then a letter stands for itself.

@@ -95,8 +95,9 @@ TEST(IsWanted, LetterOfAService_MeansIt) {
     EXPECT_FALSE(is_wanted(distance_event(), {{"uno2", ""}}, nullptr));
     EXPECT_THAT(context_filters(kTopics, {{"uno1", "D"}}, false),
                 ElementsAre("asip/uno1/+/out", "asip/uno1/+/error"));
-    EXPECT_THAT(description_filters(kTopics, {{"uno1", "D"}, {"uno2", "distance"}}, false),
-                ElementsAre("asip/servicebus/uno1/$description"));
+    EXPECT_TRUE(needs_description({"uno1", "D"}, false));
+    EXPECT_FALSE(needs_description({"uno2", "distance"}, false));
+    EXPECT_TRUE(needs_description({"uno2", "distance"}, true));
 }
 
 TEST(ContextFilters, TargetsCoveredByOthers_AreNotSubscribedTwice) {
