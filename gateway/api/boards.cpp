@@ -3,6 +3,7 @@
 
 #include "asip/bus/registry/forget_topics.hpp"
 #include "asip/bus/registry/query.hpp"
+#include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
@@ -164,7 +165,7 @@ void delete_board(Call& call) {
     if (!bus_is_there(call)) return;
     const auto board = board_of(call);
     if (!board) return;
-    if (board->state != "lost" && board->state != "offline") {
+    if (!model::is_gone(board->state)) {
         return send_problem(call, 409,
                             "board \"" + board->board + "\" is " + board->state +
                                 " and would be back with its next announcement; stop its agent first");

@@ -57,6 +57,11 @@ void send_problem(const Call& call, int status, const std::string& detail) {
     call.reply.send(problem(status, detail));
 }
 
+void send_not_there(const Call& call, const std::string& board, const std::string& state) {
+    call.reply.send(problem(503, "board " + board + " is " + state,
+                            {{"reason", std::string(bus::kRefusedBoardNotThere)}}));
+}
+
 void send_json(const Call& call, const json& body) {
     call.reply.send(json_response(body));
 }

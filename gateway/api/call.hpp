@@ -42,6 +42,8 @@ http::Response text_response(std::string json_text, int status = 200);
 
 /// Answers now, with a sentence for a person or with JSON.
 void send_problem(const Call& call, int status, const std::string& detail);
+/// A command for a board in such a state.
+void send_not_there(const Call& call, const std::string& board, const std::string& state);
 void send_json(const Call& call, const nlohmann::json& body);
 
 /// Answers 503 and returns false while the bus is not heard.

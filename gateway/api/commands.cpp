@@ -168,10 +168,7 @@ void send_command(Call& call, const bus::BoardItem& board, const bus::ServiceIte
     if (!hold) return send_problem(call, 400, hold.error());
     if (const auto fault = wrong(model, service, command, payload))
         return send_problem(call, fault->first, fault->second);
-    if (model::is_gone(board.state)) {
-        return call.reply.send(
-            problem(503, "board " + board.board + " is " + board.state, {{"reason", "board-not-there"}}));
-    }
+    if (model::is_gone(board.state)) return send_not_there(call, board.board, board.state);
     if (*hold > 0) payload["hold_ms"] = *hold;
     send(call, board.board + "/" + service.name,
          call.gateway.mirror().topics().service_in(board.board, service.name), std::move(payload));
@@ -194,10 +191,7 @@ void post_raw(Call& call) {
         if (!text.empty()) text += '\n';
         text += line.get_ref<const std::string&>();
     }
-    if (model::is_gone(board->state)) {
-        return call.reply.send(
-            problem(503, "board " + board->board + " is " + board->state, {{"reason", "board-not-there"}}));
-    }
+    if (model::is_gone(board->state)) return send_not_there(call, board->board, board->state);
     send(call, board->board, call.gateway.mirror().topics().board_in(board->board), {{"raw", text}});
 }
 

@@ -186,10 +186,7 @@ void set_property(Call& call, const Things::Found& thing, const Property& proper
     if (requests.empty())
         return send_problem(call, 400,
                             property.name + " cannot be set to " + text::printable(model::dump_json(value)));
-    if (!model::takes_commands(thing.state)) {
-        return call.reply.send(problem(503, "board " + thing.board->board + " is " + thing.state,
-                                       {{"reason", "board-not-there"}}));
-    }
+    if (!model::takes_commands(thing.state)) return send_not_there(call, thing.board->board, thing.state);
     auto start = start_of(call);
     if (!start) return;
     start->target = thing.board->board;
