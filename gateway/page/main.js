@@ -8,7 +8,7 @@ import "./ui/shell.js";
 import "./ui/settings.js";
 import { attention_of, title_badge } from "./core/attention.js";
 import { base, request } from "./net/bus.js";
-import { h, set_text } from "./ui/dom.js";
+import { command_line, h, set_text } from "./ui/dom.js";
 import { boards, status } from "./ui/model.js";
 
 const main = document.getElementById("main");
@@ -40,7 +40,7 @@ function sign_in() {
   const answer = h("output", { class: "answer refused", "aria-live": "polite" });
   return ["Sign in", h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, "Sign in"),
     h("p", {}, "This gateway shows its boards to users who have a token. A token is made on the gateway's machine, by"),
-    h("pre", {}, "asip-gateway token ROLE NAME --tokens FILE"),
+    command_line("asip-gateway token ROLE NAME --tokens FILE"),
     h("form", { onsubmit: (event) => { event.preventDefault(); enter(token.value.trim(), answer); } },
       h("label", { for: "token" }, "Token"), " ", token, " ", h("button", { class: "main" }, "Sign in"), h("p", {}, answer)))];
 }

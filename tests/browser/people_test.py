@@ -2,17 +2,15 @@
 """The page for people who use no mouse, read with a screen reader, or hold a phone."""
 
 import contextlib
-import pathlib
 import unittest
 
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
 from board_test import published
-from rig import BUILD, PageTest, eventually
+from rig import PageTest, eventually
 
-ROUTES = {"boards": "", "board": "board/desk", "history": "history", "settings": "settings", "unknown": "nowhere"}
-AXE = pathlib.Path(BUILD, "axe-core/node_modules/axe-core/axe.min.js")
+ROUTES = {"boards": "", "board": "board/desk", "history": "history", "add": "add", "dashboards": "dashboards", "settings": "settings", "unknown": "nowhere"}
 
 
 class People(PageTest):
@@ -24,23 +22,6 @@ class People(PageTest):
             self.all_pins()
             self.browser.shown(".pin:not(.taken)").click()
             self.all_commands()
-
-    def faults(self, **rules):
-        found = self.browser.driver.execute_async_script(
-            "const [rules, done] = arguments; axe.run({ resultTypes: ['violations'], rules: { 'label-content-name-mismatch': { enabled: true } }, ...rules }).then((result) => done(result.violations))", rules)
-        return [f"{each['id']}: {each['nodes'][0]['html'][:120]}" for each in found]
-
-    def test_EveryScreen_HasNoAccessibilityFault(self):
-        self.open(anew=True)
-        self.browser.run(AXE.read_text())
-        for name, route in ROUTES.items():
-            self.settle(route)
-            self.assertEqual(self.faults(), [], name)
-            self.browser.color_scheme("dark")
-            eventually(lambda: self.browser.run("return document.getAnimations().length === 0"), "the colors in place")
-            self.assertEqual(self.faults(runOnly=["color-contrast"]), [], f"{name}, dark")  # nothing else depends on it
-            self.browser.screenshot(f"{name}-dark")
-            self.browser.color_scheme("light")
 
     def test_PhoneWidth_NothingIsWiderThanTheScreen(self):
         self.browser.size(360, 740, mobile=True)

@@ -101,8 +101,8 @@ class AddBoard extends Part {
     this.kind = h("select", { id }, kinds.map(([value, text]) => h("option", { value }, text)));
     this.again = h("span", { class: "actions", hidden: true }, h("label", { for: id }, "Which board: "), this.kind, " ", h("button", { class: "main", onclick: () => this.begin_loading(this.kind.value) }, "Try again"));
     this.bar = h("progress", { max: 100, "aria-label": "Loading" });
-    this.log = h("ol", { class: "loading-log", role: "log" });
-    this.panel.replaceChildren(this.bar, this.log, this.again);
+    this.log = h("ol", { class: "loading-log" });
+    this.panel.replaceChildren(this.bar, h("div", { role: "log" }, this.log), this.again);
   }
 
   /// A line of the log; what only counts on stands in the last one.

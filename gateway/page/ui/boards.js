@@ -53,7 +53,7 @@ class Boards extends Part {
     this.value = h("select", { "aria-label": "Value that is shown", onchange: () => this.filtered({ value: this.value.value }) });
     this.group = h("select", { "aria-label": "Group by a label", onchange: () => this.filtered({ group: this.group.value }) });
     this.adding = h("a", { class: "button", href: "#/add" }, "Add board");
-    return h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"), this.adding);
+    return this.tools = h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"), this.adding);
   }
 
   /// Boards are selected by users who may do something with them.
@@ -164,6 +164,7 @@ class Boards extends Part {
     this.filler.style.height = this.scroll.style.height = `${this.rows.length * this.row_height}px`;
     this.empty_box.hidden = this.rows.length > 0;
     this.grid.hidden = this.rows.length === 0;
+    this.tools.hidden = catalogue.rows.size === 0; // nothing to look for
     set_text(this.empty, this.empty_text(catalogue));
     this.allow();
     const all = catalogue.rows.size;

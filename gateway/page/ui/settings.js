@@ -20,7 +20,7 @@ class Settings extends Part {
     this.hosts = h("div", {});
     this.lost_body = h("tbody", {});
     this.lost_note = h("p", { class: "muted", role: "status" });
-    this.lost_table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Boards that are not there" },
+    this.lost_table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Which, and since when" },
       h("table", {}, h("thead", {}, h("tr", {}, ["Board", "State", "Since", "For"].map((head) => h("th", { scope: "col" }, head)))), this.lost_body));
     this.append(h("h1", { tabindex: "-1" }, "Settings and health"),
       section("Boards that are not there", this.lost_note, this.lost_table),

@@ -60,7 +60,7 @@ class Widget extends Part {
     this.heading.hidden = title === "" || this.widget.kind === "stop";
     const label = [title || "Text", of].filter(Boolean).join(", ");
     for (const each of [this, this.button, this.input]) each?.setAttribute("aria-label", label);
-    this.grip?.setAttribute("aria-label", `Move ${label}`);
+    if (this.grip) set_text(this.grip.lastChild, `Move ${label}`);
   }
 
   make_value() { this.body.append((this.text = h("span", { class: "big" })), " ", (this.age = h("small", { class: "muted" }))); }
