@@ -7,6 +7,7 @@ import re
 import threading
 import time
 import unittest
+import urllib.request
 
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select
@@ -137,21 +138,38 @@ class BoardPage(PageTest):
         self.browser.button("All 20 pins").click()
         eventually(lambda: len(pins()) == 20, "all pins")
 
+    def dashboard(self, name, document):
+        def ask(method, body):
+            request = urllib.request.Request(f"{self.bus.url}/api/dashboards/{name}", body, {"Content-Type": "application/json"}, method=method)
+            urllib.request.urlopen(request, timeout=20).close()
+        ask("PUT", json.dumps(document).encode())
+        self.addCleanup(ask, "DELETE", b"{}")
+
     def test_NoWordOfTheWire_StandsOutsideAdvanced(self):
         send = lambda *words: self.bus.asipctl("send", *words)
         send("desk/io", "mode", "13", "3")
         send("desk/servo", "write", "7", "90")
         self.bus.post("/api/boards/desk/raw", {"lines": ["I,d,13,1"]})
         self.bus.post("/api/boards/desk/services/io/commands/mode", [13, 0])
+        self.dashboard("lit", {"title": "Lit", "widgets": [{"kind": "lamp", "board": "lamp", "property": "io/12"}]})
+        self.bus.post("/api/dashboards/lit/links", {})
         wire = re.compile(r"\b(io|loopback|complete|[A-Z]+_[A-Z_]+)\b|\b[A-Z],\w|[\[{]\S|\bmode \d|\blatched\b")
-        for route, there in (("", "Pins, Distance"), ("board/desk", "Servo 0 angle"), ("history", "Set the mode of pin 13: unallocated"), ("settings", "Gateway"), ("dashboards", "Dashboards")):
+        for route, there in (("", "Pins, Distance"), ("board/desk", "Servo 0 angle"), ("history", "Set the mode of pin 13: unallocated"), ("settings", "Gateway"), ("dashboards", "changed by this machine"),
+                             ("dashboard/lit", "has no pin 12 now")):
             self.open(route, anew=True)
             eventually(lambda: there in self.browser.text(), f"{route}: {there}", 40)  # noqa: B023
+            self.browser.run("document.querySelectorAll('asip-share details').forEach((each) => { each.open = true; })")
+            eventually(lambda: not self.browser.find("asip-share") or "made by this machine" in self.browser.text(), "who shared it")
             shown = self.browser.run("""for (const each of document.querySelectorAll("main code")) each.hidden = true; // what is typed elsewhere
                 const words = [document.querySelector("main").innerText];
                 for (const each of document.querySelectorAll("main select")) words.push(...[...each.options].map((option) => option.text));
                 return words.join("\\n");""")
             self.assertIsNone(wire.search(shown), f"{route}: {wire.search(shown)} in {shown}")
+            if route == "board/desk":
+                self.bus.post("/api/boards/desk/stop", {})
+                self.addCleanup(self.bus.post, "/api/boards/desk/resume", {})
+                eventually(lambda: "Stopped by this machine" in self.browser.text(), "who stopped it")
+                self.bus.post("/api/boards/desk/resume", {})
         self.open("history", anew=True)
         for told in ("Set the mode of pin 13: output", "Turn servo 7: 90°, invalid device number", "Set the level: pin 13, high"):
             eventually(lambda: told in self.browser.text(), told)  # noqa: B023

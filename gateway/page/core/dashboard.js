@@ -55,10 +55,13 @@ export function moved(widgets, id, step) {
   return result;
 }
 
+/// A property that its board does not list: "servo 0 angle" for servo/0/angle.
+const id_text = (id) => id.replace(/^io\//, "pin ").replaceAll("/", " ");
+
 export function title_of(widget, property) {
   if (widget.title) return widget.title;
   if (!widget.property) return widget.kind === "stop" ? "Stop" : "";
-  return property?.name ?? `${widget.board ?? widget.labels} ${widget.property}`;
+  return property?.name ?? `${widget.board ?? widget.labels} ${id_text(widget.property)}`;
 }
 
 /// Why a widget can do nothing now; "" where it can. `board`: {state, reason} as the stream says.
@@ -67,6 +70,6 @@ export function trouble_of(widget, board, property) {
   if (!board) return "Waiting for the bus …";
   if (board.state === "unknown") return `Board ${widget.board} is not known. It may have been forgotten.`;
   if (board.state === "lost" || board.state === "offline") return `Board ${widget.board} is ${board.state}.`;
-  return board.state === "updating" ? `Board ${widget.board}: its port is in other hands.` : property === null ? `Board ${widget.board} has no ${widget.property} now.`
+  return board.state === "updating" ? `Board ${widget.board}: its port is in other hands.` : property === null ? `Board ${widget.board} has no ${id_text(widget.property)} now.`
     : property?.refused && ["switch", "slider"].includes(widget.kind) ? `It cannot be set: ${property.refused}.` : "";
 }

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened, in words; searched, and equal rows folded.
 import { asked_text } from "./asked.js";
-import { reason_text, time_of, words } from "./text.js";
-
-const programs = { loopback: "this machine", "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug", "web-of-things": "Web of Things" };
-/// Who asked, as a person reads it.
-export const who_text = (by) => programs[by] ?? by;
+import { reason_text, time_of, who_text, words } from "./text.js";
 
 const ends = { ok: "done", timeout: "no answer" };
 const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };

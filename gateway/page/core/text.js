@@ -68,3 +68,7 @@ export function time_of(value) {
 
 /// What a service is called where no person has named it.
 export const service_text = (name) => (name === "io" ? "Pins" : words(name));
+
+const programs = { loopback: "this machine", "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug", "web-of-things": "Web of Things" };
+/// Who asked, as a person reads it.
+export const who_text = (by) => programs[by] ?? by;

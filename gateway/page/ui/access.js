@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who may do what: users of the tokens file, and the links of dashboards, which are ended here.
-import { moment_text, time_of } from "../core/text.js";
+import { moment_text, time_of, who_text } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { command_line, h, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";
@@ -42,7 +42,7 @@ class Access extends Part {
     const links = items.flatMap((dashboard) => (dashboard.links ?? []).map((each) => ({ dashboard, ...each })));
     set_text(this.link_note, links.length > 0 ? "" : "There is none. A dashboard's “Share” makes one.");
     this.links.replaceChildren(...links.map((each) => h("li", {}, h("a", { href: `#/dashboard/${encodeURIComponent(each.dashboard.name)}` }, each.dashboard.title || each.dashboard.name), " ",
-      h("small", { class: "muted" }, [each.name, each.control ? "may use its controls" : "looks only", until_text(each.until), each.by && `made by ${each.by}`].filter(Boolean).join(", ")), " ",
+      h("small", { class: "muted" }, [each.name, each.control ? "may use its controls" : "looks only", until_text(each.until), each.by && `made by ${who_text(each.by)}`].filter(Boolean).join(", ")), " ",
       h("button", { "aria-label": `End ${each.name} of ${each.dashboard.title || each.dashboard.name}`, onclick: () => this.end_link(each) }, "End"))));
   }
 

@@ -3,7 +3,7 @@
 import { alive, label_texts } from "../core/catalogue.js";
 import { shown_state } from "../core/firmware.js";
 import { moves } from "../core/properties.js";
-import { duration_text, moment_text, time_of, reason_text } from "../core/text.js";
+import { duration_text, moment_text, time_of, reason_text, who_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
@@ -143,7 +143,7 @@ class Board extends Part {
     this.classList.toggle("gone", Boolean(state) && !alive(state));
     this.show_usable(state);
     const stop = row?.reason === "latched" || this.board?.reason === "latched" ? this.board?.description?.stopped : undefined;
-    set_text(this.stopped, row?.reason === "latched" && alive(state) ? `Stopped${stop?.by ? ` by ${stop.by}` : ""}${stop?.why ? `: ${stop.why}` : ""}. Commands are refused until it is resumed.` : "");
+    set_text(this.stopped, row?.reason === "latched" && alive(state) ? `Stopped${stop?.by ? ` by ${who_text(stop.by)}` : ""}${stop?.why ? `: ${stop.why}` : ""}. Commands are refused until it is resumed.` : "");
     if (this.tools_for !== rights()) this.show_tools();
   }
 

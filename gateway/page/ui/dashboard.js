@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One dashboard, live: to be looked at and used, full screen, too; and its editor.
 import { kSizes, moved, name_of_title, selectors_of, title_of } from "../core/dashboard.js";
+import { who_text } from "../core/text.js";
 import { bus, path_of, request, request_with_tag } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";
@@ -270,7 +271,7 @@ class Dashboards extends Part {
     try {
       const { items } = await request("api/dashboards");
       this.list.replaceChildren(...items.map((each) => h("li", {}, h("a", { href: `#/dashboard/${encodeURIComponent(each.name)}` }, each.title || each.name), " ",
-        h("small", { class: "muted" }, `${each.widgets} ${each.widgets === 1 ? "widget" : "widgets"}${each.by ? `, changed by ${each.by}` : ""}`))));
+        h("small", { class: "muted" }, `${each.widgets} ${each.widgets === 1 ? "widget" : "widgets"}${each.by ? `, changed by ${who_text(each.by)}` : ""}`))));
       set_text(this.note, items.length > 0 ? "" : "There is none yet. A dashboard shows chosen values and controls of your boards on one page, which can be shared by a link.");
     } catch (problem) {
       set_text(this.note, problem.message);

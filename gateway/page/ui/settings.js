@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Settings and health: other systems, who may do what, notices, programs with their versions and counters, and boards that are not there.
 import { alive } from "../core/catalogue.js";
-import { who_text } from "../core/history.js";
-import { duration_text, moment_text, time_of, words } from "../core/text.js";
+import { duration_text, moment_text, time_of, who_text, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { command_line, h, Part, set_class, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Links that show one dashboard to each person who has them, and nothing else.
-import { moment_text, time_of } from "../core/text.js";
+import { moment_text, time_of, who_text } from "../core/text.js";
 import { base, path_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text } from "./dom.js";
 
@@ -47,7 +47,7 @@ class Share extends Part {
   async load() {
     const { links = [] } = await request(path_of("dashboards", this.name)).catch(() => ({}));
     this.list.replaceChildren(...links.map((each) => h("li", {}, h("span", {}, each.name), " ",
-      h("small", { class: "muted" }, [each.control ? "may use its controls" : "looks only", each.until ? `until ${moment_text(time_of(each.until))}` : "without an end", each.by && `made by ${each.by}`].filter(Boolean).join(", ")), " ",
+      h("small", { class: "muted" }, [each.control ? "may use its controls" : "looks only", each.until ? `until ${moment_text(time_of(each.until))}` : "without an end", each.by && `made by ${who_text(each.by)}`].filter(Boolean).join(", ")), " ",
       h("button", { "aria-label": `End ${each.name}`, onclick: () => this.end_link(each.name) }, "End"))));
   }
 

@@ -50,10 +50,10 @@ test("A board that is gone is named", () => {
   assert.match(trouble_of(widget, { state: "lost" }), /attic is lost/);
   assert.equal(trouble_of(widget, { state: "online" }), "");
   assert.equal(trouble_of({ kind: "stop" }, undefined), "");
-  assert.match(trouble_of({ ...widget, property: "io/2" }, { state: "online" }, null), /attic has no io\/2 now/);
+  assert.match(trouble_of({ ...widget, property: "io/2" }, { state: "online" }, null), /attic has no pin 2 now/);
   const refused = { refused: "a command made pin 2 an input" };
   assert.match(trouble_of({ kind: "switch", board: "attic" }, { state: "online" }, refused), /cannot be set: a command made pin 2 an input/);
   assert.equal(trouble_of(widget, { state: "online" }, refused), "", "what is read is read");
-  assert.equal(title_of({ kind: "value", board: "a", property: "b/0" }), "a b/0");
+  assert.equal(title_of({ kind: "value", board: "a", property: "b/0" }), "a b 0");
   assert.equal(title_of({ kind: "value", board: "a", property: "b/0" }, { name: "Front" }), "Front");
 });
