@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/truth/values/views.hpp"
 
+#include <variant>
+
 #include "asip/bus/registry/answer.hpp"
 #include "asip/bus/registry/board_match.hpp"
+#include "asip/model/description.hpp"
 #include "asip/property/list.hpp"
 #include "asip/property/property_json.hpp"
 #include "gateway/export/homie.hpp"

@@ -2,8 +2,11 @@
 #include "tests/truth/values/world.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <utility>
 
 #include "asip/bus/request/reply.hpp"
+#include "asip/property/documents.hpp"
 #include "cli/commands/get_all.hpp"
 
 namespace truth::values {
