@@ -193,6 +193,7 @@ void World::judge_exports() {
         const auto is = truth.value ? exports_.text_of(id, *truth.value) : unknown;
         ++end_.looks;
         end_.known += shown != unknown ? 1 : 0;
+        note(exports_.name() + " shows \"" + shown + "\" as " + id);
         if (shown != unknown ? shown != is : truth.proven && is != unknown)
             fail(exports_.name() + " shows \"" + shown + "\" as " + id + ", and it is \"" + is + "\"");
     }
