@@ -145,6 +145,17 @@ struct GatewayUnits : gateway::ApiTest {
                 ++messages;
             if (messages != 1) std::abort();
         });
+        const auto values = get("/api/boards/uno1/values/stream");
+        if (!values->source) std::abort();
+        measure("value-to-values-stream", 100, [&](unsigned i) {
+            bus("asip/uno1/$values", R"({"version":1,"board":"uno1","session":"s1","seq":)" +
+                                         std::to_string(i + 1) + R"(,"values":{"servo/0/angle":{"value":)" +
+                                         std::to_string(i % 180) + R"(,"how":"set","age":0}}})");
+            pass(100ms);
+            text.clear();
+            values->source->take(text, 65536);
+            if (text.find("servo/0/angle") == std::string::npos) std::abort();
+        });
     }
 };
 
