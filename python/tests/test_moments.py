@@ -9,6 +9,7 @@ import unittest
 import unittest.mock
 
 import asip
+from asip import _wait
 from asip.bus import Bus
 from asip.service import Watch
 from asip.settings import Settings
@@ -22,11 +23,23 @@ DESCRIPTION = {"board": "desk", "session": "s", "seq": 1, "lease": 60, "state": 
                "services": [{"name": "servo", "model": "servo@1"}, {"name": "distance", "model": "distance@1"}, {"name": "io", "model": "io@1"}]}
 
 
+def carrying(function):
+    """What comes from a broker comes in a thread that carries messages: a function that waits there is told so."""
+    def run(*args):
+        _wait.forbid()
+        try:
+            return function(*args)
+        finally:
+            _wait._forbidden.here = False
+    return run
+
+
 class HandLink:
     """A connection that a test moves by hand."""
 
     def __init__(self, rig, _broker, _settings, _id, v5, on_up, on_down, on_message, on_denied):
-        self.rig, self.v5, self.on_up, self.on_down, self.on_message, self.on_denied = rig, v5, on_up, on_down, on_message, on_denied
+        self.rig, self.v5 = rig, v5
+        self.on_up, self.on_down, self.on_message, self.on_denied = map(carrying, (on_up, on_down, on_message, on_denied))
         self.sent, self.closed, self.frozen = [], False, False
         rig.links.append(self)
 
