@@ -9,11 +9,16 @@ from __future__ import annotations
 import contextlib
 import socket
 import ssl
+import sys
 import threading
 
-import paho.mqtt.client as mqtt
-from paho.mqtt.packettypes import PacketTypes
-from paho.mqtt.properties import Properties
+try:
+    import paho.mqtt.client as mqtt
+    from paho.mqtt.packettypes import PacketTypes
+    from paho.mqtt.properties import Properties
+except ModuleNotFoundError as fault:
+    raise ModuleNotFoundError(f"asip needs paho-mqtt, which {sys.executable} has not: pip install paho-mqtt; Debian's package "
+                              "python3-paho-mqtt is that of /usr/bin/python3", name=fault.name) from fault
 
 from . import _wait
 from .settings import Broker, Settings, password_hint

@@ -33,6 +33,11 @@ class Package(unittest.TestCase):
                     self.assertIn(str(place), done.stdout)
                     self.assertTrue(list(place.rglob("asip/py.typed")))
 
+    def test_python_without_paho_says_what_to_install(self):
+        done = subprocess.run([sys.executable, "-c", "import sys; sys.modules['paho'] = None; import asip"], cwd=HERE.parent, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("pip install paho-mqtt", done.stderr.splitlines()[-1])
+
     def test_version_is_that_of_the_project(self):
         text = (HERE.parent / "asip" / "_version.py").read_text()
         self.assertEqual(text.split('"')[1], (HERE.parents[1] / "VERSION").read_text().strip())
