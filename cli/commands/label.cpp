@@ -61,7 +61,8 @@ Expected<void> add_meanings(model::LabelChange& change, const std::string& id,
         if (!*added)
             return fail(
                 word +
-                ": of a property these can be given: class, inverted, debounce, unit, line, icon, hidden");
+                ": of a property these can be given: class, inverted, debounce, unit, line, icon, hidden; "
+                "names are given to pins, asipctl label BOARD pin.A0=NAME, and services");
     }
     return {};
 }

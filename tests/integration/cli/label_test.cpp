@@ -233,6 +233,7 @@ TEST_F(LabelTest, WhatCannotBeLabelled_IsToldWithWhatToWrite) {
     EXPECT_THAT(why({"desk/servo", "room=lab"}), HasSubstr("only its name"));
     EXPECT_THAT(why({"desk/*", "name=x"}), HasSubstr("name one service"));
     EXPECT_THAT(why({"desk", "pin.999=x"}), HasSubstr("is not a pin"));
+    EXPECT_THAT(why({"desk/io/2", "name=x"}), HasSubstr("asipctl label BOARD pin.A0=NAME"));
     const auto none = asipctl({"label", "dest", "room=lab"});
     EXPECT_EQ(none.status, 4);
     EXPECT_THAT(none.errors, HasSubstr("did you mean \"desk\"?"));
