@@ -174,6 +174,8 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         case TopicKind::kServiceSet:
         case TopicKind::kProperties:
         case TopicKind::kValues:
+        case TopicKind::kLinks:
+        case TopicKind::kLink:
             if (message.retain) tidier_.retained(message.topic, topic->board);
             return;
         case TopicKind::kCommands:

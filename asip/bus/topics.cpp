@@ -68,8 +68,12 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
         if (second == "in") return TopicRef{TopicKind::kBoardIn, board, {}};
         if (second == "$stop") return TopicRef{TopicKind::kStop, board, {}};
         if (second == "$values") return TopicRef{TopicKind::kValues, board, {}};
+        if (second == "$links") return TopicRef{TopicKind::kLinks, board, {}};
         return std::nullopt;
     }
+    if (second == "$link")
+        return valid_demander(rest) ? std::optional(TopicRef{TopicKind::kLink, board, {}, rest})
+                                    : std::nullopt;
     if (!model::valid_name(second)) return std::nullopt;
     if (rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
     if (rest == "in") return TopicRef{TopicKind::kServiceIn, board, second};
@@ -137,6 +141,7 @@ std::size_t Topics::longest_payload(std::string_view topic) const {
             return kMaxDemandBytes;
         case TopicKind::kBoardIn:
         case TopicKind::kServiceIn:
+        case TopicKind::kLink:
         case TopicKind::kStop:
         case TopicKind::kRegistryQuery:
         case TopicKind::kAnyRegistryQuery:

@@ -22,6 +22,8 @@ enum class TopicKind {
     kBoardOut,         ///< ROOT/BOARD/out: raw lines
     kBoardIn,          ///< ROOT/BOARD/in: raw lines
     kValues,           ///< ROOT/BOARD/$values: how the board stands, retained
+    kLinks,            ///< ROOT/BOARD/$links: its links, retained
+    kLink,             ///< ROOT/BOARD/$link/USER/CLIENT: USER sets, changes or removes a link
     kStop,             ///< ROOT/BOARD/$stop
     kServiceOut,       ///< ROOT/BOARD/SERVICE/out
     kServiceIn,        ///< ROOT/BOARD/SERVICE/in
@@ -40,7 +42,7 @@ struct TopicRef {
     TopicKind kind;
     std::string_view board;  ///< board name, or registry id
     std::string_view service;
-    std::string_view demander{};  ///< kDemand: USER/CLIENT
+    std::string_view demander{};  ///< kDemand, kLink: USER/CLIENT
     friend bool operator==(const TopicRef&, const TopicRef&) = default;
 };
 
@@ -74,6 +76,9 @@ class Topics {
     std::string board_out(std::string_view board) const { return join(board, "out"); }
     std::string board_in(std::string_view board) const { return join(board, "in"); }
     std::string values(std::string_view board) const { return join(board, "$values"); }
+    std::string links(std::string_view board) const { return join(board, "$links"); }
+    /// `who`: USER/CLIENT, or "+/+".
+    std::string link(std::string_view board, std::string_view who) const { return join(board, "$link", who); }
     std::string stop(std::string_view board) const { return join(board, "$stop"); }
     std::string service_out(std::string_view board, std::string_view service) const {
         return join(board, service, "out");

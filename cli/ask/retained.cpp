@@ -48,9 +48,9 @@ struct Claims {
 
 bool is_command(bus::TopicKind kind) {
     return kind == bus::TopicKind::kBoardIn || kind == bus::TopicKind::kStop ||
-           kind == bus::TopicKind::kServiceIn || kind == bus::TopicKind::kDemand ||
-           kind == bus::TopicKind::kProbe || kind == bus::TopicKind::kAnyRegistryQuery ||
-           kind == bus::TopicKind::kRegistryQuery;
+           kind == bus::TopicKind::kLink || kind == bus::TopicKind::kServiceIn ||
+           kind == bus::TopicKind::kDemand || kind == bus::TopicKind::kProbe ||
+           kind == bus::TopicKind::kAnyRegistryQuery || kind == bus::TopicKind::kRegistryQuery;
 }
 
 bool is_of_registry(bus::TopicKind kind) {

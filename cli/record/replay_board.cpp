@@ -117,6 +117,7 @@ void ReplayBoard::play(const RecordedMessage& message, Time now, Announcements& 
         case TopicKind::kBoardIn:
         case TopicKind::kServiceIn:
         case TopicKind::kStop:
+        case TopicKind::kLink:
             return;  // what it was asked is there to be read, not to be asked again
         case TopicKind::kDescription:
             if (auto description = model::parse_description(message.payload); announcer_ && description) {

@@ -87,6 +87,17 @@ TopicRule rule_of(TopicKind kind) {
         case TopicKind::kValues:
             return announced("BOARD/$values", "broker, gateway: 32 KiB a board",
                              "each reader, at most ten times a second", "-");
+        case TopicKind::kLinks:
+            return announced("BOARD/$links", "broker: 256 KiB a board", "each reader", "-");
+        case TopicKind::kLink:
+            return {"BOARD/$link/USER/CLIENT",
+                    {kReadOfBoard},
+                    {},
+                    {kWriteOwn},
+                    {},
+                    "agent: 100 links of 2 KiB",
+                    "agent: 20 commands a second and link",
+                    "agent: a file for each link"};
         case TopicKind::kDemand:
             return {"servicebus/BOARD/$demand/USER/CLIENT",
                     {kReadOfBoard, kWriteOfBoard},

@@ -128,6 +128,8 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
         case TopicKind::kLog:
         case TopicKind::kCommands:
         case TopicKind::kDemand:
+        case TopicKind::kLinks:
+        case TopicKind::kLink:
             return;
         case TopicKind::kProperties:
         case TopicKind::kValues:
