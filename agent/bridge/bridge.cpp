@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/bridge/bridge.hpp"
 
+#include <ctime>
 #include <utility>
 
 #include "asip/program/exit_status.hpp"
@@ -12,6 +13,13 @@ using program::log::Level;
 namespace {
 
 constexpr Duration kGarbageQuiet = std::chrono::seconds(10);
+
+int local_second_of_day() {
+    const auto now = std::time(nullptr);
+    std::tm local{};
+    ::localtime_r(&now, &local);
+    return local.tm_hour * 3600 + local.tm_min * 60 + local.tm_sec;
+}
 
 const char* why_unanswered(const session::NoAnswer& none, bool tcp) {
     if (none.heard_banner)
@@ -49,7 +57,14 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
       control_(board_, age_, statistics_, safety_, periods_, values_, latch_),
       context_(board_, options_.context),
       labels_(board_, options_.labels),
-      describer_(board_, models_, options_.reports) {}
+      describer_(board_, models_, options_.reports),
+      links_(
+          {.board = board_,
+           .values = values_,
+           .ready = [this] { return session().accepts_requests() && found_ && !safety_.pending() && !ends_; },
+           .user = options_.bus_user,
+           .second_of_day = options_.second_of_day ? options_.second_of_day : &local_second_of_day},
+          random_) {}
 
 // --- the board's side
 
@@ -97,6 +112,7 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     send_periods(now, out);
     if (port_.phase() == PortLoan::Phase::kMakingSafe) tick_port(now, out);
     publish_values(now, out);
+    run_links(now, out);
 }
 
 void Bridge::line_rate_set(bool ok, Time now, Effects& out) {
@@ -172,7 +188,7 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     board_.services = session::ServiceTable(board, models_);
     periods_.board_found(board_.services, now);
     describer_.board_found(identified.changed, periods_);
-    if (name().empty()) name_board(out);
+    if (name().empty()) name_board(now, out);
     if (!std::exchange(found_, true) && (!options_.keep_outputs || is_stopped())) safety_.stop_services();
     out.board_known = true;
     was_away_ = false;
@@ -191,6 +207,8 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     announcer_->set_state(model::BoardState::kOnline, reason_to_be_online(), now, out);
     values_.identified(now);
     learn_levels(now, out);
+    ends_ = false;
+    links_.target_back();
 }
 
 model::StateReason Bridge::reason_to_be_online() const {
@@ -204,7 +222,7 @@ void Bridge::show_stop(Time now, Effects& out) {
         announcer_->set_state(model::BoardState::kOnline, reason_to_be_online(), now, out);
 }
 
-void Bridge::name_board(Effects& out) {
+void Bridge::name_board(Time now, Effects& out) {
     if (name().empty()) choose_name();
     auto kept = options_.load_labels ? options_.load_labels(name()) : Expected<model::Labels>();
     if (!kept) out.log(Level::kError, "labels cannot be read", {{"why", kept.error()}});
@@ -213,6 +231,7 @@ void Bridge::name_board(Effects& out) {
     if (options_.load_stop) latch_.load(options_.load_stop(name()));
     describer_.note_stop(latch_.stopped());
     if (is_stopped()) out.log(Level::kWarning, latch_.why_refused(name()));
+    if (options_.load_links) links_.load(options_.load_links(name()), is_stopped(), now, out);
     announcer_ = std::make_unique<Announcer>(
         board_.topics,
         AnnouncerOptions{name(), options_.lease_seconds, options_.takeover, options_.started_unix,
@@ -282,7 +301,10 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
 }
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
+    const bool sets = end.ending != session::Ending::kNotSent && end.ending != session::Ending::kBoardError;
+    const auto set = sets && links_.any() ? values_.set_by(end.id) : std::vector<std::string>();
     values_.on_finished(end, now);
+    links_.executed(set, control_.link_of(end.id));
     tell_modes(now);
     safety_.on_finished(end, now, out);
     periods_.on_finished(end, now, out);
@@ -334,19 +356,22 @@ void Bridge::tick(Time now, Effects& out) {
     yield_name(out);
     start_publishing(out);
     publish_values(now, out);
+    run_links(now, out);
 }
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = board_.session.next_deadline();
     const auto values = name_claimed_ && may_publish() ? values_.next_deadline() : std::nullopt;
-    for (const auto& other : {values, safety_.next_deadline(), port_.next_deadline(),
-                              periods_.next_deadline(), restarts_.next_deadline(), labels_.next_deadline(),
-                              rests_until_, announcer_ ? announcer_->next_deadline() : std::nullopt})
+    for (const auto& other :
+         {values, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
+          restarts_.next_deadline(), labels_.next_deadline(), links_.next_deadline(may_publish()),
+          rests_until_, announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;
     return deadline;
 }
 
 bool Bridge::release_holds(Time now, Effects& out) {
+    ends_ = true;
     const bool pending = safety_.release_all();
     send_safe_lines(now, out);
     return pending && session().accepts_requests();

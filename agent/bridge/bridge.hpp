@@ -19,6 +19,7 @@
 #include "agent/describe/label_book.hpp"
 #include "agent/inbound/command_age.hpp"
 #include "agent/inbound/inbound.hpp"
+#include "agent/links/link_book.hpp"
 #include "agent/port/port_loan.hpp"
 #include "agent/reports/board_values.hpp"
 #include "agent/reports/context.hpp"
@@ -54,6 +55,10 @@ struct BridgeOptions {
     std::function<Expected<model::Labels>(const std::string& board)> load_labels;
     /// A stop of this board that holds, as it was kept. Where none is, nothing.
     std::function<Expected<std::optional<model::StopInfo>>(const std::string& board)> load_stop;
+    /// Links of a board as they were kept.
+    std::function<LinkFiles::Loaded(const std::string& board)> load_links;
+    std::string bus_user;                ///< of the broker, may be empty
+    std::function<int()> second_of_day;  ///< by the clock on the wall; empty: of this machine
     session::SessionOptions session;
     /// `context.client_side`: `/in` and `/out` of raw lines are named as the client sees them. Requests come
     /// on `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed:
@@ -103,7 +108,7 @@ class Bridge {
     void bus_connected(Time now, const std::string& client_id, bool expires, Effects& out);
     /// The broker granted every subscription that commands come by.
     void bus_subscribed(Time now, Effects& out);
-    void bus_disconnected();
+    void bus_disconnected(Time now);
     /// The broker knows its users, and may have rules for them. Once the board is known.
     void leave_shared_topic() { announcer_->leave_shared_topic(); }
     /// Reads a message of the bus; nothing where it is not for this agent. Between read() and take() it may
@@ -142,6 +147,24 @@ class Bridge {
     /// What became of Effects::keep_labels.
     void labels_kept(const Expected<std::filesystem::path>& result, Time now, Effects& out);
 
+    // --- links (bridge_links.cpp)
+    /// What became of Effects::keep_links.
+    void link_kept(std::uint64_t ticket, const Expected<void>& result, Time now, Effects& out);
+    /// What they need beside control_subscriptions(); the agent does without, where the broker refuses it.
+    std::set<std::string> link_subscriptions() const;
+    /// How this board stands, for links of this process.
+    struct Standing {
+        const std::vector<property::Property>& properties;
+        property::ValueDocument values;
+        bool present = false;
+    };
+    Standing standing(Time now) const;
+    /// Rises with each change of that.
+    std::uint64_t standing_changes() const;
+    bool has_source(std::string_view board) const { return links_.has_source(board); }
+    void source_stands(const Standing& source, Time now, Effects& out);
+    void source_gone(const std::string& board, Time now, Effects& out);
+
     /// Time has passed. Must be called when next_deadline() has come; may be called at any time.
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
@@ -175,10 +198,12 @@ class Bridge {
     void on_message(const Resume& resume, Time now, Effects& out);
     void on_message(const PortRequest& request, Time now, Effects& out);
     void on_message(const LabelRequest& request, Time now, Effects& out);
+    void on_message(const LinkRequest& request, Time now, Effects& out);
+    void on_message(const SourceMessage& source, Time now, Effects& out);
     void on_message(const DemandMessage& demand, Time now, Effects& out);
     void on_message(const Leftover& left, Time now, Effects& out);
     void on_message(const Announcement& announcement, Time now, Effects& out);
-    void name_board(Effects& out);
+    void name_board(Time now, Effects& out);
     void announce_unreached(model::StateReason reason, Time now, Effects& out);
     void name_unanswered(Time now, Effects& out);
     void tick_port(Time now, Effects& out);
@@ -190,6 +215,7 @@ class Bridge {
     void send_safe_lines(Time now, Effects& out);
     void send_periods(Time now, Effects& out);
     void publish_values(Time now, Effects& out);
+    void run_links(Time now, Effects& out);
     void tell_modes(Time now);
     void learn_levels(Time now, Effects& out);
     void on_action(const session::BoardLine& line, Time now, Effects& out);
@@ -231,12 +257,14 @@ class Bridge {
     PortLoan port_;
     LabelBook labels_;
     Describer describer_;
+    LinkBook links_;
     std::unique_ptr<Announcer> announcer_;  // once there is a name
     bool found_ = false;                    // the board, at least once
     std::string unreached_;                 // why the link cannot be opened
     bool named_by_board_ = false;           // the name is stored on the board
     bool name_claimed_ = false;
     bool was_away_ = false;  // the board, since it was identified
+    bool ends_ = false;      // the board was made safe: nothing moves it until it is found again
     bool leaving_ = false;   // for another name: nothing more is sent to the board
     struct FirstBoard {
         BoardTraits traits;

@@ -52,14 +52,17 @@ void Bridge::bus_connected(Time now, const std::string& client_id, bool expires,
     start_publishing(out);
     values_.connected(now);
     publish_values(now, out);
+    links_.connected(now);
+    run_links(now, out);
 }
 
 void Bridge::bus_subscribed(Time now, Effects& out) {
     if (announcer_ && name_claimed_) announcer_->on_subscribed(now, out);
 }
 
-void Bridge::bus_disconnected() {
+void Bridge::bus_disconnected(Time now) {
     age_.connection_changed();
+    links_.disconnected(now);
     if (announcer_) announcer_->on_disconnected();
 }
 
@@ -67,6 +70,8 @@ void Bridge::bus_disconnected() {
 
 std::optional<Inbound> Bridge::read(const mqtt::Message& message, Time now) const {
     if (!announcer_ || leaving_) return std::nullopt;
+    if (const auto topic = board_.topics.parse(message.topic); topic && links_.concerns(topic->board))
+        return SourceMessage{message};
     return read_inbound(message,
                         {.topics = board_.topics,
                          .board = board_.name,
@@ -80,6 +85,7 @@ void Bridge::take(const Inbound& message, Time now, Effects& out) {
     // Until then another agent may be meant.
     if (request_of(message) != nullptr && !announcer_->established()) return;
     std::visit([&](const auto& known) { on_message(known, now, out); }, message);
+    run_links(now, out);
 }
 
 void Bridge::on_message(const Command& command, Time now, Effects& out) {
@@ -109,6 +115,7 @@ void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
     }
     session::Actions actions;
     safety_.on_stop(stop, now, actions, out);
+    links_.stopped(stop.latch && obeyed);
     if (stop.latch && obeyed && latch_.stop(stop.reply().by, stop.why, text::iso_time(text::wall_now()))) {
         out.keep_stop = latch_.stopped();
         show_stop(now, out);
@@ -138,6 +145,7 @@ void Bridge::on_message(const Resume& resume, Time now, Effects& out) {
     if (reply.succeeded() && resume.arrival.told) resumed_ = resume.arrival.told;
     const bool resumed = reply.succeeded() && latch_.resume();
     if (resumed) {
+        links_.resumed();
         out.keep_stop = std::optional<model::StopInfo>();
         out.log(Level::kWarning, "resumed", {{"by", resume.reply().by}});
         show_stop(now, out);

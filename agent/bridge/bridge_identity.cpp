@@ -107,7 +107,7 @@ void Bridge::announce_unreached(model::StateReason reason, Time now, Effects& ou
 
 void Bridge::name_unanswered(Time now, Effects& out) {
     board_.name = options_.name.empty() ? describer_.name_from_link() : options_.name;
-    name_board(out);
+    name_board(now, out);
     out.board_known = true;
     describe_again(now);
 }

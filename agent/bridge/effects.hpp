@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,13 @@ struct LabelsToKeep {
     bool unknown_before = false;
 };
 
+/// A link of the board and what it remembers, to be written to the disk. An empty text: there is none any
+/// more.
+struct LinkToKeep {
+    std::string name, text;
+    std::uint64_t ticket = 0;  ///< for Bridge::link_kept()
+};
+
 /// What the pure bridge wants done. The caller owns it, passes it empty into a call, and performs all of it
 /// before the next call: in order within each list; across lists the order does not matter.
 struct Effects : member::Announcements {
@@ -48,6 +56,7 @@ struct Effects : member::Announcements {
     };
     std::optional<Load> load;
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
+    std::vector<LinkToKeep> keep_links;       ///< in order
     /// To be written to the disk: a stop that holds, or that none does any more.
     std::optional<std::optional<model::StopInfo>> keep_stop;
     /// The board was told to stop. Once that is written, before anything else happens:

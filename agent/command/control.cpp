@@ -54,6 +54,7 @@ std::shared_ptr<Control::Execution> Control::begin(const BusRequest& request) {
 
 void Control::on_command(const Command& command, Time now, session::Actions& actions, Effects& out) {
     const auto execution = begin(command);
+    execution->link = command.link;
     const auto refuse_it = [&](std::string_view reason, std::string text) {
         refuse(*execution, execution->noted, reason, std::move(text), now, out);
     };
@@ -200,7 +201,7 @@ std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines,
 void Control::execute(const std::shared_ptr<Execution>& execution, const std::vector<Line>& lines, Time now,
                       session::Actions& actions, Effects& out) {
     execution->lines = lines.size();
-    const bool wanted = execution->reply.wanted();
+    const bool wanted = execution->is_proven();
     for (const Line& line : lines) {
         const auto id = board_.session.submit(line.request,
                                               {.client = execution->client,
@@ -357,8 +358,14 @@ void Control::conclude(Execution& execution, Time now, Effects& out) {
     if (!execution.noted.empty())
         note_command(board_,
                      {"command", execution.service, execution.noted, execution.reply.by, execution.outcome,
-                      execution.reply.wanted()},
+                      execution.is_proven()},
                      out);
+    if (!execution.link.empty()) outcomes_.emplace_back(execution.link, execution.outcome);
+}
+
+std::string Control::link_of(session::RequestId id) const {
+    const auto open = open_.find(id);
+    return open == open_.end() ? std::string() : open->second.execution->link;
 }
 
 void Control::send(const bus::ReplyTo& to, bus::Reply reply, Time now, Effects& out) const {

@@ -58,6 +58,10 @@ class Control {
     void report_refused(std::string_view line, Time now, Effects& out);
     /// The sender (`by`) of the open commands of this client; empty: it is not known, or there are several.
     std::string sender_of(session::ClientId client) const;
+    /// The link whose command this request is; empty: of another client.
+    std::string link_of(session::RequestId id) const;
+    /// How commands of links ended since the last call.
+    std::vector<std::pair<std::string, bus::Reply>> take_outcomes() { return std::exchange(outcomes_, {}); }
     /// Answers that were forgotten before their minute was over.
     std::uint64_t forgotten_answers() const { return recent_.dropped(); }
 
@@ -67,6 +71,7 @@ class Control {
     struct Execution {
         bus::ReplyTo reply;
         std::string service;                    // the topic's; empty: raw lines, each its own
+        std::string link;                       // see Command
         std::string noted;                      // the request as it is noted; empty: it is not
         std::optional<RecentAnswers::Key> key;  // none: cannot be recognised again
         session::ClientId client = 0;
@@ -81,6 +86,7 @@ class Control {
         std::size_t not_sent = 0;  // requests that ended so
         bool all_submitted = false;
         bus::Reply outcome = bus::Reply::ok("fence");
+        bool is_proven() const { return reply.wanted() || !link.empty(); }
     };
     /// One request of a command, checked and not sent yet.
     struct Line {
@@ -135,6 +141,7 @@ class Control {
     const StopLatch& latch_;
     RecentAnswers recent_;
     Allowance refusals_{kRefusals, kRefusalsPerSecond};
+    std::vector<std::pair<std::string, bus::Reply>> outcomes_;
     std::unordered_map<session::RequestId, Open> open_;  // bounded by the session's queue
 };
 

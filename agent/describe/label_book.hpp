@@ -40,6 +40,10 @@ class LabelBook {
     /// Modes that commands set: pin and mode. They hold at once, and are written to the disk within
     /// kBetweenWrites.
     void note_modes(const std::vector<std::pair<int, int>>& modes, Time now);
+    /// What waits to be written is due now.
+    void hurry(Time now) {
+        if (write_modes_at_) write_modes_at_ = now;
+    }
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const { return begun_ ? std::nullopt : write_modes_at_; }
 

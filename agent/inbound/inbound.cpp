@@ -117,6 +117,13 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
         case TopicKind::kDemand:
             if (message.retain) return Leftover{message.topic};
             return DemandMessage{std::string(topic->demander), message.payload};
+        case TopicKind::kLink: {
+            if (message.retain) return Leftover{message.topic};
+            LinkRequest request;
+            static_cast<BusRequest&>(request) = read_request(message, {}, age, now);
+            request.user = topic->demander.substr(0, topic->demander.find('/'));
+            return request;
+        }
         case TopicKind::kServiceSet:
             if (!message.retain || message.payload.empty()) return std::nullopt;
             return Leftover{message.topic};

@@ -39,6 +39,7 @@ struct BusRequest {
 /// commands, too: Control refuses them.
 struct Command : BusRequest {
     bool stopped = false;  ///< the board was stopped after this command came: it must not be executed
+    std::string link{};    ///< the link of this agent that sends it; empty: it came over the bus
 };
 /// `{"renew":"7"}` or `{"renew":true}` on BOARD/SERVICE/in, where the service has no command of that name.
 struct Renewal : BusRequest {
@@ -58,6 +59,14 @@ struct PortRequest : BusRequest {
 struct LabelRequest : BusRequest {
     Expected<model::LabelChange> change;
 };
+/// On BOARD/$link/USER/CLIENT: USER, as the broker proves it, sets, changes or removes links.
+struct LinkRequest : BusRequest {
+    std::string user{};
+};
+/// Of another board, which is a source of links.
+struct SourceMessage {
+    mqtt::Message message;
+};
 /// A client tells how often it wants values. Not parsed yet: ReportPeriods does that.
 struct DemandMessage {
     std::string demander;  ///< USER/CLIENT
@@ -73,8 +82,8 @@ struct Announcement {
     mqtt::Message message;
 };
 
-using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, DemandMessage,
-                             Leftover, Announcement>;
+using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, LinkRequest,
+                             SourceMessage, DemandMessage, Leftover, Announcement>;
 
 /// The board and its agent, as far as they decide what a message is.
 struct Addressee {

@@ -34,7 +34,9 @@ std::optional<std::pair<std::string, std::string>> called(bool several, const Ag
 }
 
 BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files, const StopFiles& stops,
-                             bool goes_on) {
+                             const LinkFiles& links, const std::string& user, bool goes_on) {
+    options.load_links = [&links](const std::string& board) { return links.load(board); };
+    options.bus_user = user;
     options.announce_unreached = goes_on;
     options.load_labels = [&files](const std::string& board) { return files.load(board); };
     options.load_stop = [&stops](const std::string& board) { return stops.load(board); };
@@ -48,6 +50,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       topics_(options_.bridge.topic_root),
       label_files_(options_.state_folder),
       stop_files_(options_.state_folder),
+      link_files_(options_.state_folder),
       host_(host),
       handlers_(std::move(handlers)),
       io_(host.io),
@@ -60,8 +63,9 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
                    return BrokerReports::Agent{bridge_.name(), options_.bridge.topic_root, options_.mqtt.user,
                                                options_.mqtt.brokers.front().describe()};
                }),
-      bridge_(bridge_options(options_.bridge, label_files_, stop_files_, host.goes_on), options_.models,
-              system_random()),
+      bridge_(bridge_options(options_.bridge, label_files_, stop_files_, link_files_, options_.mqtt.user,
+                             host.goes_on),
+              options_.models, system_random()),
       framing_(options_.tcp_address.framing, options_.tcp_address.address.port == PointToPoint::kJavaPort
                                                  ? LinkFraming::Kind::kFrames
                                                  : LinkFraming::Kind::kLines),
@@ -91,7 +95,9 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       statistics_timer_(io_),
       safe_timer_(io_),
       check_timer_(io_),
-      stops_timer_(io_) {}
+      stops_timer_(io_) {
+    host_.agents.insert(this);
+}
 
 void BoardAgent::start() {
     for (const auto& [address, framing] : options_.listen) {
@@ -157,6 +163,7 @@ void BoardAgent::perform(Effects& effects) {
     for (const auto& [line, client] : effects.lines)
         clients_.send(line, client);
     if (effects.name_claimed) publish_log();
+    if (!effects.keep_links.empty()) keep_links(std::move(effects.keep_links));
     if (effects.keep_labels) keep_labels(std::move(*effects.keep_labels));
     if (effects.keep_stop) keep_stop(std::move(*effects.keep_stop));
     if (effects.reopen_link) link_.reopen("the board does not answer");

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "agent/bridge/bridge.hpp"
@@ -40,8 +41,9 @@ class BoardAgent {
         boost::asio::io_context& io;
         boost::asio::thread_pool& disk;  ///< a slow one must not hold up the boards
         StopLines& stops;
-        bool goes_on = false;  ///< does not end over what may pass
-        bool several = false;  ///< each line of the log says which board it is about
+        std::set<BoardAgent*>& agents;  ///< of this process
+        bool goes_on = false;           ///< does not end over what may pass
+        bool several = false;           ///< each line of the log says which board it is about
     };
     /// In place of an exit status: another board is at the port. To be started again at once.
     static constexpr int kBeginAnew = -1;
@@ -56,7 +58,7 @@ class BoardAgent {
 
     /// `host` must outlive it.
     BoardAgent(const Host& host, AgentOptions options, Handlers handlers);
-    ~BoardAgent() = default;
+    ~BoardAgent();
     BoardAgent(const BoardAgent&) = delete;
     BoardAgent& operator=(const BoardAgent&) = delete;
 
@@ -125,6 +127,12 @@ class BoardAgent {
     void keep_labels(LabelsToKeep keep);
     void keep_stop(std::optional<model::StopInfo> stopped);
 
+    // Links (board_agent_links.cpp): boards of one process are sources for each other without a broker.
+    void keep_links(std::vector<LinkToKeep> links);
+    void subscribe_to_sources();
+    void tell_neighbours();
+    void hear_neighbour(const BoardAgent& source);
+
     // Messages of the bus. Commands take turns: a few in each turn of the loop, and none while more arrive.
     void message_received(const mqtt::Message& message);
     /// Sends the next check of CommandAge, or waits until it is due.
@@ -137,6 +145,7 @@ class BoardAgent {
     const bus::Topics topics_;
     LabelFiles label_files_;
     StopFiles stop_files_;
+    LinkFiles link_files_;
     const Host host_;
     const Handlers handlers_;
     boost::asio::io_context& io_;
@@ -166,6 +175,9 @@ class BoardAgent {
     PortOutage outage_;
     mqtt::Backoff bus_patience_{std::chrono::minutes(1), std::chrono::minutes(5)};  // as a service
     std::optional<Time> armed_for_;
+    std::set<std::string> sources_;  // what is subscribed to for links
+    std::uint64_t told_ = 0;         // Bridge::standing_changes()
+    std::set<std::string> heard_;    // neighbours
     Life life_ = Life::kRunning;
     Presence presence_ = Presence::kAway;
     std::string why_no_broker_;
@@ -181,6 +193,7 @@ void BoardAgent::with_bridge(Call&& call) {
     perform(effects);
     if (ended()) return;
     clients_.resume();
+    tell_neighbours();
     arm_timer();
     note_online();
 }

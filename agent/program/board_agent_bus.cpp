@@ -42,6 +42,7 @@ void BoardAgent::connect_bus() {
     bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
     for (auto& [filter, how] : bridge_.subscriptions())
         bus_->subscribe(std::move(filter), how);
+    sources_.clear();
     if (bridge_.name_claimed()) subscribe_to_commands();
     bus_->start();
 }
@@ -50,6 +51,7 @@ void BoardAgent::subscribe_to_commands() {
     for (const auto& filter : bridge_.control_subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
     bus_->subscribe(bridge_.old_subscription(), {.qos = 1, .no_local = true});
+    subscribe_to_sources();
     if (stops_) return;
     stops_ = stop_line_->listen(topics_.stop(bridge_.name()),
                                 {[this](const mqtt::Message& message) { message_received(message); },
@@ -83,7 +85,7 @@ void BoardAgent::wait_for_stops() {
             log_.warning("stops do not arrive: the board is not online until they do",
                          {{"why", why_no_stops_}});
         if (!announced_) return;
-        bridge_.bus_disconnected();
+        bridge_.bus_disconnected(Clock::now());
         note_online();
         bus_.reset();
         connect_bus();
@@ -141,7 +143,8 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_subscribed = [this] { note_subscribed(); };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         announced_ = false;
-        bridge_.bus_disconnected();
+        bridge_.bus_disconnected(Clock::now());
+        arm_timer();
         note_online();
         bus_failed(failure, true);
         if (failure.after_sending >= mqtt::ClosesWhenDenied::kTimes) reports_.announcing_denied();

@@ -135,7 +135,8 @@ void Supervisor::serve(Board& board) {
     if (board.name_taken) options.bridge.takeover = false;
     board.started = Clock::now();
     board.agent = std::make_unique<BoardAgent>(
-        BoardAgent::Host{io_, disk_, stops_, several_ || program::supervised(), several_}, std::move(options),
+        BoardAgent::Host{io_, disk_, stops_, agents_, several_ || program::supervised(), several_},
+        std::move(options),
         BoardAgent::Handlers{[this, &board](int status) { ended(board, status); },
                              [this] { report_soon(); }});
     board.agent->start();

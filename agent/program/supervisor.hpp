@@ -6,6 +6,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,7 @@ class Supervisor {
     boost::asio::io_context io_{1};
     boost::asio::thread_pool disk_{1};
     StopLines stops_{io_};
+    std::set<BoardAgent*> agents_;
     const bool several_;
     const std::function<Expected<Plan>()> read_again_;
     const bool has_terminal_;

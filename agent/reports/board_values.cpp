@@ -64,6 +64,22 @@ void BoardValues::on_finished(const session::Finished& end, Time now) {
     apply(ended.mapped(), end.ending == Ending::kTimeout || end.ending == Ending::kDoubt, now);
 }
 
+std::vector<std::string> BoardValues::set_by(session::RequestId id) const {
+    std::vector<std::string> ids;
+    const auto request = requests_.find(id);
+    if (request == requests_.end()) return ids;
+    const auto& [model, service, values] = request->second;
+    for (const auto& property : known_.properties())
+        if (property.service == service &&
+            std::any_of(property.setters.begin(), property.setters.end(), [&values](const auto& setter) {
+                return setter.command == values.command->name &&
+                       (!setter.element_at || (*setter.element_at < values.values.size() &&
+                                               values.values[*setter.element_at] == json(setter.element)));
+            }))
+            ids.push_back(property.id);
+    return ids;
+}
+
 void BoardValues::executed(std::string_view line, Time now) {
     if (const auto request = read(line)) apply(*request, false, now);
 }
@@ -129,6 +145,7 @@ void BoardValues::describe(model::Description description, Time now) {
 
 void BoardValues::note(bool changed, Duration between, Time now) {
     if (!changed) return;
+    ++changes_;
     values_changed_ = true;
     const Time when = published_at_ ? std::max(now, *published_at_ + between) : now;
     if (!due_ || when < *due_) due_ = when;

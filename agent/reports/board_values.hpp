@@ -60,6 +60,12 @@ class BoardValues {
     /// Time has passed: contacts are quiet again, buttons are held.
     void tick(Time now) { note(known_.tick(now), kBetween, now); }
 
+    const property::KnownValues& known() const { return known_; }
+    /// Counts what changed more than the time of a value.
+    std::uint64_t changes() const { return changes_; }
+    /// The properties that a request sets which is under way.
+    std::vector<std::string> set_by(session::RequestId id) const;
+
     // --- what is told
     /// The description is this one now.
     void describe(model::Description description, Time now);
@@ -100,6 +106,7 @@ class BoardValues {
     std::vector<std::pair<int, int>> modes_;
     std::map<std::string, Quota, std::less<>> quotas_;
     std::uint64_t seq_ = 0;
+    std::uint64_t changes_ = 0;
     bool away_ = false;
     bool list_changed_ = true;
     bool values_changed_ = true;
