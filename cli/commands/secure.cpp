@@ -5,6 +5,7 @@
 #include "cli/secure/actions.hpp"
 #include "cli/secure/check.hpp"
 #include "cli/secure/show.hpp"
+#include "cli/secure/sources.hpp"
 #include "cli/secure/system.hpp"
 
 namespace asip::cli {
@@ -19,7 +20,8 @@ std::string stray_option(const SecureOptions& options) {
     const auto& action = options.action;
     const bool init = action == "init";
     const bool broker = action == "renew" && options.what == "broker";
-    const bool changes_users = action == "add" || action == "revoke" || action == "renew";
+    const bool changes_users =
+        action == "add" || action == "link" || action == "unlink" || action == "revoke" || action == "renew";
     if (options.dry_run && !init && action != "undo") return "--dry-run";
     if (options.yes && !init) return "--yes";
     if (options.here && action != "add") return "--here";
@@ -45,8 +47,9 @@ int run_secure(const SecureOptions& options, Environment& environment) {
         return checked ? *checked : environment.fail_with(checked.error());
     }
     SecureReport report(options.output, environment);
-    const auto done = options.action == "init"     ? secure_init(options, environment, report)
-                      : options.action == "add"    ? secure_add(options, report)
+    const auto done = options.action == "init"  ? secure_init(options, environment, report)
+                      : options.action == "add" ? secure_add(options, report)
+                      : options.action == "link" || options.action == "unlink" ? secure_link(options, report)
                       : options.action == "undo"   ? secure_undo(options, environment, report)
                       : options.action == "revoke" ? secure_revoke(options, environment, report)
                                                    : secure_renew(options, report);
@@ -60,12 +63,15 @@ constexpr std::size_t kMaxPort = 65535;
 
 Run declare_secure(Declaration& verb) {
     auto options = std::make_shared<SecureOptions>();
-    verb.argument("init|add|revoke|renew|show|check|undo", options->action, "What to do");
+    verb.argument("init|add|link|unlink|revoke|renew|show|check|undo", options->action, "What to do");
     verb.argument("board|operator|viewer|registry|gateway|admin|broker|...", options->what,
-                  "add: the role; revoke, renew, show, check: a name (renew broker: its certificate)",
+                  "add: the role; link, unlink: a board; revoke, renew, show, check: a name (renew broker: "
+                  "its certificate)",
                   Declaration::Needed::kNo);
-    verb.arguments("NAME", options->names, "add, revoke: names; a board's is that of the board",
-                   Declaration::Needed::kNo);
+    verb.arguments(
+        "NAME", options->names,
+        "add, revoke: names; a board's is that of the board; link, unlink: boards that its agent may hear",
+        Declaration::Needed::kNo);
     verb.option("--dir", "DIR", options->folder,
                 "Where everything is kept; default: /etc/asip/bus for root, else asip-bus in this folder");
     verb.option("--host", "HOST", options->hosts,
@@ -104,6 +110,7 @@ Verb secure_verb() {
         "  asipctl secure add board uno1\n"
         "  asipctl secure add operator ann\n"
         "  asipctl secure add registry\n"
+        "  asipctl secure link lamp desk\n"
         "  asipctl secure revoke uno1\n"
         "  asipctl secure renew ann\n"
         "  asipctl secure show\n"

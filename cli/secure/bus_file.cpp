@@ -9,6 +9,7 @@
 #include "asip/bus/topics.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/options.hpp"
+#include "cli/secure/sources.hpp"
 
 namespace asip::cli {
 namespace {
@@ -54,7 +55,8 @@ std::string write_bus(const SecuredBus& bus) {
                                     {"port", bus.port},
                                     {"topic_root", bus.topic_root},
                                     {"configuration", bus.configuration},
-                                    {"users", users}}) +
+                                    {"users", users},
+                                    {"reads", bus.reads}}) +
            "\n";
 }
 
@@ -80,6 +82,10 @@ Expected<SecuredBus> read_bus(const std::string& text) {
         if (!user) return fail(user.error());
         bus.users.push_back(std::move(*user));
     }
+    const auto reads = document->value("reads", json::object());
+    for (const auto& [board, sources] : reads.items())
+        for (const auto& source : sources)
+            if (source.is_string()) bus.reads[board].insert(source.get<std::string>());
     return bus;
 }
 
@@ -95,7 +101,7 @@ std::string rule_lines(const SecuredBus& bus) {
     for (const auto& user : bus.users) {
         if (user.role != Role::kBoard) users.push_back({user.name, user.role});
     }
-    return access_rules(bus.topic_root, users);
+    return access_rules(bus.topic_root, users) + source_rules(bus);
 }
 
 std::string broker_configuration(const BrokerPlaces& places) {

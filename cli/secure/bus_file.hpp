@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,8 +24,9 @@ struct SecuredBus {
     std::vector<std::string> hosts;  ///< names and addresses of the broker, best first
     std::uint16_t port = 8883;
     std::string topic_root = "asip";
-    std::string configuration;       ///< file of Mosquitto's configuration
-    std::vector<SecuredUser> users;  ///< in the order in which they were added
+    std::string configuration;                             ///< file of Mosquitto's configuration
+    std::vector<SecuredUser> users;                        ///< in the order in which they were added
+    std::map<std::string, std::set<std::string>> reads{};  ///< boards that the agent of a board may hear
 
     const SecuredUser* find(const std::string& name) const;
 };

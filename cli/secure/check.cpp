@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/check.hpp"
+#include "cli/secure/sources.hpp"
 
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -120,7 +121,10 @@ Outcome<int> secure_check(const SecureOptions& options, Environment& environment
             return tl::unexpected(done.error());
     }
     for (const auto& [user, own] : users) {
-        const auto trials = trials_of({user.name, user.role}, bus->topic_root, stranger);
+        auto trials = trials_of({user.name, user.role}, bus->topic_root, stranger);
+        if (user.role == Role::kBoard)
+            for (auto& each : source_trials(*bus, user.name, stranger))
+                trials.push_back(std::move(each));
         Outcome<std::vector<Found>> found = std::vector<Found>(trials.size(), Found::kUnknown);
         if (own) found = try_out(trials, *own, *admin, bus->topic_root, 2 * environment.timeout);
         if (!found) return tl::unexpected(found.error());

@@ -8,6 +8,7 @@
 #include "asip/text/file_text.hpp"
 #include "cli/secure/bus_file.hpp"
 #include "cli/secure/reload.hpp"
+#include "cli/secure/sources.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -98,6 +99,7 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
     for (const auto& [name, role] : gone) {
         const auto left = clear_all_retained(admin, *session, filters_of(admin.topics, name));
         if (!left) return cannot(left.error().text);
+        clear_links(admin, *session, name, folder.path().string(), report);
         if (*left > 0)
             report.did("cleared", counted(*left, "message") + " that " + name + " left in the broker");
     }

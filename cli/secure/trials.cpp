@@ -48,6 +48,8 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
     publish("command boards", commands, requests);
     if (!registry) {
         publish("demand values", !board && !home, {topics.demand(stranger, user.name + "/check")});
+        publish("set links", commands, {topics.link(stranger, user.name + "/check")});
+        publish("set links in another's name", admin, {topics.link(stranger, stranger + "/check")});
         publish("demand values in another's name", admin, {topics.demand(stranger, stranger + "/check")});
     }
     if (!board) read("read what boards report", !home, values);

@@ -104,6 +104,9 @@ Outcome<void> remove_user(const SecureFolder& folder, SecuredBus& bus, const std
     report.did("removed", who(*bus.find(name)));
     if (removed) report.did("removed", "its credentials", folder.credentials(name));
     std::erase_if(bus.users, [&name](const auto& one) { return one.name == name; });
+    bus.reads.erase(name);
+    for (auto& [board, sources] : bus.reads)
+        sources.erase(name);
     return {};
 }
 

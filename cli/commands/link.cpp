@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "asip/bus/request/reply_topics.hpp"
+#include "asip/links/link.hpp"
+#include "asip/model/json.hpp"
+#include "asip/model/names.hpp"
+#include "asip/property/documents.hpp"
+#include "asip/property/words.hpp"
+#include "asip/text/nearest.hpp"
+#include "cli/ask/board_request.hpp"
+#include "cli/ask/shown_links.hpp"
+#include "cli/declaration.hpp"
+#include "cli/text/table.hpp"
+
+namespace asip::cli {
+namespace {
+
+using links::Link;
+using links::When;
+using nlohmann::json;
+
+constexpr std::chrono::milliseconds kShownWithin{2500};
+constexpr std::string_view kNotHeard = " is not heard";
+
+struct LinkOptions {
+    std::string what;
+    std::vector<std::string> words;
+    bool toggle = false, inverted = false, safe = false;
+    std::string name, on, send, line, between;
+    std::optional<std::string> above, below, back, value, otherwise;
+    std::optional<std::chrono::milliseconds> after, lasts;
+    OutputOptions output;
+};
+
+tl::unexpected<Failure> usage(std::string text) {
+    return failure(program::kExitUsage, std::move(text));
+}
+
+std::pair<std::string, std::string> split(const std::string& text) {
+    const auto slash = text.find('/');
+    return {text.substr(0, slash), slash == std::string::npos ? "" : text.substr(slash + 1)};
+}
+
+json value_of(const std::string& word) {
+    if (word == "on" || word == "true") return true;
+    if (word == "off" || word == "false") return false;
+    const auto number = model::parse_json(word);
+    return number && number->is_number() ? *number : json(word);
+}
+
+Outcome<double> number_of(const std::string& option, const std::string& word) {
+    const auto number = model::parse_json(word);
+    if (!number || !number->is_number()) return usage(option + " " + word + " is no number");
+    return number->get<double>();
+}
+
+/// "0..1023=0..180".
+Outcome<std::array<double, 4>> line_of(const std::string& text) {
+    auto list = "[" + text + "]";
+    for (const auto* mark : {"..", "=", ".."}) {
+        const auto at = list.find(mark);
+        if (at == std::string::npos) break;
+        list.replace(at, std::string_view(mark).size(), ",");
+    }
+    const auto numbers = model::parse_json(list);
+    const bool good =
+        numbers && numbers->is_array() && numbers->size() == 4 &&
+        std::all_of(numbers->begin(), numbers->end(), [](const json& each) { return each.is_number(); });
+    if (!good)
+        return usage("--line " + text +
+                     ": write what the source is and what the target becomes: 0..1023=0..180");
+    return numbers->get<std::array<double, 4>>();
+}
+
+class Linker {
+  public:
+    Linker(const LinkOptions& options, Environment& environment)
+        : options_(options),
+          environment_(environment),
+          session_(environment),
+          source_(environment, session_) {}
+
+    Outcome<int> run() {
+        if (const auto connected = session_.connect(); !connected) return tl::unexpected(connected.error());
+        const auto retained = read_retained(
+            environment_, session_, {environment_.topics.links("+"), environment_.topics.properties("+")});
+        if (!retained) return tl::unexpected(retained.error());
+        links_ = read_links(environment_.topics, *retained);
+        for (const auto& message : *retained)
+            if (auto list = property::parse_list(message.payload))
+                properties_[list->head.board] = std::move(list->properties);
+        const auto& what = options_.what;
+        if (what == "list") return list();
+        if (what == "remove" || what == "enable" || what == "disable") return change();
+        return make();
+    }
+
+  private:
+    int list() {
+        RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
+        Table table({{"LINK"}, {"RULE", false, 20}, {"STATE"}, {"LAST", false, 20}});
+        const auto of = options_.words.empty() ? std::string() : options_.words.front();
+        for (const auto& each : links_) {
+            if (!of.empty() && each.board != of) continue;
+            const auto fault = value_at(each.object, "fault");
+            const std::string state = !each.link.enabled                  ? "disabled"
+                                      : !fault.empty()                    ? fault
+                                      : each.object.contains("suspended") ? "until the source changes"
+                                                                          : "on";
+            if (options_.output.for_people()) {
+                table.add({each.id(), links::in_words(each.link), state, value_at(each.object, "last")});
+                continue;
+            }
+            auto record = each.object;
+            record["board"] = each.board;
+            record["rule"] = links::in_words(each.link);
+            record["state"] = state;
+            records.print(record);
+        }
+        records.finish();
+        if (!table.empty())
+            environment_.out << table.render(environment_.width, environment_.colour) << std::flush;
+        if (links_.empty())
+            environment_.note("no links; make one: asipctl link desk/io/2 lamp/io/13 --toggle");
+        return program::kExitOk;
+    }
+
+    Outcome<int> change() {
+        if (options_.words.size() != 1)
+            return usage("link " + options_.what + " needs one NAME, or BOARD/NAME");
+        const auto& wanted = options_.words.front();
+        std::vector<const ShownLink*> found;
+        std::vector<std::string> names;
+        for (const auto& each : links_) {
+            names.push_back(wanted.find('/') == std::string::npos ? each.link.name : each.id());
+            if (names.back() == wanted) found.push_back(&each);
+        }
+        if (found.empty())
+            return failure(program::kExitFailure,
+                           "there is no link " + wanted + text::did_you_mean(wanted, names));
+        if (found.size() > 1)
+            return usage("several boards have a link " + wanted + ": write " + found.front()->id());
+        const auto& link = *found.front();
+        const auto user = link.link.user;
+        const auto reply = ask(link.board, user, json{{options_.what, link.link.name}});
+        if (!reply) return tl::unexpected(reply.error());
+        if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, link.board + ": "));
+        environment_.say(link.id() + (options_.what == "remove" ? " removed" : " " + options_.what + "d"));
+        return program::kExitOk;
+    }
+
+    /// The id of one property that a person means.
+    Outcome<std::string> id_of(const std::string& board, const std::string& id) const {
+        const auto found = properties_.find(board);
+        if (found == properties_.end()) return id;
+        const auto meant = property::properties_named(found->second, id);
+        if (meant.size() == 1) return found->second[meant.front()].id;
+        if (meant.empty()) return id;  // the fault names the nearest
+        std::string all;
+        for (const auto each : meant)
+            all += (all.empty() ? "" : ", ") + found->second[each].id;
+        return usage(board + "/" + id + " is several: " + all);
+    }
+
+    Outcome<void> read_condition(Link& link) const {
+        std::vector<std::string> given;
+        const auto take = [&](bool is, const char* option, When when) {
+            if (is) given.emplace_back(option), link.when = when;
+        };
+        take(options_.toggle, "--toggle", When::kToggles);
+        take(options_.inverted, "--inverted", When::kInverted);
+        take(options_.above.has_value(), "--above", When::kAbove);
+        take(options_.below.has_value(), "--below", When::kBelow);
+        take(!options_.on.empty(), "--on", links::when_of(options_.on).value_or(When::kPress));
+        if (given.size() > 1) return usage(given[0] + " and " + given[1] + " do not go together");
+        for (const auto& [option, word, number] : {std::tuple("--above", &options_.above, &link.level),
+                                                   std::tuple("--below", &options_.below, &link.level),
+                                                   std::tuple("--back", &options_.back, &link.back)}) {
+            if (!*word) continue;
+            const auto read = number_of(option, **word);
+            if (!read) return tl::unexpected(read.error());
+            *number = *read;
+        }
+        return {};
+    }
+
+    Outcome<Link> read() const {
+        if (options_.words.size() != 1) return usage("write asipctl link BOARD/PROPERTY BOARD/PROPERTY");
+        Link link;
+        std::string id;
+        std::tie(link.board, id) = split(options_.what);
+        const auto [board, target] = split(options_.words.front());
+        for (const auto& [each, text] :
+             {std::pair(id, options_.what), std::pair(target, options_.words.front())})
+            if (each.empty()) return usage(text + " is no property: write BOARD/PROPERTY, such as desk/io/2");
+        auto source = id_of(link.board, id);
+        if (!source) return tl::unexpected(source.error());
+        link.source = *source;
+        link.target = target;
+        if (options_.send.empty()) {
+            const auto meant = id_of(board, target);
+            if (!meant) return tl::unexpected(meant.error());
+            link.target = *meant;
+        } else if (auto command = model::parse_json(options_.send); command && command->is_object()) {
+            link.command = std::move(*command);
+        } else {
+            return usage("--send must be a command as JSON, such as '{\"play\":[440,200]}'");
+        }
+        if (auto done = read_condition(link); !done) return tl::unexpected(done.error());
+        if (options_.value) link.value = value_of(*options_.value);
+        if (options_.otherwise) link.otherwise = value_of(*options_.otherwise);
+        if (!options_.line.empty()) {
+            const auto line = line_of(options_.line);
+            if (!line) return tl::unexpected(line.error());
+            link.line = *line;
+        }
+        if (!options_.between.empty()) {
+            const auto between = links::parse_between(options_.between);
+            if (!between) return usage("--between " + between.error());
+            link.between = *between;
+        }
+        link.after = options_.after.value_or(std::chrono::milliseconds(0));
+        link.lasts = options_.lasts.value_or(std::chrono::milliseconds(0));
+        link.safe = options_.safe;
+        link.name = options_.name.empty()
+                        ? model::suggest_name(link.board + "-" + link.source + "-" + link.target)
+                        : options_.name;
+        // What the agent would refuse is refused here, in the same words.
+        if (const auto checked = links::read_link(links::to_json(link)); !checked)
+            return usage(checked.error());
+        return link;
+    }
+
+    Outcome<void> check(const Link& link, const std::string& board) {
+        for (const auto& name : {link.board, board})
+            if (const auto found = source_.board(name); !found) return tl::unexpected(found.error());
+        if (const auto found = properties_.find(board); found != properties_.end())
+            if (const auto fault = links::target_fault(link, found->second); !fault.empty())
+                return failure(program::kExitFailure, board + ": " + fault);
+        if (const auto found = properties_.find(link.board); found != properties_.end())
+            if (const auto fault = links::source_fault(link, found->second); !fault.empty())
+                return failure(program::kExitFailure, fault);
+        std::vector<links::Ends> ends;
+        for (const auto& each : links_)
+            if (each.board != board || each.link.name != link.name)
+                ends.emplace_back(each.link.board + "/" + each.link.source,
+                                  each.board + "/" + each.link.target);
+        const auto circle = links::circle(ends, {link.board + "/" + link.source, board + "/" + link.target});
+        return circle.empty() ? Outcome<void>()
+                              : failure(program::kExitFailure, "that would be a circle: " + circle);
+    }
+
+    Outcome<int> make() {
+        const auto link = read();
+        if (!link) return tl::unexpected(link.error());
+        const auto board = split(options_.words.front()).first;
+        if (const auto good = check(*link, board); !good) return tl::unexpected(good.error());
+        std::optional<std::string> fault;
+        const auto shown =
+            session_.subscribe(environment_.topics.links(board), [&](const mqtt::Message& message) {
+                for (const auto& each : read_links(environment_.topics, {{message.topic, message.payload}}))
+                    if (each.link.name == link->name) fault = value_at(each.object, "fault");
+            });
+        const auto reply = ask(board, environment_.mqtt.user, json{{"set", links::to_json(*link)}});
+        if (!reply) return tl::unexpected(reply.error());
+        if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, board + ": "));
+        environment_.say(board + "/" + link->name + ": " + links::in_words(*link));
+        session_.run_until([&] { return fault && fault->empty(); }, Clock::now() + kShownWithin);
+        if (!fault || fault->empty()) return program::kExitOk;
+        const bool secured = !environment_.mqtt.user.empty() && fault->ends_with(kNotHeard);
+        environment_.note(*fault + (secured ? "; its agent must be allowed to read it: asipctl secure link " +
+                                                  board + " " + link->board
+                                            : ""));
+        return program::kExitOk;
+    }
+
+    Outcome<bus::Reply> ask(const std::string& board, const std::string& user, const json& request) {
+        const auto who = bus::user_level(user) + "/" + environment_.mqtt.client_id;
+        return ask_board(
+            session_, {.topic = environment_.topics.link(board, who), .payload = model::dump_json(request)});
+    }
+
+    const LinkOptions& options_;
+    Environment& environment_;
+    BusSession session_;
+    BoardSource source_;
+    std::vector<ShownLink> links_;
+    std::map<std::string, std::vector<property::Property>> properties_;
+};
+
+Run declare_link(Declaration& verb) {
+    auto options = std::make_shared<LinkOptions>();
+    verb.argument("BOARD/PROPERTY|list|remove|enable|disable|...", options->what,
+                  "The source, or what to do");
+    verb.arguments("BOARD/PROPERTY", options->words,
+                   "The target; list: a board; remove, enable, disable: the name of a link",
+                   Declaration::Needed::kNo);
+    verb.flag("--toggle", options->toggle, "Each press switches the target");
+    verb.flag("--inverted", options->inverted, "On while the source is off");
+    verb.option("--above", "LEVEL", options->above, "On while the source is above it");
+    verb.option("--below", "LEVEL", options->below, "On while the source is below it");
+    verb.option("--back", "LEVEL", options->back, "Where above or below ends; default: there");
+    verb.option("--on", "press|release|hold|double", options->on, "At each of these");
+    verb.option("--value", "VALUE", options->value,
+                "What the target gets; default: on, or the source's value");
+    verb.option("--else", "VALUE", options->otherwise, "What it gets in the other case; default: off");
+    verb.option("--line", "FROM..TO=FROM..TO", options->line, "A number becomes another: 0..1023=0..180");
+    verb.option("--send", "JSON", options->send,
+                "A command for the target, then BOARD/SERVICE: {\"play\":[440,200]}");
+    verb.option("--after", options->after, "Only when it was so for this time");
+    verb.option("--for", options->lasts, "Back again after this time");
+    verb.option("--between", "HH:MM-HH:MM", options->between, "Only between two times of day");
+    verb.flag("--safe", options->safe, "Off when the source is not there for a second; motors always are");
+    verb.option("--name", "NAME", options->name, "Of the link; default: made of its ends");
+    verb.output(options->output, {Output::kTable},
+                {"board", "name", "from", "when", "to", "rule", "state", "last", "at", "user", "fault"});
+    return [options](Environment& environment) {
+        const auto status = Linker(*options, environment).run();
+        return status ? *status : environment.fail_with(status.error());
+    };
+}
+
+}  // namespace
+
+Verb link_verb() {
+    return {"link", "Let one board switch another, without a program",
+            "The agent of the target's board keeps and executes a link, while all other programs are off.\n"
+            "Whoever sets the target by another way wins, until the source changes.\n"
+            "Exit status: 0 done, 1 refused, 4 no answer.\n"
+            "Examples:\n"
+            "  asipctl link desk/io/2 lamp/io/13 --toggle\n"
+            "  asipctl link desk/temperature fan/io/5 --above 30 --back 28\n"
+            "  asipctl link hall/motion/0/motion hall/io/6 --for 2m --between 22:00-06:00\n"
+            "  asipctl link list\n"
+            "  asipctl link remove desk-io-2-io-13",
+            declare_link};
+}
+
+}  // namespace asip::cli
