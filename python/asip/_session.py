@@ -85,6 +85,9 @@ class Session:
         members: dict[str, Any] = ({"latch": True} if hold else {}) | ({"why": why} if why else {})
         return self._begin(now, self.topics.stop(board), board, members, timeout, command="stop")
 
+    def link(self, now: float, board: str, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
+        return self._begin(now, self.topics.link(board), board, members, timeout, command="link")
+
     def query(self, now: float, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
         return self._begin(now, self.topics.query(), "registry", members, timeout, is_command=False, is_query=True)
 

@@ -32,6 +32,7 @@ class Topics:
         self._reply = f"{root}/reply/{user_level(user)}"
         self._client = client
         self._demand = f"$demand/{user_level(user)}/{client}"
+        self._link = f"$link/{user_level(user)}/{client}"
 
     def state(self, board: str) -> str:
         return f"{self.root}/servicebus/{board}/$state"
@@ -48,6 +49,9 @@ class Topics:
 
     def command(self, board: str, service: str) -> str:
         return f"{self.root}/{board}/{service}/in"
+
+    def link(self, board: str) -> str:
+        return f"{self.root}/{board}/{self._link}"
 
     def stop(self, board: str) -> str:
         return f"{self.root}/{board}/$stop"

@@ -41,6 +41,7 @@ class Bus(Twin):
 
     timeout, connected, settings = (same(name) for name in ("timeout", "connected", "settings"))
     stop, query, close = waits(_bus.Bus.stop), waits(_bus.Bus.query), waits(_bus.Bus.close)
+    link, unlink = waits(_bus.Bus.link), waits(_bus.Bus.unlink)
 
     def _check_loop(self) -> None:
         if asyncio.get_running_loop() is not self._loop:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
+import re
 import threading
 import time
 import weakref
@@ -209,6 +210,27 @@ class Bus:
             if not engine.closed and not engine.forked:
                 engine.do(lambda session, now: session.look_away("+"))
         return Watch(cancel)
+
+    # Links --------------------------------------------------------------------------------------------------------------
+
+    def link(self, /, source: str, target: str, when: str = "follows", *, name: str | None = None, timeout: float | None = None, **more: Any) -> str:
+        """Lets `source` switch `target`, both BOARD/PROPERTY, without this program: `bus.link("desk/io/2", "lamp/io/13", "toggles")`.
+        The target's agent keeps it. `more` has the members of docs/links.md (`level`, `value`, `else_`, `for_` ...). Returns its name."""
+        board, _, target_id = target.partition("/")
+        name = name or re.sub(r"[^A-Za-z0-9._-]+", "-", f"{source}-{target_id}")
+        members = {key.rstrip("_"): value for key, value in more.items()}
+        self._link(board, {"set": {"name": name, "from": source, "to": target_id, "when": when, **members}}, timeout)
+        return name
+
+    def unlink(self, board: str, name: str, *, timeout: float | None = None) -> None:
+        """Removes a link of a board."""
+        self._link(board, {"remove": name}, timeout)
+
+    def _link(self, board: str, members: dict[str, Any], timeout: float | None) -> None:
+        if not valid_board(board):
+            raise errors.Invalid(f"no board can be called {board!r}", reason="invalid")
+        seconds = self._seconds(timeout)
+        _wait.result(self._engine.ask(lambda session, now: session.link(now, board, members, seconds)).future)
 
     # All boards at once -------------------------------------------------------------------------------------------------
 

@@ -186,6 +186,14 @@ class Conversation(unittest.TestCase):
         _, (publish,) = self.command(now=1.0)
         self.assertEqual(json.loads(publish.payload)["clock"], "aa-1101")
 
+    def test_link_is_a_request_of_this_user(self):
+        self.ready()
+        call, (publish,) = self.session.link(0.0, "lamp", {"set": {"name": "l", "from": "desk/io/2", "to": "io/13"}}, 5.0)
+        self.assertEqual(publish.topic, "asip/lamp/$link/ann/c1")
+        self.assertEqual(json.loads(publish.payload)["set"], {"name": "l", "from": "desk/io/2", "to": "io/13"})
+        (done,) = self.answer(call, 0.1, topic=self.topics.reply("lamp"), status="refused", reason="invalid", error="there is no property io/13")
+        self.assertIsInstance(done.error, errors.Invalid)
+
     def test_answers_of_others_prove_nothing(self):
         self.ready()
         call, _ = self.command()
