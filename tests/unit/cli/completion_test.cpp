@@ -82,7 +82,7 @@ TEST_F(CompletionTest, OptionsOfEveryCommand_AreOfferedWithTheirValues) {
 }
 
 TEST_F(CompletionTest, AfterTheBrokersAddress_TheVerbFollows) {
-    EXPECT_THAT(after("--broker 127.0.0.1:1884 li"), ElementsAre("list"));
+    EXPECT_THAT(after("--broker 127.0.0.1:1884 lis"), ElementsAre("list"));
     EXPECT_THAT(after("--broker 127.0.0.1:1884 show n"), ElementsAre("nano", "nano/"));
     EXPECT_THAT(after("show --broker=127.0.0.1:1884 n"), ElementsAre("nano", "nano/"));
     EXPECT_THAT(after("--broker 127.0.0.1:18"), IsEmpty());
@@ -199,6 +199,12 @@ TEST(Verbs, EachType_IsOneThatCompletionKnows) {
                                          "BAUD",
                                          "FIELD",
                                          "WHEN",
+                                         "JSON",
+                                         "LEVEL",
+                                         "VALUE",
+                                         "BOARD/PROPERTY",
+                                         "HH:MM-HH:MM",
+                                         "FROM..TO=FROM..TO",
                                          "SELECTOR",
                                          "LABEL",
                                          ""};
