@@ -20,7 +20,7 @@ model::ServiceInfo info_of(const bus::ServiceItem& service) {
 
 model::ModelPtr BoardModels::find(const bus::BoardItem& board, std::string_view service,
                                   const Description& description) {
-    if (bytes_ > kMaxBytes || (entries_.size() >= kMaxBoards && !entries_.contains(board.board))) {
+    if (bytes_ > max_bytes_ || (entries_.size() >= kMaxBoards && !entries_.contains(board.board))) {
         entries_.clear();
         bytes_ = 0;
     }

@@ -20,7 +20,8 @@ class BoardModels {
     /// JSON text of the board's description; empty: it has none.
     using Description = std::function<std::string()>;
 
-    explicit BoardModels(const model::ModelSet& models) : models_(models) {}
+    explicit BoardModels(const model::ModelSet& models, std::size_t max_bytes = kMaxBytes)
+        : models_(models), max_bytes_(max_bytes) {}
 
     /// `description` is called only where the board's was not read yet. Null: none describes the service.
     model::ModelPtr find(const bus::BoardItem& board, std::string_view service,
@@ -37,6 +38,7 @@ class BoardModels {
         std::size_t bytes = 0;
     };
     const model::ModelSet& models_;
+    const std::size_t max_bytes_;
     std::map<std::string, Entry, std::less<>> entries_;
     std::size_t bytes_ = 0;
 };

@@ -19,7 +19,7 @@ void keep_steady(text::WallTime& kept, text::WallTime now) {
 }  // namespace
 
 void BoardTexts::make_room_for(const std::string& board) {
-    const bool full = bytes_ > kMaxBytes || (entries_.size() >= kMaxBoards && !entries_.contains(board));
+    const bool full = bytes_ > max_bytes_ || (entries_.size() >= kMaxBoards && !entries_.contains(board));
     if (!full) return;
     entries_.clear();
     bytes_ = 0;

@@ -9,11 +9,13 @@ namespace asip::gateway::api {
 
 /// Boards as JSON texts. Making one costs much more than sending it: of a board that is asked for again only
 /// its age is written anew, as long as nothing else of it changes. Boards say how long their texts are:
-/// beyond kMaxBytes, which the last one may exceed, all are made again. Pure.
+/// beyond max_bytes, which the last one may exceed, all are made again. Pure.
 class BoardTexts {
   public:
     static constexpr std::size_t kMaxBoards = 500;
     static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+
+    explicit BoardTexts(std::size_t max_bytes = kMaxBytes) : max_bytes_(max_bytes) {}
 
     /// A JSON object: what bus::to_json() gives, in another order.
     std::string text(const bus::BoardItem& board);
@@ -28,6 +30,7 @@ class BoardTexts {
     };
     void make_room_for(const std::string& board);
 
+    const std::size_t max_bytes_;
     std::map<std::string, Entry> entries_;
     std::size_t bytes_ = 0;
 };

@@ -43,6 +43,7 @@ HistoryKeeper::HistoryKeeper(asio::io_context& io, History::Options options, Han
                              std::string boot, Instant now)
     : io_(io),
       handlers_(std::move(handlers)),
+      max_waiting_rows_(options.max_waiting_rows),
       store_(std::make_unique<HistoryStore>(std::move(options))),
       now_(now),
       kept_(std::move(boot), now),
@@ -177,7 +178,8 @@ void HistoryKeeper::limit_waiting() {
     }
     for (; counted_rows_ < waiting_.size(); ++counted_rows_)
         waiting_bytes_ += bytes_of(waiting_[counted_rows_]);
-    for (; !waiting_.empty() && (rows > kMaxUnwrittenRows || bytes + waiting_bytes_ > kMaxUnwrittenBytes);
+    for (; !waiting_.empty() &&
+           (rows > max_waiting_rows_ || bytes + waiting_bytes_ > kMaxUnwrittenBytes);
          --rows, --counted_rows_, ++dropped_rows_) {
         waiting_bytes_ -= std::min(waiting_bytes_, bytes_of(waiting_.back()));
         waiting_.pop_back();

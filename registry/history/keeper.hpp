@@ -31,8 +31,8 @@ class HistoryKeeper {
         std::function<void(const std::string& aside, const std::string& damage)> begun_anew;
     };
 
-    /// How far writing may fall behind; changes beyond are dropped and counted.
-    static constexpr std::size_t kMaxUnwrittenRows = 200'000;
+    /// How far writing may fall behind, beside History::Options::max_waiting_rows; changes beyond are dropped
+    /// and counted.
     static constexpr std::size_t kMaxUnwrittenBytes = 96u << 20;
     static constexpr Duration kFirstRetry = std::chrono::seconds(1);
     static constexpr Duration kMaxRetry = std::chrono::minutes(1);
@@ -84,6 +84,7 @@ class HistoryKeeper {
 
     boost::asio::io_context& io_;
     Handlers handlers_;
+    const std::size_t max_waiting_rows_;
     std::unique_ptr<HistoryStore> store_;  // used by the other thread only, once the constructor is done
     Instant now_;
     KeptTime kept_;

@@ -23,6 +23,7 @@ bus::BoardItem board_item(const std::string& name = "uno1") {
 }
 
 constexpr std::size_t kLongText = 60'000;
+constexpr std::size_t kMaxBytes = std::size_t{2} << 20;
 
 /// How many boards with a long text have half as many bytes again as the bound.
 constexpr std::size_t boards_beyond(std::size_t max_bytes) {
@@ -53,39 +54,39 @@ TEST(BoardTexts, AskedAgainAndAgain_EveryChangeIsInTheText) {
 }
 
 TEST(BoardTexts, BoardsWithLongDescriptions_AreKeptUpToANumberOfBytes) {
-    BoardTexts texts;
+    BoardTexts texts(kMaxBytes);
     std::size_t largest = 0;
-    for (std::size_t i = 0; i < boards_beyond(BoardTexts::kMaxBytes); ++i) {
+    for (std::size_t i = 0; i < boards_beyond(kMaxBytes); ++i) {
         auto board = board_item("b" + std::to_string(i));
         board.description = R"({"x":")" + std::string(kLongText, 'x') + R"("})";
         texts.text(board);
         largest = std::max(largest, texts.bytes());
     }
-    EXPECT_GT(largest, BoardTexts::kMaxBytes / 2);
-    EXPECT_LT(largest, BoardTexts::kMaxBytes + 300'000);
+    EXPECT_GT(largest, kMaxBytes / 2);
+    EXPECT_LT(largest, kMaxBytes + 300'000);
     auto board = board_item("b0");
-    for (std::size_t i = 0; i < boards_beyond(BoardTexts::kMaxBytes); ++i) {  // of one board, each other than
-                                                                              // the last
+    for (std::size_t i = 0; i < boards_beyond(kMaxBytes); ++i) {  // of one board, each other than
+                                                                  // the last
         board.description = R"({"x":")" + std::string(kLongText - i, 'x') + R"("})";
         texts.text(board);
     }
-    EXPECT_LT(texts.bytes(), BoardTexts::kMaxBytes + 300'000);
+    EXPECT_LT(texts.bytes(), kMaxBytes + 300'000);
     expect_true(texts, board);
 }
 
 TEST(BoardModels, BoardsWithLongDescriptions_AreKeptUpToANumberOfBytes) {
     const model::ModelSet none;
-    BoardModels models(none);
+    BoardModels models(none, kMaxBytes);
     std::size_t largest = 0;
-    for (std::size_t i = 0; i < boards_beyond(BoardModels::kMaxBytes); ++i) {
+    for (std::size_t i = 0; i < boards_beyond(kMaxBytes); ++i) {
         auto board = board_item("b" + std::to_string(i));
         board.services.resize(1);
         board.services[0].name = "servo";
         models.find(board, "servo", [] { return R"({"x":")" + std::string(kLongText, 'x') + R"("})"; });
         largest = std::max(largest, models.bytes());
     }
-    EXPECT_GT(largest, BoardModels::kMaxBytes / 2);
-    EXPECT_LT(largest, BoardModels::kMaxBytes + 1'000'000);
+    EXPECT_GT(largest, kMaxBytes / 2);
+    EXPECT_LT(largest, kMaxBytes + 1'000'000);
 }
 
 TEST(BoardTexts, BoardThatWasNeverHeard_HasNoAge) {

@@ -53,6 +53,8 @@ class Keeping {
   public:
     explicit Keeping(const std::string& file, Duration start = 0s) : now_(start), keeper_(make(file)) {}
 
+    static constexpr std::size_t kMaxWaitingRows = 2'000;
+
     void added(const std::string& board) {
         keeper_->change({Event::Kind::kAdded, board, 1, model::BoardState::kOnline}, moment());
     }
@@ -108,8 +110,9 @@ class Keeping {
         handlers.begun_anew = [this](const std::string& aside, const std::string&) {
             log.push_back("aside " + fs::path(aside).filename().string());
         };
-        return std::make_unique<HistoryKeeper>(io_, History::Options{.path = file}, handlers, "boot",
-                                               moment());
+        return std::make_unique<HistoryKeeper>(
+            io_, History::Options{.path = file, .max_waiting_rows = kMaxWaitingRows}, handlers, "boot",
+            moment());
     }
     // Each question to the other thread is answered behind what it was given before.
     void settle() {
@@ -272,7 +275,7 @@ TEST(HistoryKeeper, FaultLastsLongerThanThereIsRoom_WhatIsLostIsCountedAndBoards
     fs::create_directories(folder.file());
     Keeping run(folder.file());
     run.complete();
-    for (std::size_t i = 0; i < HistoryKeeper::kMaxUnwrittenRows + 10; ++i)
+    for (std::size_t i = 0; i < Keeping::kMaxWaitingRows + 10; ++i)
         run.added("b" + std::to_string(i));
     EXPECT_EQ(run.keeper().dropped_rows(), 10u);
     fs::remove(folder.file());
@@ -280,7 +283,7 @@ TEST(HistoryKeeper, FaultLastsLongerThanThereIsRoom_WhatIsLostIsCountedAndBoards
     EXPECT_EQ(run.log[1], "again, lost 10");
     run.end();
     Keeping again(folder.file(), 1h);
-    EXPECT_TRUE(again.keeper().remembered("b200009", {at(1h), wall(0)}));
+    EXPECT_TRUE(again.keeper().remembered("b2009", {at(1h), wall(0)}));
 }
 
 }  // namespace
