@@ -169,7 +169,7 @@ void Exports::wire(Port& port) {
         return shown ? std::optional(std::move(shown->value)) : std::nullopt;
     };
     port.want = [this](const std::string& board, const std::string& service, double hz) {
-        return gateway_->demander().want(board, service, hz);
+        return gateway_->caller().want(board, service, hz);
     };
 }
 
