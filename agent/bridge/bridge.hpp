@@ -152,6 +152,7 @@ class Bridge {
     void link_kept(std::uint64_t ticket, const Expected<void>& result, Time now, Effects& out);
     /// What they need beside control_subscriptions(); the agent does without, where the broker refuses it.
     std::set<std::string> link_subscriptions() const;
+    std::uint64_t link_source_changes() const { return links_.source_changes(); }
     /// How this board stands, for links of this process.
     struct Standing {
         const std::vector<property::Property>& properties;

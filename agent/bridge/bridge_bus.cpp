@@ -70,8 +70,9 @@ void Bridge::bus_disconnected(Time now) {
 
 std::optional<Inbound> Bridge::read(const mqtt::Message& message, Time now) const {
     if (!announcer_ || leaving_) return std::nullopt;
-    if (const auto topic = board_.topics.parse(message.topic); topic && links_.concerns(topic->board))
-        return SourceMessage{message};
+    if (links_.any())
+        if (const auto topic = board_.topics.parse(message.topic); topic && links_.concerns(topic->board))
+            return SourceMessage{message};
     return read_inbound(message,
                         {.topics = board_.topics,
                          .board = board_.name,

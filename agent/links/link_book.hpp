@@ -48,6 +48,7 @@ class LinkBook {
     }
     bool has_source(std::string_view board) const { return sources_.has(board); }
     std::set<std::string> filters() const;
+    std::uint64_t source_changes() const { return source_changes_; }
     void take(const mqtt::Message& message, Time now) { hear(sources_.take(message, now), now); }
     void connected(Time now);
     void disconnected(Time now) { hear(sources_.disconnected(), now); }
@@ -114,6 +115,7 @@ class LinkBook {
     std::map<std::string, Open> open_;
     std::map<std::uint64_t, Asked> asked_;
     std::uint64_t ticket_ = 0;
+    std::uint64_t source_changes_ = 0;
     std::optional<Time> show_at_, shown_at_;
 };
 

@@ -176,6 +176,7 @@ class BoardAgent {
     mqtt::Backoff bus_patience_{std::chrono::minutes(1), std::chrono::minutes(5)};  // as a service
     std::optional<Time> armed_for_;
     std::set<std::string> sources_;  // what is subscribed to for links
+    std::uint64_t sources_of_ = 0;   // Bridge::link_source_changes()
     std::uint64_t told_ = 0;         // Bridge::standing_changes()
     std::set<std::string> heard_;    // neighbours
     Life life_ = Life::kRunning;

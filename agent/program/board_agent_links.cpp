@@ -31,8 +31,9 @@ void BoardAgent::keep_links(std::vector<LinkToKeep> links) {
 }
 
 void BoardAgent::subscribe_to_sources() {
+    if (!sources_.empty() && sources_of_ == bridge_.link_source_changes()) return;
+    sources_of_ = bridge_.link_source_changes();
     auto wanted = bridge_.link_subscriptions();
-    if (wanted == sources_) return;
     for (const auto& filter : wanted)
         if (!sources_.contains(filter)) bus_->subscribe(filter, {.qos = 1, .no_local = true});
     for (const auto& filter : sources_)

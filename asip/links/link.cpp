@@ -248,8 +248,8 @@ std::string in_words(const Link& link) {
         case When::kAbove:
         case When::kBelow:
             text = target + " while " + text + " is " + std::string(to_text(link.when)) + " " +
-                   words_of(*link.level);
-            if (link.back) text += " (until " + words_of(*link.back) + ")";
+                   words_of(property::json_number(*link.level));
+            if (link.back) text += " (until " + words_of(property::json_number(*link.back)) + ")";
             break;
         case When::kToggles:
             text = "each press of " + text + " switches " + target;

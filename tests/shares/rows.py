@@ -41,6 +41,16 @@ def forget(number):
     return json.dumps({"forget": "*", "dry_run": True, "id": str(number), "reply_to": "asip/reply/olga/registry/c1"})
 
 
+def link(number):
+    return json.dumps({"set": {"name": f"l{number % 200}", "from": "crook/io/2", "when": "follows", "to": "io/13"}, "id": str(number),
+                       "reply_to": "asip/reply/olga/desk/c1"})
+
+
+def links(number):
+    each = {"name": "x" * 30, "from": "crook/io/2", "when": "follows", "to": "io/13", "user": "olga"}
+    return json.dumps({"version": 1, "board": "crook", "seq": number, "links": [each] * 100})
+
+
 def log_line(number):
     return json.dumps({"what": "command", "by": f"crook{number}", "service": "io", "request": "x" * 2000, "status": "ok",
                        "time": "2026-11-21T19:00:00Z", "level": "warning", "text": "x" * 2000})
@@ -60,6 +70,8 @@ TOPICS = {
     "BOARD/in": ("operator", lambda n: "I,d,13,1\n" * 64, False),
     "BOARD/SERVICE/in": ("operator", nested, False),
     "BOARD/$stop": ("operator", lambda n: json.dumps({"id": str(n), "why": "x" * 15000, "reply_to": "asip/reply/olga/desk/c1"}), False),
+    "BOARD/$link/USER/CLIENT": ("operator", link, False),
+    "BOARD/$links": ("board", links, True),
     "BOARD/$values": ("board", values, True),
     "BOARD/out": ("board", lambda n: f"@D,e,1,{{{n}}}", False),
     "BOARD/SERVICE/out": ("board", lambda n: json.dumps({"distance": list(range(n, n + 400))}), False),
