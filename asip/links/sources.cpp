@@ -66,7 +66,7 @@ void Sources::use(const std::string& name, Board& board, std::vector<Property> p
     board.properties = std::move(properties);
     for (auto& [id, known] : board.known) {
         const auto found = std::find_if(board.properties.begin(), board.properties.end(),
-                                        [&id = id](const auto& each) { return each.id == id; });
+                                        [&wanted = id](const auto& each) { return each.id == wanted; });
         known.property = found == board.properties.end() ? nullptr : &*found;
         if (known.property == nullptr || !flows(*known.property))
             known.want.reset();

@@ -41,7 +41,7 @@ void BoardAnswers::send() {
 }
 
 void ManyBoards::add(std::optional<Run>& to, Asked asked, const http::Reply& reply) {
-    if (!to) to.emplace();
+    if (!to) to = Run();
     to->by = std::move(asked.by);
     to->client = std::move(asked.client);
     to->stop = asked.stop;

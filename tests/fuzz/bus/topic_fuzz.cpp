@@ -30,6 +30,10 @@ std::string rebuilt(const asip::bus::Topics& topics, const asip::bus::TopicRef& 
             return topics.properties(ref.board);
         case kValues:
             return topics.values(ref.board);
+        case kLinks:
+            return topics.links(ref.board);
+        case kLink:
+            return topics.link(ref.board, ref.demander);
         case kDemand:
             return topics.demand(ref.board, ref.demander);
         case kProbe:

@@ -22,7 +22,7 @@ class RulesTest : public testing::Test {
         {.value = [this](const std::string& id) { return target.contains(id) ? target[id] : std::nullopt; },
          .ready = [this] { return ready; },
          .second_of_day = [this] { return second_of_day; },
-         .dangerous = [this](const Link& link) { return link.target.starts_with("motors"); }}};
+         .dangerous = [](const Link& link) { return link.target.starts_with("motors"); }}};
     std::map<std::string, std::optional<json>> target{{"io/13", json(false)}};
     bool ready = true;
     int second_of_day = 12 * 3600;
