@@ -98,12 +98,17 @@ void read_condition(text::JsonReader& reader, Link& link) {
                      *when == When::kAbove ? "must not be above the level" : "must not be below the level");
 }
 
+/// What is subscribed to is named after it.
+bool could_be_id(const std::string& id) {
+    return model::valid_name(property::service_of(id)) && text::printable(id, kMaxIdBytes) == id;
+}
+
 void check(text::JsonReader& reader, const Link& link) {
     if (!model::valid_name(link.name)) reader.fault("name", model::explain_board_name(link.name));
     if (!model::valid_board_name(link.board))
         reader.fault("from", "must be BOARD/PROPERTY, such as desk/io/2");
-    if (link.source.empty()) reader.fault("from", "must be BOARD/PROPERTY, such as desk/io/2");
-    if (link.target.empty()) reader.fault("to", "is missing");
+    if (!could_be_id(link.source)) reader.fault("from", "must be BOARD/PROPERTY, such as desk/io/2");
+    if (!could_be_id(link.target)) reader.fault("to", "must be a property, such as io/13");
     if (link.line && link.when != When::kFollows) reader.fault("line", "goes with follows");
     if (link.line && !(link.value.is_null() && link.otherwise.is_null()))
         reader.fault("line", "makes the value itself");
@@ -204,7 +209,9 @@ Expected<Link> read_link(const json& document) {
     read_condition(reader, link);
     if (const auto* command = reader.find("command"); command != nullptr) {
         link.command = *command;
-        if (!command->is_object()) reader.fault("command", "must be an object, such as {\"play\":[440,200]}");
+        // More would be read as its envelope: an id makes the second one a repetition.
+        if (!command->is_object() || command->size() != 1)
+            reader.fault("command", "must be an object with one command, such as {\"play\":[440,200]}");
     }
     read_value(reader, "value", link.value);
     read_value(reader, "else", link.otherwise);
@@ -220,7 +227,7 @@ Expected<Link> read_link(const json& document) {
     link.user = reader.text("user", {}, model::kMaxNameBytes);
     reader.refuse_others();
     if (reader.ok()) check(reader, link);
-    if (reader.ok() && model::dump_json(document).size() > kMaxLinkBytes) reader.fault("", "is too long");
+    if (reader.ok() && model::dump_json(to_json(link)).size() > kMaxLinkBytes) reader.fault("", "is too long");
     if (!reader.ok()) return fail(fault);
     return link;
 }

@@ -58,12 +58,22 @@ TEST(LinkTest, WhatCannotBeIsRefusedWithItsPlace) {
                                                  {{{"when", "toggles"}, {"for", 1}}, "/for"},
                                                  {{{"safe", true}, {"when", "press"}}, "/safe"},
                                                  {{{"command", {{"a", 1}}}, {"value", 1}}, "/command"},
+                                                 {{{"from", "desk/#/a"}}, "BOARD/PROPERTY"},
+                                                 {{{"from", "desk/+"}}, "BOARD/PROPERTY"},
+                                                 {{{"from", "desk/io\n/2"}}, "BOARD/PROPERTY"},
+                                                 {{{"to", "io/\x1b[2J"}}, "/to"},
+                                                 {{{"command", json::object()}}, "one command"},
+                                                 {{{"command", {{"raw", "1"}, {"id", "7"}}}}, "one command"},
                                                  {{{"colour", 1}}, "/colour"}};
     for (const auto& [changes, what] : kBad) {
         const auto link = read(changes);
         ASSERT_FALSE(link) << changes;
         EXPECT_THAT(link.error(), HasSubstr(what));
     }
+    json list = json::array();
+    for (int i = 0; i < 400; ++i)
+        list.push_back(1e9);  // four bytes as someone writes it, and twelve as it is kept
+    EXPECT_FALSE(read({{"command", {{"play", list}}}}));
     EXPECT_FALSE(read_link(json::array()));
     EXPECT_FALSE(read_link(json()));
 }
