@@ -120,9 +120,10 @@ void Rules::send(Entry& entry, Order order, Time now, std::vector<Order>& orders
 }
 
 /// A level link: the target is made what it is to be, where it is not.
-void Rules::make(Entry& entry, Time now, std::vector<Order>& orders) {
+void Rules::make(Entry& entry, Time now, std::vector<Order>& orders, bool ends) {
     const auto& link = entry.link;
-    if (entry.kept.suspended || entry.tried || entry.in_flight > 0 || !entry.source || stopped_) return;
+    if (entry.kept.suspended || entry.tried || entry.in_flight > 0 || stopped_) return;
+    if (!entry.source && (!ends || entry.released)) return;
     if (entry.kept.seen.is_null() || (entry.due && now < *entry.due) || !world_.ready()) return;
     const auto value = wanted(link, entry.kept.seen, entry.kept.over);
     const bool on = entry.kept.seen != json(false) && !entry.kept.over;
@@ -137,6 +138,8 @@ void Rules::make(Entry& entry, Time now, std::vector<Order>& orders) {
         const auto because =
             entry.kept.over ? "its time was over" : source_of(link) + " was " + words_of(*entry.source);
         send(entry, {{}, command ? Order::Kind::kCommand : Order::Kind::kSet, value, because}, now, orders);
+        // Nothing tells whether it is still so: a restart sends it no second time.
+        if (command) keep(entry, {entry.kept.seen, false, true});
     }
     entry.tried = true;
     entry.due.reset();
@@ -174,7 +177,7 @@ void Rules::finish(Entry& entry, Time now, std::vector<Order>& orders) {
         kept.over = true;
         keep(entry, std::move(kept));
         entry.tried = false;
-        return make(entry, now, orders);
+        return make(entry, now, orders, true);  // also where the source is not there
     }
     if (!world_.ready()) return;  // as soon as it is there
     entry.until.reset();

@@ -29,8 +29,13 @@ void Rules::set(Link link, Kept kept, Time now) {
     entry.link = std::move(link);
     entry.kept = std::move(kept);
     // What it began before its agent ended is brought to its end.
-    if (is_event(entry.link.when) && entry.link.lasts > Duration{} && entry.kept.seen == json(true))
+    const auto& seen = entry.kept.seen;
+    if (!is_event(entry.link.when)) {
+        if (!seen.is_null() && seen != json(false) && entry.link.after > Duration{})
+            entry.due = now + entry.link.after;
+    } else if (entry.link.enabled && entry.link.lasts > Duration{} && seen == json(true)) {
         entry.until = now + entry.link.lasts;
+    }
     changed_.insert(name);
 }
 
@@ -44,8 +49,11 @@ void Rules::enable(const std::string& name, bool enabled) {
     if (found == links_.end() || found->second.link.enabled == enabled) return;
     auto& entry = found->second;
     entry.link.enabled = enabled;
-    // Enabled again, it acts at the next change.
-    entry.kept.suspended = true;
+    // Enabled again, it acts at the next change, and brings nothing to its end.
+    const bool event = is_event(entry.link.when);
+    if (entry.link.lasts > Duration{} && event) entry.kept.seen = {};
+    if (const auto made = output(entry); !event && !made.is_null()) entry.kept.seen = made;
+    entry.kept.suspended = !event;
     entry.due.reset();
     entry.until.reset();
     changed_.insert(name);

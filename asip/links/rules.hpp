@@ -21,7 +21,7 @@ struct Kept {
     /// toggles: how the target stood last.
     nlohmann::json seen{};
     bool suspended = false;  ///< another client set the target since then
-    bool over = false;       ///< Link::lasts is over
+    bool over = false;       ///< Link::lasts is over, or its command was sent
     friend bool operator==(const Kept&, const Kept&) = default;
 };
 
@@ -112,7 +112,7 @@ class Rules {
     nlohmann::json output(const Entry& entry) const;
     static nlohmann::json wanted(const Link& link, const nlohmann::json& output, bool over);
     void look(Entry& entry, Time now);
-    void make(Entry& entry, Time now, std::vector<Order>& orders);
+    void make(Entry& entry, Time now, std::vector<Order>& orders, bool ends = false);
     void fire(Entry& entry, Time now, std::vector<Order>& orders);
     void finish(Entry& entry, Time now, std::vector<Order>& orders);
     void release(Entry& entry, Time now, std::vector<Order>& orders);

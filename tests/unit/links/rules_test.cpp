@@ -386,6 +386,34 @@ TEST_F(RulesTest, For_APersonEndsIt) {
     EXPECT_THAT(sent, ElementsAre(true));
 }
 
+TEST_F(RulesTest, For_EndsAlsoWhileTheSourceIsNotThere) {
+    auto made = link();
+    made.lasts = 10s;
+    add(made);
+    source(true);
+    rules.present("desk", false, now);
+    source(std::nullopt);
+    pass(1min);
+    EXPECT_THAT(sent, ElementsAre(true, false));
+    restart();
+    pass(1min);
+    EXPECT_EQ(sent.size(), 2U);
+}
+
+TEST_F(RulesTest, After_ARestartIsNoTimeThatPassed) {
+    auto made = link();
+    made.after = 5s;
+    add(made);
+    source(true);
+    pass(1s);
+    restart();
+    source(true);
+    pass(4s);
+    EXPECT_THAT(sent, IsEmpty());
+    pass(2s);
+    EXPECT_THAT(sent, ElementsAre(true));
+}
+
 TEST_F(RulesTest, For_OfAPressIsBroughtToItsEndByTheNextAgent) {
     auto made = link(When::kPress);
     made.lasts = 10s;
@@ -505,6 +533,36 @@ TEST_F(RulesTest, Disabled_DoesNothing) {
     EXPECT_THAT(sent, ElementsAre(true));
 }
 
+TEST_F(RulesTest, Disabled_TheSourceChangesMeanwhile) {
+    add(link());
+    source(true);
+    rules.enable("l", false);
+    source(false);
+    target["io/13"] = false;
+    rules.enable("l", true);
+    run();
+    EXPECT_THAT(sent, ElementsAre(true));
+    source(true);
+    EXPECT_THAT(sent, ElementsAre(true, true));
+}
+
+TEST_F(RulesTest, Disabled_WhatItBeganIsLeftAsItIs) {
+    auto made = link(When::kPress);
+    made.lasts = 10s;
+    add(made);
+    press();
+    rules.enable("l", false);
+    restart();
+    pass(1min);
+    EXPECT_THAT(sent, ElementsAre(true));
+    made.enabled = false;
+    add(made, {true, false, false});  // as earlier builds kept it
+    pass(1min);
+    EXPECT_FALSE(rules.next_deadline());
+    rules.enable("l", true);
+    EXPECT_FALSE(rules.links().at("l").kept.suspended) << "it waits for no change";
+}
+
 TEST_F(RulesTest, Command_IsSentOnceForEachBeginning) {
     auto made = link(When::kAbove);
     made.level = 10;
@@ -515,6 +573,10 @@ TEST_F(RulesTest, Command_IsSentOnceForEachBeginning) {
         source(value);
     ASSERT_EQ(orders.size(), 2U);
     EXPECT_EQ(orders[0].kind, Order::Kind::kCommand);
+    rules.target_back();
+    restart();
+    source(21);
+    EXPECT_EQ(orders.size(), 2U) << "a restart sends it again";
 }
 
 }  // namespace
