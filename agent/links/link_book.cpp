@@ -103,7 +103,8 @@ void LinkBook::finished(const std::string& link, const bus::Reply& reply) {
         found->second.failure = reply.error.empty() ? "no sign that the board executed it" : reply.error;
     if (--found->second.commands > 0) return;
     const auto open = open_.extract(found).mapped();
-    rules_.finished(link, open.failure.empty(), open.failure);
+    for (auto left = open.orders; left > 0; --left)
+        rules_.finished(link, open.failure.empty(), open.failure);
 }
 
 std::string LinkBook::safe_line(const Link& link) const {
@@ -170,7 +171,9 @@ void LinkBook::add_commands(const Order& order, Time now, std::vector<Command>& 
             property::value_of_control(*property, kind == Order::Kind::kSafe ? json(false) : order.value));
     if (requests.empty())
         return rules_.finished(order.link, false, link.target + " cannot be " + links::words_of(order.value));
-    open_[order.link].commands += requests.size();
+    auto& open = open_[order.link];
+    ++open.orders;
+    open.commands += requests.size();
     for (auto& request : requests)
         commands.push_back(command(order, request.service, std::move(request.payload), now));
 }

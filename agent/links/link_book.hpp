@@ -83,7 +83,7 @@ class LinkBook {
         bool removed = false;
     };
     struct Open {
-        std::size_t commands = 0;
+        std::size_t orders = 0, commands = 0;
         std::string failure;
     };
 

@@ -39,6 +39,7 @@ class BridgeBench {
     std::optional<Fatal> fatal;
     bool begin_anew = false;
     std::vector<model::Labels> to_keep;         ///< what was to be written to the disk
+    std::vector<LinkToKeep> links_to_keep;      ///< the same
     Effects::Port port = Effects::Port::kKeep;  ///< what the agent did last with the port
     std::optional<Effects::Load> to_load;
 
@@ -142,6 +143,8 @@ class BridgeBench {
         for (auto& notice : effects.notices)
             notices.push_back(notice.text), logged += notice.level >= program::log::Level::kInfo ? 1 : 0;
         if (effects.keep_labels) to_keep.push_back(effects.keep_labels->labels);
+        for (auto& link : effects.keep_links)
+            links_to_keep.push_back(std::move(link));
         if (effects.fatal) fatal = effects.fatal;
         begin_anew = begin_anew || effects.begin_anew;
         if (effects.port != Effects::Port::kKeep) port = effects.port;

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Links at their agent: requests, the disk, and how commands end. Their rules: tests/unit/links.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "agent/links/link_files.hpp"
+#include "asip/property/documents.hpp"
+#include "tests/support/temp_dir.hpp"
+#include "tests/unit/agent/online_bridge.hpp"
+
+namespace asip::agent {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string kLinks = "asip/uno1/$links";
+
+property::Property contact() {
+    property::Property pin;
+    pin.id = "io/2";
+    pin.kind = property::Kind::kBinarySensor;
+    pin.name = "contact";
+    pin.service = "io";
+    pin.choices = {{"off", 0}, {"on", 1}};
+    pin.read = property::Place{"io", "/digital/2", false};
+    pin.meaning.klass = "button";
+    return pin;
+}
+
+/// A servo, and the button of another board.
+struct LinkedBridge : OnlineBridge {
+    json ask(json request, const std::string& user = "ann", const std::string& id = "1") {
+        return bench.ask("asip/uno1/$link/" + user + "/c", std::move(request), id);
+    }
+    static json link(const std::string& name, json more = json::object()) {
+        json made{{"name", name},   {"from", "desk/io/2"}, {"to", "servo/0/angle"},
+                  {"value", 90}, {"else", 0}};
+        made.update(more);
+        return {{"set", made}};
+    }
+    void kept(std::uint64_t ticket, const Expected<void>& result = {}) {
+        bench.run([&](Effects& out) { bench.bridge.link_kept(ticket, result, bench.now, out); });
+    }
+    void kept_all() {
+        for (const auto& each : std::exchange(bench.links_to_keep, {}))
+            kept(each.ticket);
+    }
+    void set(const std::string& name, json more = json::object()) {
+        ask(link(name, std::move(more)));
+        kept_all();
+    }
+    void desk_is_there() {
+        bench.hear("asip/servicebus/desk/$state", "online");
+        bench.hear("asip/servicebus/desk/$properties",
+                   property::to_text(property::PropertyList{{"desk", "a", 1}, {contact()}}), true);
+        desk(false);
+    }
+    void desk(bool on, std::vector<property::ButtonEvent> events = {}) {
+        property::ValueDocument document;
+        document.head = {"desk", "a", ++seq};
+        document.clock = "x-1";
+        property::ShownValue shown;
+        shown.value = on;
+        shown.how = property::How::kReported;
+        shown.events = std::move(events);
+        document.values["io/2"] = shown;
+        bench.hear("asip/desk/$values", property::to_text(document));
+    }
+    void person(int angle) {
+        bench.ask("asip/uno1/in", {{"raw", "S,W,0," + std::to_string(angle)}}, "p" + std::to_string(++seq));
+    }
+    json shown() const { return json::parse(bench.on(kLinks).back()); }
+    std::uint64_t seq = 0;
+};
+
+TEST_F(LinkedBridge, TwoPressesAtOnce_ThenAPersonThenAnotherPress) {
+    set("l", {{"when", "toggles"}});
+    desk_is_there();
+    desk(false, {{1, property::ButtonAct::kPress}, {2, property::ButtonAct::kPress}});
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,90", "S,W,0,0"));
+    person(90);
+    desk(false, {{3, property::ButtonAct::kPress}});
+    EXPECT_EQ(bench.board.executed.back(), "S,W,0,0");
+}
+
+TEST_F(LinkedBridge, LinkOfAnother_IsLeftAlone) {
+    set("l");
+    for (const auto& request : {link("l"), json{{"remove", "l"}}, json{{"disable", "l"}}})
+        EXPECT_THAT(ask(request, "bob")["error"].get<std::string>(), HasSubstr("is one of ann"));
+    EXPECT_THAT(bench.links_to_keep, IsEmpty());
+}
+
+}  // namespace
+}  // namespace asip::agent
