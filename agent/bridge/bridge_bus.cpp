@@ -116,7 +116,7 @@ void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
     }
     session::Actions actions;
     safety_.on_stop(stop, now, actions, out);
-    links_.stopped(stop.latch && obeyed);
+    if (obeyed) links_.stopped(stop.latch);
     if (stop.latch && obeyed && latch_.stop(stop.reply().by, stop.why, text::iso_time(text::wall_now()))) {
         out.keep_stop = latch_.stopped();
         show_stop(now, out);

@@ -88,6 +88,17 @@ TEST_F(LinkedBridge, TwoPressesAtOnce_ThenAPersonThenAnotherPress) {
     EXPECT_EQ(bench.board.executed.back(), "S,W,0,0");
 }
 
+TEST_F(LinkedBridge, StoredStop_StopsNoLink) {
+    set("l");
+    desk_is_there();
+    bench.hear("asip/uno1/$stop", "{}", true);
+    bench.pass(1s);
+    EXPECT_FALSE(shown()["links"][0].contains("suspended"));
+    bench.hear("asip/uno1/$stop", "{}");
+    bench.pass(1s);
+    EXPECT_TRUE(shown()["links"][0].contains("suspended"));
+}
+
 TEST_F(LinkedBridge, LinkOfAnother_IsLeftAlone) {
     set("l");
     for (const auto& request : {link("l"), json{{"remove", "l"}}, json{{"disable", "l"}}})
