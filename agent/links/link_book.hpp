@@ -80,7 +80,6 @@ class LinkBook {
         std::string name;
         std::string answer;
         std::optional<KeptLink> before;  // to be as it was, where it cannot be kept
-        bool removed = false;
     };
     struct Open {
         std::size_t orders = 0, commands = 0;
@@ -91,7 +90,7 @@ class LinkBook {
     std::string set(const LinkRequest& request, const nlohmann::json& wanted, Time now, Effects& out);
     std::string change(const LinkRequest& request, std::string_view what, const nlohmann::json& name,
                        Time now, Effects& out);
-    void begin(const LinkRequest& request, Asked asked, const std::string& text, Effects& out);
+    void begin(Asked asked, const std::string& text, Effects& out);
     void answer(const LinkRequest& request, const bus::Reply& reply, Effects& out) const;
     void put(KeptLink link, Time now);
     void hear(const links::Sources::Tolds& told, Time now);

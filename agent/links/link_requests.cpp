@@ -74,11 +74,12 @@ void LinkBook::request(const LinkRequest& request, Time now, Effects& out) {
 }
 
 std::string LinkBook::set(const LinkRequest& request, const json& wanted, Time now, Effects& out) {
-    auto link = links::read_link(wanted);
+    auto owned = wanted;
+    if (owned.is_object()) owned["user"] = request.user;
+    auto link = links::read_link(owned);
     if (!link) return link.error();
-    link->user = request.user;
     if (auto why = why_not(*link); !why.empty()) return why;
-    Asked asked{request.reply(), link->name, {}, {}, false};
+    Asked asked{request.reply(), link->name, {}, {}};
     if (const auto found = rules_.links().find(link->name); found != rules_.links().end()) {
         if (found->second.link.user != link->user)
             return "link " + link->name + " is one of " + found->second.link.user + ": take another name";
@@ -87,10 +88,16 @@ std::string LinkBook::set(const LinkRequest& request, const json& wanted, Time n
         return "the board has " + std::to_string(links::kMaxLinks) + " links already";
     }
     asked.answer = model::dump_json(links::to_json(*link));
+    // The same again, or a repeated message: who set the target meanwhile goes on to win.
+    if (asked.before && asked.before->link == *link) {
+        const auto text = to_text(*asked.before);
+        begin(std::move(asked), text, out);
+        return {};
+    }
     KeptLink kept{std::move(*link), {}};
     const auto text = to_text(kept);
     put(std::move(kept), now);
-    begin(request, std::move(asked), text, out);
+    begin(std::move(asked), text, out);
     return {};
 }
 
@@ -114,20 +121,20 @@ std::string LinkBook::change(const LinkRequest& request, std::string_view what, 
     for (const auto& each : names) {
         const auto& entry = rules_.links().at(each);
         Asked asked{each == names.back() ? request.reply() : bus::ReplyTo(), each,
-                    std::to_string(names.size()), KeptLink{entry.link, entry.kept}, what == "remove"};
+                    std::to_string(names.size()), KeptLink{entry.link, entry.kept}};
         if (what != "remove") {
             rules_.enable(each, what == "enable");
-            begin(request, std::move(asked), to_text({entry.link, entry.kept}), out);
+            begin(std::move(asked), to_text({entry.link, entry.kept}), out);
             continue;
         }
         rules_.remove(each);
-        begin(request, std::move(asked), {}, out);
+        begin(std::move(asked), {}, out);
     }
     use_sources(now);
     return {};
 }
 
-void LinkBook::begin(const LinkRequest&, Asked asked, const std::string& text, Effects& out) {
+void LinkBook::begin(Asked asked, const std::string& text, Effects& out) {
     written_[asked.name] = text;
     out.keep_links.push_back({asked.name, text, ++ticket_});
     asked_.emplace(ticket_, std::move(asked));

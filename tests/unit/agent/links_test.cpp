@@ -88,6 +88,17 @@ TEST_F(LinkedBridge, TwoPressesAtOnce_ThenAPersonThenAnotherPress) {
     EXPECT_EQ(bench.board.executed.back(), "S,W,0,0");
 }
 
+TEST_F(LinkedBridge, SameLinkAgain_APersonStillWins) {
+    set("l");
+    desk_is_there();
+    desk(true);
+    person(45);
+    set("l");
+    bench.pass(10s);
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,0", "S,W,0,90", "S,W,0,45"));
+    EXPECT_EQ(json::parse(bench.on("answers").back())["status"], "ok");
+}
+
 TEST_F(LinkedBridge, StoredStop_StopsNoLink) {
     set("l");
     desk_is_there();
@@ -97,6 +108,11 @@ TEST_F(LinkedBridge, StoredStop_StopsNoLink) {
     bench.hear("asip/uno1/$stop", "{}");
     bench.pass(1s);
     EXPECT_TRUE(shown()["links"][0].contains("suspended"));
+}
+
+TEST_F(LinkedBridge, UserThatCouldNotBeRead_IsRefused) {
+    EXPECT_EQ(ask(link("l"), std::string(65, 'u'))["status"], "refused");
+    EXPECT_THAT(bench.links_to_keep, IsEmpty());
 }
 
 TEST_F(LinkedBridge, LinkOfAnother_IsLeftAlone) {
