@@ -374,6 +374,8 @@ bool Bridge::release_holds(Time now, Effects& out) {
     ends_ = true;
     const bool pending = safety_.release_all();
     send_safe_lines(now, out);
+    links_.hurry(now);
+    links_.tell(may_publish(), now, out);
     return pending && session().accepts_requests();
 }
 

@@ -9,8 +9,8 @@ constexpr int kRounds = 4;  // a command that is refused at once makes another o
 }
 
 void Bridge::on_message(const LinkRequest& request, Time now, Effects& out) {
-    links_.request(request, now, out);
-    labels_.hurry(now);  // a link to a pin is of no use without its mode
+    // A link to a pin is of no use without its mode.
+    if (links_.request(request, now, out)) labels_.hurry(now);
 }
 
 void Bridge::on_message(const SourceMessage& source, Time now, Effects&) {

@@ -85,7 +85,7 @@ void LinkBook::hear(const links::Sources::Tolds& told, Time now) {
         if (each.kind == Kind::kAct) rules_.act(each.board, each.id, each.act, now);
         if (each.kind != Kind::kPresent) continue;
         rules_.present(each.board, each.is, now);
-        if (!show_at_) show_at_ = now + kBetweenShown;
+        show_soon(now + kBetweenShown);
     }
 }
 
@@ -211,9 +211,13 @@ std::string LinkBook::document() const {
     return model::dump_json(document);
 }
 
+void LinkBook::show_soon(Time now) {
+    if (!show_at_) show_at_ = shown_at_ ? std::max(now, *shown_at_ + kBetweenShown) : now;
+}
+
 void LinkBook::tell(bool may_publish, Time now, Effects& out) {
     for (const auto& name : rules_.take_changed()) {
-        if (!show_at_) show_at_ = shown_at_ ? std::max(now, *shown_at_ + kBetweenShown) : now;
+        show_soon(now);
         const auto found = rules_.links().find(name);
         if (found == rules_.links().end()) {
             for (auto* each : {&written_, &caused_, &causes_})
@@ -227,12 +231,13 @@ void LinkBook::tell(bool may_publish, Time now, Effects& out) {
             caused_[name] = text::iso_time(text::wall_now());
         const bool paced = entry.kept.seen.is_number() && !entry.kept.suspended;
         const auto wrote = wrote_.find(name);
-        const auto at = paced && wrote != wrote_.end() ? wrote->second + kBetweenWrites : now;
+        const auto at =
+            wrote == wrote_.end() ? now : wrote->second + (paced ? kBetweenWrites : kBetweenFlips);
         const auto due = write_at_.try_emplace(name, at).first;
         due->second = std::min(due->second, at);
     }
     for (auto each = write_at_.begin(); each != write_at_.end();) {
-        if (now < each->second) {
+        if (now < each->second || unwritten_ >= kMaxUnwritten) {
             ++each;
             continue;
         }
@@ -242,6 +247,7 @@ void LinkBook::tell(bool may_publish, Time now, Effects& out) {
         if (auto& written = written_[each->first]; written != text) {
             written = text;
             wrote_[each->first] = now;
+            ++unwritten_;
             out.keep_links.push_back({each->first, std::move(text), 0});
         }
         each = write_at_.erase(each);
@@ -264,8 +270,9 @@ std::optional<Time> LinkBook::next_deadline(bool may_publish) const {
     };
     take(sources_.next_deadline(may_publish));
     if (may_publish) take(show_at_);
-    for (const auto& [name, at] : write_at_)
-        take(at);
+    if (unwritten_ < kMaxUnwritten)
+        for (const auto& [name, at] : write_at_)
+            take(at);
     return first;
 }
 

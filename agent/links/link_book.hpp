@@ -10,6 +10,7 @@
 
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
+#include "agent/counts/allowance.hpp"
 #include "agent/inbound/inbound.hpp"
 #include "agent/links/link_files.hpp"
 #include "agent/reports/board_values.hpp"
@@ -23,8 +24,11 @@ namespace asip::agent {
 class LinkBook {
   public:
     static constexpr Duration kBetweenShown = std::chrono::milliseconds(500);
-    /// A disk is not written for each number that a source reports.
+    /// A disk is not written for each number that a source reports, nor for each change of a contact.
     static constexpr Duration kBetweenWrites = std::chrono::seconds(10);
+    static constexpr Duration kBetweenFlips = std::chrono::seconds(1);
+    /// Changes that are not on the disk yet; and as many times what links remember. More are refused, or wait.
+    static constexpr std::size_t kMaxUnwritten = links::kMaxLinks;
 
     struct World {
         const Board& board;
@@ -40,7 +44,8 @@ class LinkBook {
     bool any() const { return !rules_.links().empty() || show_at_.has_value(); }
 
     // --- the bus
-    void request(const LinkRequest& request, Time now, Effects& out);
+    /// False: it was refused.
+    bool request(const LinkRequest& request, Time now, Effects& out);
     /// What became of Effects::keep_links.
     void kept(std::uint64_t ticket, const Expected<void>& result, Time now, Effects& out);
     bool concerns(std::string_view source) const {
@@ -70,6 +75,11 @@ class LinkBook {
 
     /// Commands that are due.
     std::vector<Command> run(Time now);
+    /// What waits to be written is due now.
+    void hurry(Time now) {
+        for (auto& [name, at] : write_at_)
+            at = now;
+    }
     /// Writes and publishes what changed. `may_publish`: the bus is there, and the name ours.
     void tell(bool may_publish, Time now, Effects& out);
     std::optional<Time> next_deadline(bool may_publish) const;
@@ -91,7 +101,7 @@ class LinkBook {
     std::string change(const LinkRequest& request, std::string_view what, const nlohmann::json& name,
                        Time now, Effects& out);
     void begin(Asked asked, const std::string& text, Effects& out);
-    void answer(const LinkRequest& request, const bus::Reply& reply, Effects& out) const;
+    void show_soon(Time now);
     void put(KeptLink link, Time now);
     void hear(const links::Sources::Tolds& told, Time now);
     void use_sources(Time now);
@@ -115,6 +125,8 @@ class LinkBook {
     std::map<std::uint64_t, Asked> asked_;
     std::uint64_t ticket_ = 0;
     std::uint64_t source_changes_ = 0;
+    std::size_t unwritten_ = 0;     // what links remember, on its way to the disk
+    Allowance refusals_{20, 1};     // that are logged
     std::optional<Time> show_at_, shown_at_;
 };
 

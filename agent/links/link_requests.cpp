@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to set, change and remove links.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "agent/links/link_book.hpp"
@@ -44,22 +45,21 @@ std::string LinkBook::why_not(const Link& link) const {
     return circle.empty() ? std::string() : "that would be a circle: " + circle;
 }
 
-void LinkBook::answer(const LinkRequest& request, const bus::Reply& reply, Effects& out) const {
-    if (!reply.succeeded())
-        out.log(request.reply().wanted() ? Level::kDebug : Level::kWarning, "link refused",
-                {{"why", reply.error}, {"user", request.user}});
-    if (auto message = bus::reply_message(request.reply(), reply))
-        out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
-}
-
-void LinkBook::request(const LinkRequest& request, Time now, Effects& out) {
+bool LinkBook::request(const LinkRequest& request, Time now, Effects& out) {
     const auto refuse = [&](std::string_view reason, std::string why) {
-        answer(request, bus::Reply::refused(std::string(reason), std::move(why)), out);
+        if (refusals_.take(now))
+            out.log(request.reply().wanted() ? Level::kDebug : Level::kWarning, "link refused",
+                    {{"why", why}, {"user", request.user}});
+        if (auto message = bus::reply_message(
+                request.reply(), bus::Reply::refused(std::string(reason), std::move(why))))
+            out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
+        return false;
     };
-    if (!show_at_) show_at_ = now;
     const auto& object = request.envelope.object;
     if (!request.fault.empty()) return refuse(bus::kRefusedInvalid, request.fault);
     if (now > request.deadline()) return refuse(bus::kRefusedDeadline, "it came too late; send it again");
+    if (asked_.size() >= kMaxUnwritten)
+        return refuse(bus::kRefusedQueueFull, "the agent is still writing what was asked for before");
     std::string why =
         "write {\"set\":{...}}, {\"remove\":\"NAME\"}, {\"enable\":\"NAME\"} or {\"disable\":\"NAME\"}";
     if (object.is_object() && object.size() == 1) {
@@ -70,7 +70,9 @@ void LinkBook::request(const LinkRequest& request, Time now, Effects& out) {
         else if (what == "remove" || what == "enable" || what == "disable")
             why = change(request, what, value, now, out);
     }
-    if (!why.empty()) refuse(bus::kRefusedInvalid, std::move(why));
+    if (!why.empty()) return refuse(bus::kRefusedInvalid, std::move(why));
+    show_soon(now);
+    return true;
 }
 
 std::string LinkBook::set(const LinkRequest& request, const json& wanted, Time now, Effects& out) {
@@ -117,7 +119,10 @@ std::string LinkBook::change(const LinkRequest& request, std::string_view what, 
             return "link " + found->first + " is one of " + found->second.link.user;
         names = {found->first};
     }
-    if (names.empty()) answer(request, bus::Reply::ok(std::string(bus::kProofKept), "0"), out);
+    if (names.empty())
+        if (auto message =
+                bus::reply_message(request.reply(), bus::Reply::ok(std::string(bus::kProofKept), "0")))
+            out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
     for (const auto& each : names) {
         const auto& entry = rules_.links().at(each);
         Asked asked{each == names.back() ? request.reply() : bus::ReplyTo(), each,
@@ -143,6 +148,7 @@ void LinkBook::begin(Asked asked, const std::string& text, Effects& out) {
 void LinkBook::kept(std::uint64_t ticket, const Expected<void>& result, Time now, Effects& out) {
     const auto found = asked_.find(ticket);
     if (found == asked_.end()) {
+        if (unwritten_ > 0) --unwritten_;
         if (!result)
             out.log(Level::kError, "what links remember could not be kept", {{"why", result.error()}});
         return;
@@ -152,7 +158,12 @@ void LinkBook::kept(std::uint64_t ticket, const Expected<void>& result, Time now
     if (!result) {
         reply = bus::Reply::refused(std::string(bus::kRefusedNotKept), result.error());
         out.log(Level::kError, "a link could not be kept", {{"link", asked.name}, {"why", result.error()}});
-        if (asked.before)
+        const auto later = std::find_if(asked_.begin(), asked_.end(), [&](const auto& each) {
+            return each.second.name == asked.name;
+        });
+        if (later != asked_.end())
+            later->second.before = asked.before;  // it decides
+        else if (asked.before)
             put(*asked.before, now);
         else
             rules_.remove(asked.name), use_sources(now);

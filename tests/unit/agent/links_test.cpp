@@ -110,6 +110,65 @@ TEST_F(LinkedBridge, StoredStop_StopsNoLink) {
     EXPECT_TRUE(shown()["links"][0].contains("suspended"));
 }
 
+TEST_F(LinkedBridge, FloodOfRequests_IsRefusedWhileTheDiskIsBusy) {
+    for (int i = 0; i < 1000; ++i)
+        ask(link("l" + std::to_string(i % 50)), "ann", std::to_string(i));
+    EXPECT_EQ(bench.links_to_keep.size(), LinkBook::kMaxUnwritten);
+    EXPECT_EQ(json::parse(bench.on("answers").back())["reason"], "queue-full");
+    EXPECT_LE(bench.on(kLinks).size(), 2U) << "each is shown";
+    kept_all();
+    ask(link("l1"), "ann", "x");
+    kept_all();
+    EXPECT_EQ(json::parse(bench.on("answers").back())["status"], "ok");
+}
+
+TEST_F(LinkedBridge, FloodOfBadRequests_ShowsNothingAndIsLoggedAFewTimes) {
+    set("l");
+    bench.pass(1s);
+    bench.published.clear();
+    const auto before = bench.logged;
+    for (int i = 0; i < 1000; ++i)
+        bench.hear("asip/uno1/$link/ann/c", "{\"remove\":\"x\"}");
+    bench.pass(100ms);
+    EXPECT_THAT(bench.on(kLinks), IsEmpty());
+    EXPECT_LE(bench.logged - before, 25U);
+}
+
+TEST_F(LinkedBridge, FlickeringSource_IsWrittenOnceASecond) {
+    set("l");
+    desk_is_there();
+    bench.links_to_keep.clear();
+    for (int i = 0; i < 1000; ++i) {
+        desk(i % 2 == 0);
+        bench.pass(10ms);
+        kept_all();
+    }
+    bench.links_to_keep.clear();
+    int writes = 0;
+    for (int i = 0; i < 1000; ++i) {
+        desk(i % 2 == 0);
+        bench.pass(10ms);
+        writes += static_cast<int>(bench.links_to_keep.size());
+        kept_all();
+    }
+    EXPECT_GE(writes, 9);
+    EXPECT_LE(writes, 11);
+    person(45);
+    bench.release_holds();
+    ASSERT_FALSE(bench.links_to_keep.empty());
+    EXPECT_THAT(bench.links_to_keep.back().text, HasSubstr("suspended")) << "what the next agent needs";
+}
+
+TEST_F(LinkedBridge, DiskThatFailsTwice_LeavesWhatIsOnIt) {
+    ask(link("l"));
+    ask(link("l", {{"value", 45}}), "ann", "2");
+    ASSERT_EQ(bench.links_to_keep.size(), 2U);
+    kept(bench.links_to_keep[0].ticket, fail("full"));
+    kept(bench.links_to_keep[1].ticket, fail("full"));
+    bench.pass(1s);
+    EXPECT_THAT(bench.on(kLinks).back(), IsEmpty());
+}
+
 TEST_F(LinkedBridge, UserThatCouldNotBeRead_IsRefused) {
     EXPECT_EQ(ask(link("l"), std::string(65, 'u'))["status"], "refused");
     EXPECT_THAT(bench.links_to_keep, IsEmpty());
