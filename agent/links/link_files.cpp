@@ -13,7 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kMaxLinkFileBytes = 2 * links::kMaxLinkBytes;
+// Indented, each number of a command has a line of its own.
+constexpr std::size_t kMaxLinkFileBytes = 32 * links::kMaxLinkBytes;
+constexpr std::size_t kMaxFaults = 20;
 constexpr const char* kKept = "kept";
 
 Expected<KeptLink> read_file(const fs::path& path) {
@@ -68,6 +70,7 @@ LinkFiles::Loaded LinkFiles::load(const std::string& board) const {
         auto aside = file;
         aside += ".damaged";
         fs::rename(file, aside, error);
+        if (loaded.faults.size() >= kMaxFaults) continue;
         loaded.faults.push_back(file.string() + ": " + (link ? "is one too many" : link.error()) +
                                 (error ? "" : "; it is now " + aside.string()));
     }

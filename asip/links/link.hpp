@@ -16,7 +16,7 @@
 namespace asip::links {
 
 inline constexpr std::size_t kMaxLinks = 100;                        ///< of a board
-inline constexpr std::size_t kMaxLinkBytes = std::size_t{2} * 1024;  ///< of one, as JSON
+inline constexpr std::size_t kMaxLinkBytes = 1536;  ///< of one, as JSON: all are one message
 
 /// When a link acts.
 enum class When {

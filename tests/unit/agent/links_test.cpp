@@ -181,5 +181,34 @@ TEST_F(LinkedBridge, LinkOfAnother_IsLeftAlone) {
     EXPECT_THAT(bench.links_to_keep, IsEmpty());
 }
 
+TEST(LinkFilesTest, LongCommand_IsReadAgain) {
+    test::TempDir folder;
+    LinkFiles files{folder.path()};
+    json notes = json::array();
+    for (int i = 0; i < 300; ++i)
+        notes.push_back(440);
+    auto link = links::read_link({{"name", "l"},
+                                  {"from", "desk/io/2"},
+                                  {"to", "tone"},
+                                  {"when", "press"},
+                                  {"command", {{"play", notes}}}});
+    ASSERT_TRUE(link) << link.error();
+    ASSERT_TRUE(files.save("lamp", "l", to_text({*link, {}})));
+    const auto loaded = files.load("lamp");
+    ASSERT_THAT(loaded.faults, IsEmpty());
+    EXPECT_EQ(loaded.links.at(0).link, *link);
+    ASSERT_TRUE(files.save("lamp", "l", {}));
+    EXPECT_THAT(files.load("lamp").links, IsEmpty());
+}
+
+TEST(LinkFilesTest, ManyDamaged_AFewAreNamed) {
+    test::TempDir folder;
+    const auto path = folder.path() / "links" / "lamp";
+    std::filesystem::create_directories(path);
+    for (int i = 0; i < 200; ++i)
+        std::ofstream(path / (std::to_string(i) + ".json")) << std::string(1000, '{');
+    EXPECT_EQ(LinkFiles(folder.path()).load("lamp").faults.size(), 20U);
+}
+
 }  // namespace
 }  // namespace asip::agent
