@@ -27,7 +27,8 @@ class LinkBook {
     /// A disk is not written for each number that a source reports, nor for each change of a contact.
     static constexpr Duration kBetweenWrites = std::chrono::seconds(10);
     static constexpr Duration kBetweenFlips = std::chrono::seconds(1);
-    /// Changes that are not on the disk yet; and as many times what links remember. More are refused, or wait.
+    /// Changes that are not on the disk yet; and as many times what links remember. More are refused, or
+    /// wait.
     static constexpr std::size_t kMaxUnwritten = links::kMaxLinks;
 
     struct World {
@@ -125,8 +126,8 @@ class LinkBook {
     std::map<std::uint64_t, Asked> asked_;
     std::uint64_t ticket_ = 0;
     std::uint64_t source_changes_ = 0;
-    std::size_t unwritten_ = 0;     // what links remember, on its way to the disk
-    Allowance refusals_{20, 1};     // that are logged
+    std::size_t unwritten_ = 0;  // what links remember, on its way to the disk
+    Allowance refusals_{20, 1};  // that are logged
     std::optional<Time> show_at_, shown_at_;
 };
 

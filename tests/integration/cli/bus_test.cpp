@@ -416,7 +416,7 @@ complete_line 'asipctl sub'
 complete_line 'asipctl --broker 127.0.0.1:1 li'
 complete_line 'asipctl list --state o'
 complete_line 'asipctl list --state x')"});
-    EXPECT_EQ(completed.output, "subscribe\nlist\noffline online\n\n");
+    EXPECT_EQ(completed.output, "subscribe\nlink list\noffline online\n\n");
 }
 
 }  // namespace

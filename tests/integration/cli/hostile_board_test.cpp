@@ -114,6 +114,12 @@ class HostileBoardTest : public BusTest, public ::testing::WithParamInterface<st
     void SetUp() override {
         probe_.publish("asip/servicebus/evil/$description", hostile_description(), true);
         probe_.publish("asip/servicebus/evil/$state", "online", true);
+        const auto text = nlohmann::json(kEvil).dump();
+        probe_.publish("asip/evil/$links",
+                       R"({"version":1,"board":"evil","links":[{"name":"warm","from":"desk/io/2",)"
+                       R"("when":"follows","to":"io/13","user":"ann","last":)" +
+                           text + R"(,"fault":)" + text + "}]}",
+                       true);
         ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
     }
 
@@ -262,6 +268,11 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
           {"model", "docs", model},
           {"model", "evilkind"},
           {"model", "evilkind", "-o", "json"}}},
+        {"link",
+         {{"link", "list"},
+          {"link", "list", "-o", "json"},
+          {"link", "remove", kEvil},
+          {"link", "evil/io/2", "evil/io/" + kEvil}}},
         {"open", {{"open", "--gateway", address, "--print"}, {"open", "x404", "--gateway", address}}},
         {"doctor",
          {{"doctor"},
@@ -278,9 +289,9 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
         {"completion", {{"completion", "bash"}}},
         {"help", {{"help", kEvil}}},
     };
-    const std::set<std::string> show_it{"list",   "show", "get",   "subscribe", "send",
-                                        "label",  "pin",  "ping",  "record",    "release",
-                                        "events", "open", "model", "doctor",    "flash"};
+    const std::set<std::string> show_it{"list",  "show",   "get",    "subscribe", "send",   "label",
+                                        "pin",   "ping",   "record", "release",   "events", "open",
+                                        "model", "doctor", "flash",  "link"};
     std::size_t number = 0;
     for (const auto& verb : cli::all_verbs()) {
         if (number++ % kParts != GetParam()) continue;
