@@ -50,8 +50,8 @@ bool LinkBook::request(const LinkRequest& request, Time now, Effects& out) {
         if (refusals_.take(now))
             out.log(request.reply().wanted() ? Level::kDebug : Level::kWarning, "link refused",
                     {{"why", why}, {"user", request.user}});
-        if (auto message = bus::reply_message(
-                request.reply(), bus::Reply::refused(std::string(reason), std::move(why))))
+        if (auto message =
+                bus::reply_message(request.reply(), bus::Reply::refused(std::string(reason), std::move(why))))
             out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
         return false;
     };
@@ -158,9 +158,8 @@ void LinkBook::kept(std::uint64_t ticket, const Expected<void>& result, Time now
     if (!result) {
         reply = bus::Reply::refused(std::string(bus::kRefusedNotKept), result.error());
         out.log(Level::kError, "a link could not be kept", {{"link", asked.name}, {"why", result.error()}});
-        const auto later = std::find_if(asked_.begin(), asked_.end(), [&](const auto& each) {
-            return each.second.name == asked.name;
-        });
+        const auto later = std::find_if(asked_.begin(), asked_.end(),
+                                        [&](const auto& each) { return each.second.name == asked.name; });
         if (later != asked_.end())
             later->second.before = asked.before;  // it decides
         else if (asked.before)

@@ -227,7 +227,8 @@ Expected<Link> read_link(const json& document) {
     link.user = reader.text("user", {}, model::kMaxNameBytes);
     reader.refuse_others();
     if (reader.ok()) check(reader, link);
-    if (reader.ok() && model::dump_json(to_json(link)).size() > kMaxLinkBytes) reader.fault("", "is too long");
+    if (reader.ok() && model::dump_json(to_json(link)).size() > kMaxLinkBytes)
+        reader.fault("", "is too long");
     if (!reader.ok()) return fail(fault);
     return link;
 }

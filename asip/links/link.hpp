@@ -15,7 +15,7 @@
 /// Rules that the agent of the target's board executes: docs/links.md.
 namespace asip::links {
 
-inline constexpr std::size_t kMaxLinks = 100;                        ///< of a board
+inline constexpr std::size_t kMaxLinks = 100;       ///< of a board
 inline constexpr std::size_t kMaxLinkBytes = 1536;  ///< of one, as JSON: all are one message
 
 /// When a link acts.

@@ -178,8 +178,7 @@ void HistoryKeeper::limit_waiting() {
     }
     for (; counted_rows_ < waiting_.size(); ++counted_rows_)
         waiting_bytes_ += bytes_of(waiting_[counted_rows_]);
-    for (; !waiting_.empty() &&
-           (rows > max_waiting_rows_ || bytes + waiting_bytes_ > kMaxUnwrittenBytes);
+    for (; !waiting_.empty() && (rows > max_waiting_rows_ || bytes + waiting_bytes_ > kMaxUnwrittenBytes);
          --rows, --counted_rows_, ++dropped_rows_) {
         waiting_bytes_ -= std::min(waiting_bytes_, bytes_of(waiting_.back()));
         waiting_.pop_back();

@@ -38,8 +38,7 @@ struct LinkedBridge : OnlineBridge {
         return bench.ask("asip/uno1/$link/" + user + "/c", std::move(request), id);
     }
     static json link(const std::string& name, json more = json::object()) {
-        json made{{"name", name},   {"from", "desk/io/2"}, {"to", "servo/0/angle"},
-                  {"value", 90}, {"else", 0}};
+        json made{{"name", name}, {"from", "desk/io/2"}, {"to", "servo/0/angle"}, {"value", 90}, {"else", 0}};
         made.update(more);
         return {{"set", made}};
     }
