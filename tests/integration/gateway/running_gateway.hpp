@@ -55,7 +55,7 @@ class RunningGateway {
 
 inline std::string described(const std::string& board, int seq = 1) {
     return R"({"board":")" + board + R"(","session":"a","seq":)" + std::to_string(seq) +
-           R"(,"lease":60,"services":[{"name":"distance","id":"D","model":"distance@1","title":"Distance"},)" +
+           R"(,"lease":600,"services":[{"name":"distance","id":"D","model":"distance@1","title":"Distance"},)" +
            R"({"name":"servo","id":"S","model":"servo@1","title":"Servos"}]})";
 }
 
