@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/application.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <boost/asio/post.hpp>
-#include <cstdlib>
-#include <sstream>
 #include <utility>
 
 #include "asip/caller/client_port.hpp"
@@ -14,6 +10,7 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/program/open_files.hpp"
+#include "asip/program/path.hpp"
 #include "asip/random.hpp"
 #include "asip/text/wall_time.hpp"
 
@@ -37,11 +34,7 @@ Instant present() {
 bool has_program(const std::string& name) {
     std::error_code error;
     const auto own = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-    const char* const path = std::getenv("PATH");
-    std::istringstream folders(own.string() + ":" + (path == nullptr ? "" : path));
-    for (std::string folder; std::getline(folders, folder, ':');)
-        if (!folder.empty() && access((folder + "/" + name).c_str(), X_OK) == 0) return true;
-    return false;
+    return program::is_in_path(name) || program::is_program(own / name);
 }
 
 }  // namespace

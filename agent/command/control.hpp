@@ -110,8 +110,8 @@ class Control {
     /// person.
     Expected<std::vector<Line>> read(const Command& command, Execution& execution,
                                      const session::ServiceTable::Entry* service) const;
-    /// Of raw lines that are more than their client has room for the first; else empty. They are not read: a
-    /// flood must cost little.
+    /// The first of raw lines for which their client has no room; else empty. They are not read: a flood must
+    /// cost little.
     std::string_view first_of_too_many(const Command& command, const Execution& execution) const;
     std::string hold_fault(const Execution& execution, const std::vector<Line>& lines) const;
     std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,

@@ -63,7 +63,7 @@ struct LabelRequest : BusRequest {
 struct LinkRequest : BusRequest {
     std::string user{};
 };
-/// Of another board, which is a source of links.
+/// What another board says, which is a source of links.
 struct SourceMessage {
     mqtt::Message message;
 };

@@ -233,9 +233,15 @@ Expected<Link> read_link(const json& document) {
     return link;
 }
 
+std::optional<bool> on_of(const json& value) {
+    const json* on = &value;
+    if (value.is_object())
+        if (const auto found = value.find("on"); found != value.end()) on = &*found;
+    return on->is_boolean() ? std::optional(on->get<bool>()) : std::nullopt;
+}
+
 std::string words_of(const json& value) {
-    if (value.is_object() && value.contains("on")) return words_of(value.at("on"));
-    if (value.is_boolean()) return value.get<bool>() ? "on" : "off";
+    if (const auto on = on_of(value)) return *on ? "on" : "off";
     return value.is_string() ? value.get<std::string>() : model::dump_json(value);
 }
 

@@ -68,7 +68,9 @@ Expected<Link> read_link(const nlohmann::json& document);
 /// "22:00-06:00". Fails with how it is written.
 Expected<std::pair<int, int>> parse_between(std::string_view text);
 
-/// "on", "30.5": of a light whether it is on.
+/// Whether a switch, a contact or a light is on; nothing: the value is another one.
+std::optional<bool> on_of(const nlohmann::json& value);
+/// "on", "30.5"; a light is said to be on or off.
 std::string words_of(const nlohmann::json& value);
 /// "each press of desk/io/2 switches io/13".
 std::string in_words(const Link& link);

@@ -16,16 +16,11 @@ constexpr auto kSecond = std::chrono::seconds(1);
 constexpr int kDay = 24 * 3600;
 constexpr auto kLookAtClock = std::chrono::minutes(1);  // it may be set
 
-/// Of a light: whether it is on.
 std::optional<bool> as_bool(const json& value) {
-    if (value.is_boolean()) return value.get<bool>();
-    if (value.is_object() && value.contains("on") && value.at("on").is_boolean())
-        return value.at("on").get<bool>();
-    if (value.is_number()) return value.get<double>() != 0;
-    return std::nullopt;
+    return value.is_number() ? std::optional(value.get<double>() != 0) : on_of(value);
 }
 
-/// Of a light: its brightness.
+/// A light counts by its brightness.
 std::optional<double> as_number(const json& value) {
     if (value.is_number()) return value.get<double>();
     const auto on = as_bool(value);

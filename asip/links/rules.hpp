@@ -17,8 +17,8 @@ namespace asip::links {
 
 /// What is remembered of a link when its agent ends.
 struct Kept {
-    /// What the source made of the target last: true, false or a number; null: nothing. Of a link that
-    /// toggles: how the target stood last.
+    /// What the source made of the target last: true, false or a number; null: nothing. A link that toggles
+    /// keeps how the target stood last.
     nlohmann::json seen{};
     bool suspended = false;  ///< another client set the target since then
     bool over = false;       ///< Link::lasts is over, or its command was sent

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "asip/links/link.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"
 #include "asip/property/value.hpp"
@@ -24,9 +25,7 @@ bool flows(const Property& property) {
 }
 
 std::optional<bool> state_of(const std::optional<json>& value) {
-    if (!value) return std::nullopt;
-    if (value->is_object() && value->contains("on")) return value->at("on") == json(true);
-    return value->is_boolean() ? std::optional(value->get<bool>()) : std::nullopt;
+    return value ? on_of(*value) : std::nullopt;
 }
 
 }  // namespace
@@ -89,7 +88,7 @@ Sources::Tolds Sources::take(const mqtt::Message& message, Time now) {
             if (!board.is_local) judge(name, board, now, told);
             break;
         case TopicKind::kProperties:
-            if (!board.is_local) take_list(name, board, message, told);
+            if (!board.is_local) take_list(name, board, message);
             if (!board.is_local && board.present) tell(name, board, now, true, told);
             break;
         case TopicKind::kValues:
@@ -106,7 +105,7 @@ Sources::Tolds Sources::take(const mqtt::Message& message, Time now) {
 }
 
 void Sources::judge(const std::string& name, Board& board, Time now, Tolds& told) {
-    const auto item = view_.board(name, {now, catalogue::instant_now().wall});
+    const auto item = view_.board(name, {now, {}});
     const bool present = item && item->state == model::to_text(model::BoardState::kOnline);
     const bool back = present && !board.present;
     set_present(name, board, present, told);
@@ -130,7 +129,7 @@ void Sources::set_present(const std::string& name, Board& board, bool present, T
     one.is = present;
 }
 
-void Sources::take_list(const std::string& name, Board& board, const mqtt::Message& message, Tolds&) {
+void Sources::take_list(const std::string& name, Board& board, const mqtt::Message& message) {
     auto list = property::parse_list(message.payload);
     if (!list || list->head.board != name) return;
     if (list->head.session == board.list.session ? list->head.seq < board.list.seq

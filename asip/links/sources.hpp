@@ -93,7 +93,7 @@ class Sources {
     using Boards = std::map<std::string, Board, std::less<>>;
 
     void use(const std::string& name, Board& board, std::vector<property::Property> properties);
-    void take_list(const std::string& name, Board& board, const mqtt::Message& message, Tolds& told);
+    void take_list(const std::string& name, Board& board, const mqtt::Message& message);
     void take_values(const std::string& name, Board& board, const mqtt::Message& message, Time now,
                      Tolds& told);
     void take_report(const std::string& name, Board& board, std::string_view service,

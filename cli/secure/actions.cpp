@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "asip/program/options.hpp"
+#include "asip/program/path.hpp"
 #include "cli/find/broker_search.hpp"
 #include "cli/secure/broker_files.hpp"
 #include "cli/secure/leftovers.hpp"
@@ -61,15 +61,9 @@ Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Environment& 
 
 /// Debian has it where the shells of normal users do not look.
 std::string broker_program() {
-    const auto path = program::environment_variable("PATH").value_or("");
-    for (std::size_t begin = 0; begin <= path.size();) {
-        const auto end = std::min(path.find(':', begin), path.size());
-        if (::access((path.substr(begin, end - begin) + "/mosquitto").c_str(), X_OK) == 0) return "mosquitto";
-        begin = end + 1;
-    }
-    for (const auto* program : {"/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto"}) {
-        if (::access(program, X_OK) == 0) return program;
-    }
+    if (program::is_in_path("mosquitto")) return "mosquitto";
+    for (const auto* path : {"/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto"})
+        if (program::is_program(path)) return path;
     return "mosquitto";
 }
 

@@ -60,12 +60,9 @@ Outcome<void> secure_link(const SecureOptions& options, SecureReport& report) {
     }
     auto& sources = bus->reads[options.what];
     for (const auto& name : options.names) {
-        if (gives ? sources.insert(name).second : sources.erase(name) > 0)
-            report.did("changed",
-                       "the agent of " + options.what + (gives ? " may hear " : " does not hear ") + name);
-        else
-            report.did("kept",
-                       "the agent of " + options.what + (gives ? " may hear " : " does not hear ") + name);
+        const bool changed = gives ? sources.insert(name).second : sources.erase(name) > 0;
+        report.did(changed ? "changed" : "kept",
+                   "the agent of " + options.what + (gives ? " may hear " : " does not hear ") + name);
     }
     if (sources.empty()) bus->reads.erase(options.what);
     if (auto done = write_users(*folder, *bus); !done) return done;

@@ -27,7 +27,7 @@ struct BoardAnswers {
     void send();
 };
 
-/// Stops and resumes of many boards. Of each client one is under way at a time; those that it asks for
+/// Stops and resumes of many boards. Each client has one under way at a time; those that it asks for
 /// meanwhile are one, the next. A stop waits for no resume, and a resume that waits is refused when a stop
 /// comes behind it. Each is one line of the log.
 class ManyBoards {

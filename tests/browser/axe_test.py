@@ -10,7 +10,7 @@ import urllib.request
 
 from board_test import published
 from dashboard_test import WHOLE
-from rig import BIN, BUILD, Browser, Bus, PageTest, eventually, settings_file
+from rig import BIN, BUILD, PageTest, eventually, settings_file
 
 AXE = pathlib.Path(BUILD, "axe-core/node_modules/axe-core/axe.min.js")
 VIEWS = (("desk", "light"), ("phone", "light"), ("phone", "dark"))
@@ -141,12 +141,7 @@ class Screens(Axe):
 
 
 class Empty(Axe):
-    @classmethod
-    def setUpClass(cls):
-        cls.bus = Bus(boards=())
-        cls.addClassCleanup(cls.bus.close)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
+    boards = ()
 
     def test_EmptySystem_AndSigningIn(self):
         self.start()

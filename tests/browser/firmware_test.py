@@ -6,7 +6,7 @@ import pathlib
 import sys
 import unittest
 
-from rig import Browser, PageTest, eventually
+from rig import PageTest, eventually
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "box"))
 from box_test import Boxes, needs_tools  # noqa: E402
@@ -14,12 +14,9 @@ from box_test import Boxes, needs_tools  # noqa: E402
 
 class Firmware(PageTest):
     @classmethod
-    def setUpClass(cls):
+    def make_bus(cls):
         needs_tools()
-        cls.bus = Boxes()
-        cls.addClassCleanup(cls.bus.close)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
+        return Boxes()
 
     def test_BoardFromTheBox_IsLoadedOnThePageAndItsValuesAreSeen(self):
         page, bus = self.browser, self.bus

@@ -12,7 +12,7 @@ import sys
 import time
 import unittest
 
-from rig import BIN, DESK, IMAGES, ROOT, Browser, Bus, PageTest, die_with_parent, eventually
+from rig import BIN, DESK, IMAGES, ROOT, PageTest, die_with_parent, eventually
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "box"))
 from box_test import Boxes, needs_tools  # noqa: E402
@@ -59,12 +59,9 @@ class Evening(PageTest):
 
 class FromTheBox(Evening):
     @classmethod
-    def setUpClass(cls):
+    def make_bus(cls):
         needs_tools()
-        cls.bus = Boxes()
-        cls.addClassCleanup(cls.bus.close)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
+        return Boxes()
 
     def test_EmptySystem_BoardFromTheBoxIsLoadedNamedAndOnADashboard(self):
         page, bus = self.browser, self.bus
@@ -102,12 +99,7 @@ class FromTheBox(Evening):
 
 
 class Simulated(Evening):
-    @classmethod
-    def setUpClass(cls):
-        cls.bus = Bus(boards=())
-        cls.addClassCleanup(cls.bus.close)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
+    boards = ()
 
     def type_command(self, text):
         """In a shell of the machine; its programs end with the test."""

@@ -152,10 +152,14 @@ class PageTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.bus = Bus(cls.boards, cls.simulator_options)
+        cls.bus = cls.make_bus()
         cls.addClassCleanup(cls.bus.close)
         cls.browser = Browser()
         cls.addClassCleanup(cls.browser.close)
+
+    @classmethod
+    def make_bus(cls):
+        return Bus(cls.boards, cls.simulator_options)
 
     def setUp(self):
         self.browser.desktop()

@@ -12,29 +12,19 @@
 #include "asip/links/rules.hpp"
 #include "asip/links/sources.hpp"
 #include "tests/support/dice.hpp"
+#include "tests/unit/links/contact.hpp"
 
 namespace {
 
 using namespace asip;
 using namespace std::chrono_literals;
+using links::contact;
 using links::When;
 using nlohmann::json;
 
 constexpr Duration kStep = 5ms;
 constexpr Duration kWild = 20s;
 constexpr Duration kQuiet = 8s;
-
-property::Property contact(const char* klass) {
-    property::Property pin;
-    pin.id = "io/2";
-    pin.kind = property::Kind::kBinarySensor;
-    pin.name = "contact";
-    pin.service = "io";
-    pin.choices = {{"off", 0}, {"on", 1}};
-    pin.read = property::Place{"io", "/digital/2", false};
-    pin.meaning.klass = klass;
-    return pin;
-}
 
 class World {
   public:

@@ -78,8 +78,8 @@ std::string Judge::reason_and_time(const View& view, const std::string& board,
                                    Time now) const {
     const Really really = truth.really(now);
     const bool judged = really.reason == StateReason::kExpired;
-    // Of an agent that is gone for longer than a lease the broker has the word of the state alone, and of one
-    // whose description another overwrote before it ended, too.
+    // The broker has the word of the state alone where an agent is gone for longer than a lease, or where
+    // another overwrote its description before it ended.
     const bool overwritten = truth.overwritten_at != Time{};
     const bool stored = !overwritten && broker_.stores("asip/servicebus/" + board + "/$description", now);
     const Time stored_until =

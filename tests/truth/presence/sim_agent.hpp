@@ -43,7 +43,7 @@ struct BoardTruth {
     /// All that was said, as "lost unplugged".
     struct Word {
         std::string text;
-        /// Of an earlier session: only views that did not hear the later one then believe it.
+        /// It is of an earlier session: only views that did not hear the later one then believe it.
         std::optional<Time> unless_heard;
     };
     std::vector<Word> words;

@@ -199,7 +199,7 @@ void World::judge_exports() {
     }
 }
 
-/// Of `asipctl get BOARD -o json`, by id.
+/// What `asipctl get BOARD -o json` prints, by id.
 json World::records_of_asipctl() {
     auto records = json::object();
     const auto reply = bus::parse_reply(reply_);

@@ -9,28 +9,18 @@
 #include "asip/property/documents.hpp"
 #include "tests/support/temp_dir.hpp"
 #include "tests/unit/agent/online_bridge.hpp"
+#include "tests/unit/links/contact.hpp"
 
 namespace asip::agent {
 namespace {
 
+using links::contact;
 using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
 const std::string kLinks = "asip/uno1/$links";
-
-property::Property contact() {
-    property::Property pin;
-    pin.id = "io/2";
-    pin.kind = property::Kind::kBinarySensor;
-    pin.name = "contact";
-    pin.service = "io";
-    pin.choices = {{"off", 0}, {"on", 1}};
-    pin.read = property::Place{"io", "/digital/2", false};
-    pin.meaning.klass = "button";
-    return pin;
-}
 
 /// A servo, and the button of another board.
 struct LinkedBridge : OnlineBridge {

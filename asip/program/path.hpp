@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+
+namespace asip::program {
+
+/// Whether this program may be called by its name: it stands in a folder of PATH.
+bool is_in_path(const std::string& name);
+/// Whether this file may be executed.
+bool is_program(const std::string& path);
+
+}  // namespace asip::program
