@@ -155,8 +155,12 @@ void BoardAgent::perform(Effects& effects) {
     if (bus_ && effects.name_claimed) subscribe_to_commands();
     if (options_.mqtt.has_user()) drop_stray_answers(effects);
     if (bus_)
-        for (auto& publication : effects.publish)
-            bus_->publish(std::move(publication.message), publication.priority);
+        for (auto& [message, priority] : effects.publish) {
+            if (priority == mqtt::Priority::kUrgent && hears_stops_)
+                stop_line_->answer(std::move(message));
+            else
+                bus_->publish(std::move(message), priority);
+        }
     if (bus_)
         for (auto& note : effects.notes)
             bus_->publish(std::move(note), mqtt::Priority::kReply);

@@ -44,6 +44,10 @@ class StopLine {
     /// `topic` must be that of one board. Handlers are not called from inside this call.
     Listening listen(std::string topic, Handlers handlers);
 
+    /// What answers a stop leaves on this connection: on that of the board it waits behind an acknowledgement
+    /// for each command that arrived, and brokers read these one at a time.
+    void answer(mqtt::Message message) { client_->publish(std::move(message), mqtt::Priority::kUrgent); }
+
   private:
     struct Entry {
         std::string topic;

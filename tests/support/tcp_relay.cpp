@@ -37,18 +37,18 @@ class TcpRelay::State {
     void cut() {
         asio::post(io_, [this] { cut_ = true; });
     }
-    void cut_answers(Swallows which) {
+    void cut(Swallows which) {
         asio::post(io_, [this, which = std::move(which)] {
-            is_deaf_ = which;
+            is_cut_ = which;
             for (const auto& [client, first] : begun_)
-                if (which(first)) deaf_.insert(client);
+                if (which(first)) stuck_.insert(client);
         });
     }
     void restore() {
         asio::post(io_, [this] {
             cut_ = false;
-            is_deaf_ = nullptr;
-            deaf_.clear();
+            is_cut_ = nullptr;
+            stuck_.clear();
             for (const auto& pass : std::exchange(waiting_, {}))
                 pass();
         });
@@ -71,7 +71,7 @@ class TcpRelay::State {
 
     void note(const Socket& client, const std::string& first) {
         begun_.emplace_back(client, first);
-        if (is_deaf_ && is_deaf_(first)) deaf_.insert(client);
+        if (is_cut_ && is_cut_(first)) stuck_.insert(client);
     }
 
     void carry(const Socket& from, const Socket& to, bool first = false) {
@@ -88,7 +88,7 @@ class TcpRelay::State {
                                       to->close(failed);
                                       from->close(failed);
                                   };
-                                  if (cut_ || deaf_.count(to) != 0)
+                                  if (cut_ || stuck_.count(to) + stuck_.count(from) != 0)
                                       waiting_.emplace_back(pass);
                                   else
                                       pass();
@@ -101,8 +101,8 @@ class TcpRelay::State {
     const Swallows swallows_;
     std::vector<Socket> swallowed_;
     std::vector<std::pair<Socket, std::string>> begun_;  // each client with the first that it sent
-    Swallows is_deaf_;
-    std::set<Socket> deaf_;
+    Swallows is_cut_;
+    std::set<Socket> stuck_;
     bool cut_ = false;
     std::vector<std::function<void()>> waiting_;
     std::thread thread_;
@@ -117,8 +117,8 @@ std::uint16_t TcpRelay::port() const {
 void TcpRelay::cut() {
     state_->cut();
 }
-void TcpRelay::cut_answers(Swallows which) {
-    state_->cut_answers(std::move(which));
+void TcpRelay::cut(Swallows which) {
+    state_->cut(std::move(which));
 }
 void TcpRelay::restore() {
     state_->restore();

@@ -20,9 +20,8 @@ class TcpRelay {
     std::uint16_t port() const;
     /// Nothing passes, either way, and no connection is closed.
     void cut();
-    /// From now on nothing passes to the clients that `which` names by their first bytes; what they send
-    /// does.
-    void cut_answers(Swallows which);
+    /// The same of the connections that `which` names by their first bytes.
+    void cut(Swallows which);
     /// What waited passes.
     void restore();
 

@@ -63,7 +63,7 @@ TEST_F(GatewayBus, WhatBoardsPublishIsStuck_CommandsStopsAndQuestionsAreAnswered
     RunningGateway gateway("127.0.0.1:" + std::to_string(relay.port()));
     ASSERT_TRUE(gateway.becomes("uno1", "online")) << gateway.process().errors();
     ASSERT_TRUE(wait_until([&] { return get(gateway.port(), "/readyz").status == 200; }));
-    relay.cut_answers([](std::string_view first) {
+    relay.cut([](std::string_view first) {
         return first.find("-commands") == std::string_view::npos &&
                first.find("-stop") == std::string_view::npos;
     });
