@@ -60,6 +60,9 @@ class Catalogue:
     def names(self) -> list[str]:
         return [name for name, entry in self.boards.items() if entry.state != "unknown"]
 
+    def followed(self) -> list[str]:
+        return [name for name in self.names() if not self.boards[name].listed]
+
     def _of(self, name: str, now: float) -> Entry:
         entry = self.boards.get(name)
         if entry is None or entry.listed:

@@ -38,6 +38,7 @@ class Session:
         self.catalogue = Catalogue()
         self.ready = False
         self.not_ready_since = 0.0
+        self.kept_at = 0.0  # when something that the broker keeps of boards came last
         self.trouble = "not connected yet"
         self._connected = False
         self._v5 = True
@@ -94,6 +95,10 @@ class Session:
     def question(self, now: float, board: str, service: str, timeout: float) -> tuple[Call, list[Action]]:
         """Asks a board's agent how the properties of a service stand; it ends within `timeout`."""
         return self._begin(now, self.topics.question(board), board, {"services": {service: 0}, "list": True}, timeout - ANSWER_GRACE, is_command=False)
+
+    def mark(self, now: float, timeout: float) -> tuple[Call, list[Action]]:
+        """Ends once what the broker had kept for the subscriptions before it has come, where it answers in order."""
+        return self._begin(now, self.topics.own(), "$self", {}, timeout, is_command=False, is_query=True)
 
     def _begin(self, now: float, topic: str, asked: str, members: dict[str, Any], timeout: float, **more: Any) -> tuple[Call, list[Action]]:
         call = Call(self.calls.next_id(), topic, asked, members, now + timeout, **more)
@@ -209,13 +214,13 @@ class Session:
         if levels is None:
             return []
         if levels[0] == "reply":
-            return self._on_own(now) if topic == self.topics.own() else self._on_reply(topic, payload, now)
+            return self._on_own(now) if topic == self.topics.own() and not self.ready else self._on_reply(topic, payload, now)
         if levels[0] == "servicebus" and len(levels) == 3:
             return self._on_board(levels[1], levels[2], payload, retained, expiry, now)
         return []
 
     def _on_own(self, now: float) -> list[Action]:
-        if self.ready or not self._connected:
+        if not self._connected:
             return []
         self.ready, self._hello_due, self.trouble = True, None, ""
         actions = self.calls.ready(now)
@@ -242,6 +247,10 @@ class Session:
         return [Tell(hold.lost, (str(answer.get("error") or "it is not held any more"),))] if hold.lost else []
 
     def _on_board(self, board: str, kind: str, payload: bytes, retained: bool, expiry: int | None, now: float) -> list[Action]:
+        if retained:
+            self.kept_at = now
+        if self.topics.state(board) not in self._filters and self.topics.state("+") not in self._filters:
+            return []  # it comes behind the end of its subscription
         if kind == "$state":
             changed = self.catalogue.on_state(board, payload, retained, expiry, now)
         elif kind == "$description":

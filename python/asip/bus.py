@@ -2,6 +2,7 @@
 """A connection to a bus."""
 from __future__ import annotations
 
+import contextlib
 import fnmatch
 import re
 import threading
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 _REGISTRY_SECONDS = 1.0
 _SEARCH_SECONDS = 1.0
+_KEPT_PATIENCE = 0.15  # as asipctl has it
 _ASK_AGAIN_SECONDS = 60.0
 _MAX_MODELS = 4096
 
@@ -86,7 +88,8 @@ class Bus:
         self._engine.check_open()
         if not board.online or not board.description:
             if board.status == "unknown":
-                self._know_all(_REGISTRY_SECONDS)
+                with contextlib.suppress(errors.Disconnected):
+                    self._know_all(_REGISTRY_SECONDS)
                 raise errors.NotThere(self._engine.peek(lambda session: session.catalogue.unknown(name)), board=name, reason="board-not-there")
             why = board.status if not board.online else "online, but its agent published no description"
             raise errors.NotThere(f"{name} is {why}", board=name, reason="board-not-there")
@@ -144,9 +147,7 @@ class Bus:
         if names is None:
             if labels is not None:
                 raise errors.NotThere("labels are chosen by a registry, and none answered", reason="no-registry")
-            self._know_all(seconds)
-            known: list[str] = self._engine.peek(lambda session: session.catalogue.names())
-            names = [name for name in known if fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))]
+            names = [name for name in self._know_all(seconds) if fnmatch.fnmatchcase(name, pattern.replace("[", "[[]"))]
         boards = [self._of(name) for name in sorted(names)]
         self._learn(boards, time.monotonic() + seconds)
         return boards
@@ -168,20 +169,25 @@ class Bus:
                 return names
             query["cursor"] = answer["cursor"]
 
-    def _know_all(self, seconds: float) -> None:
-        """Reads what the broker keeps of all boards; a probe makes those answer whose agent lives."""
-        engine = self._engine
+    def _know_all(self, seconds: float) -> list[str]:
+        """The boards that the broker keeps, all of them; Disconnected where they did not come within `seconds`."""
+        engine, end = self._engine, time.monotonic() + seconds
         engine.do(lambda session, now: session.look_at("+"))
         try:
-            end = time.monotonic() + min(seconds, 1.2)
-            known = -1
-            while time.monotonic() < end:
-                count = engine.peek(lambda session: len(session.catalogue.names()))
-                if count == known and count > 0:
+            while True:
+                try:
+                    _wait.result(engine.ask(lambda session, now: session.mark(now, max(0.0, end - now))).future)
                     break
-                known = count
-                with engine.changed:
-                    engine.changed.wait(0.25)
+                except errors.Unproven:  # on a connection that broke
+                    continue
+                except errors.NotThere:
+                    raise errors.Disconnected(f"the broker did not tell within {seconds:g} s which boards there are", reason="no-answer") from None
+            told = time.monotonic()
+            with engine.changed:  # some brokers send what they keep in their own time
+                while time.monotonic() < end and _wait.until(engine.changed, lambda: engine.session.kept_at > told, _KEPT_PATIENCE):
+                    told = engine.session.kept_at
+            names: list[str] = engine.peek(lambda session: session.catalogue.followed())
+            return names
         finally:
             engine.do(lambda session, now: session.look_away("+"))
 

@@ -109,6 +109,46 @@ class Models(Memory):
         self.bus.board("desk").servo.write(0, 90)  # the package's own copy
 
 
+class WithoutRegistry(Memory):
+    """What the broker keeps is all that is known of the boards."""
+
+    def late(self):
+        """A broker that sends what it keeps as late as it may: right before what is published behind the subscription."""
+        link, kept, ask = self.bus._engine._link, [], self.memory._received
+        offer = link._on_message
+        link._on_message = lambda topic, payload, retained, expiry: kept.append((topic, payload)) if retained else offer(topic, payload, retained, expiry)
+
+        def received(topic, payload):
+            if topic.endswith("/$self/" + self.bus._engine.client):
+                for one in kept:
+                    offer(*one, True, None)
+                kept.clear()
+            ask(topic, payload)
+        self.memory._received = received
+        self.memory._asked = lambda query: None
+
+    def test_a_slow_broker_s_boards_are_all_there(self):
+        self.late()
+        self.assertEqual([one.name for one in self.bus.boards()], ["desk", "lamp"])
+
+    def test_boards_that_the_broker_forgot_are_not_there(self):
+        self.bus.boards()  # as the registry lists them
+        self.memory._asked = lambda query: None
+        for name in ("$state", "$description"):
+            del self.memory._retained[f"asip/servicebus/lamp/{name}"]
+        self.assertEqual([one.name for one in self.bus.boards()], ["desk"])
+
+    def test_a_broker_that_does_not_tell_all_is_an_error(self):
+        received = self.memory._received
+        self.memory._asked = lambda query: None
+        self.memory._received = lambda topic, payload: None if "$self" in topic else received(topic, payload)
+        with self.assertRaises(asip.Disconnected) as raised:
+            self.bus.boards(timeout=0.1)
+        self.assertEqual(str(raised.exception), "the broker did not tell within 0.1 s which boards there are")
+        with self.assertRaisesRegex(asip.NotThere, 'there is no board "desc"; did you mean "desk"'):
+            self.bus.board("desc", timeout=0.1)
+
+
 class Plots(Memory):
     def test_without_matplotlib_the_error_says_how_to_get_it(self):
         with unittest.mock.patch.dict(sys.modules, {"matplotlib": None, "matplotlib.pyplot": None}):

@@ -244,13 +244,24 @@ class Conversation(unittest.TestCase):
 
     def test_lost_board_is_refused_here(self):
         self.ready()
+        self.session.look_at("desk")
         self.session.message("asip/servicebus/desk/$state", b"lost", True, None, 0)
         _, (done,) = self.command()
         self.assertIsInstance(done.error, errors.NotThere)
         self.assertIn("nothing was sent", str(done.error))
 
+    def test_what_comes_behind_the_end_of_a_subscription_changes_nothing(self):
+        self.ready()
+        self.session.look_at("+")
+        description = json.dumps(described(state={"is": "online", "age": 1})).encode()
+        self.session.message("asip/servicebus/desk/$description", description, True, 60, 0)
+        self.session.look_away("+")
+        self.assertEqual(self.session.message("asip/servicebus/desk/$state", b"online", True, None, 0), [])
+        self.assertEqual(self.session.catalogue.names(), ["desk"])
+
     def test_demand_is_told_repeated_and_ended(self):
         self.ready()
+        self.session.look_at("desk")
         sink = lambda *_: None  # noqa: E731
         actions = self.session.watch(0, "desk", "distance", sink, 20)
         self.assertEqual(actions, [Subscribe("asip/desk/distance/out", 0)])  # it is not known yet whether the board wants to be told
