@@ -83,10 +83,7 @@ Expected<void> LinkFiles::save(const std::string& board, const std::string& name
         return fail("the agent has no folder to keep links in; start it with --state-dir DIR");
     const auto path = folder_ / "links" / board / (name + ".json");
     if (!text.empty()) return program::keep_file(path, text);
-    std::error_code error;
-    fs::remove(path, error);
-    if (error) return fail(path.string() + ": " + error.message());
-    return {};
+    return program::drop_file(path);
 }
 
 }  // namespace asip::agent

@@ -74,6 +74,14 @@ Expected<void> keep_file(const fs::path& path, std::string_view text) {
     return {};
 }
 
+Expected<void> drop_file(const fs::path& path) {
+    std::error_code error;
+    if (!fs::remove(path, error) && !error) return {};
+    if (error) return fail(path.string() + ": " + error.message());
+    if (!sync_folder(path.has_parent_path() ? path.parent_path() : fs::path("."))) return failed(path);
+    return {};
+}
+
 Expected<std::optional<std::string>> read_kept_file(const fs::path& path, std::size_t max_bytes) {
     errno = 0;
     std::ifstream stream(path, std::ios::binary);

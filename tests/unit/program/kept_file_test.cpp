@@ -36,6 +36,14 @@ TEST(KeptFile, MissingFolders_AreMadeForTheOwnerAlone) {
     EXPECT_FALSE(fs::exists(file.string() + ".new"));
 }
 
+TEST(KeptFile, Dropped_IsGone) {
+    const test::TempDir folder;
+    ASSERT_TRUE(keep_file(folder.file("desk.json"), "one"));
+    ASSERT_TRUE(drop_file(folder.file("desk.json")));
+    EXPECT_FALSE(fs::exists(folder.file("desk.json")));
+    EXPECT_TRUE(drop_file(folder.file("desk.json"))) << "there is none";
+}
+
 TEST(KeptFile, WhatAKilledProgramLeft_IsReplaced) {
     const test::TempDir folder;
     folder.write("desk.json.new", "half of it, and longer than the whole");
