@@ -5,7 +5,7 @@
 
     with asip.connect() as bus:
         desk = bus.board("desk")
-        print(desk.distance.read())        # [42, 0]
+        print(desk.distance.read())        # [42, None]
         desk.servo.write(0, 90)            # returns when the board has executed it, or raises
         desk.pin(13).on()
 

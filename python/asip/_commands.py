@@ -66,7 +66,7 @@ class Commands:
         value = answer.get("answer")
         event = self.model.answer_of(command) if self.model else None
         if event is not None and isinstance(value, dict) and event.name in value:
-            return value[event.name]
+            return shown(event, value[event.name])
         return value
 
     def _need_model(self, what: str) -> _model.Model:
@@ -74,6 +74,16 @@ class Commands:
             raise errors.Invalid(f"{self.board.name}/{self.name} has no model that says what {what!r} is; send its lines by board.raw()",
                                  board=self.board.name, service=self.name, command=what)
         return self.model
+
+
+def shown(event: _model.Event, value: Any, field: str = "") -> Any:
+    """A value of an event as people read it: None for the number by which the board says that it has none."""
+    if isinstance(value, list):
+        return [shown(event, one, field) for one in value]
+    if isinstance(value, dict):
+        return {name: shown(event, one, name if name in event.nones else field) for name, one in value.items()}
+    none = event.nones.get(field or event.fields[0].name) if event.nones and (field or len(event.fields) == 1) else None
+    return None if none is not None and value == none and not isinstance(value, bool) else value
 
 
 class Held:

@@ -78,6 +78,7 @@ class Field:
         self.unit: str = _member(document, "unit", str, "")
         self.min: float | None = _number(document, "min")
         self.max: float | None = _number(document, "max")
+        self.none: float | None = _number(document, "none")
         self.names: dict[str, int] = dict(_member(document, "names", dict, {}))
         self.items = [Field(item) for item in _member(document, "items", list, [])]
         self.of: str = _member(document, "of", str, "")
@@ -285,6 +286,7 @@ class Event:
         self.tag = tag
         self.name: str = _member(document, "name", str)
         self.fields = [Field(field) for field in _member(document, "fields", list, [])]
+        self.nones = {field.name: field.none for field in self.fields if field.none is not None}
 
     @property
     def unit(self) -> str:

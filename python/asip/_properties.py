@@ -40,6 +40,7 @@ class Told:
         _need(all(_is_number(one[name]) for name in ("min", "max", "step", "none") if name in one), "min, max, step or none")
         self.min, self.max, self.step = one.get("min"), one.get("max"), one.get("step")
         self.is_whole = self.type == "integer"
+        self.floating = one.get("floating") is True  # nothing holds the level of such a pin
         self.max_length, choices, self.meaning = one.get("max_length", 0), one.get("choices", []), one.get("meaning", {})
         _need(whole(self.max_length, _MAX_BYTES) and (self.max_length > 0 or self.kind != "text"), "max_length")
         _need(isinstance(choices, list) and len(choices) <= 64 and all(

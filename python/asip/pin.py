@@ -116,6 +116,8 @@ class Pin:
         did. That it left a pin an input without a resistor decides nothing: so boards start."""
         told = self._bank.told(self.number)
         if told is not None:
+            if told.floating:
+                return ""
             return "input" if told.kind == "binary" else "output" if told.kind == "switch" or told.choices else "number"
         mode = self._bank.mode(self.number)
         if mode > PWM:

@@ -58,11 +58,15 @@ class Property:
     def read(self, *, timeout: float | None = None) -> Any:
         """How it stands, as the board's agent knows it: what a command of any program set, or what the board reported last. Nothing is sent
         to the board; one that reports on demand reports while this waits. None: the board says that it has no value. Unproven where it is
-        not known, and why."""
+        not known, and why; Invalid of a pin that nothing holds, since no command gave it a mode."""
         seconds = self.board._timeout(timeout)
         end = time.monotonic() + seconds
         self._bank.ask(self._service, seconds)
         told, watch = self._told, None
+        if told.floating:
+            raise errors.Invalid(f'{self.board.name}/{self.id} has no value, since the pin has no mode: '
+                                 f'{self.board.name}.pin({self.id.rpartition("/")[2]}).mode("input-pullup") makes it an input',
+                                 board=self.board.name, service=self._service)
         try:
             while not self._known():
                 if not told.read or not self._reports() or time.monotonic() > end:

@@ -6,7 +6,7 @@ import time
 
 from . import _model, _wait, errors
 from ._callbacks import takes
-from ._commands import Commands, Held
+from ._commands import Commands, Held, shown
 from ._followed import Followed
 from .stream import Reading, Stream, Watch
 
@@ -40,7 +40,7 @@ class Service(Commands):
         return events[0].unit if events else ""
 
     def read(self, event: str | None = None, *, timeout: float | None = None) -> Any:
-        """The newest value as plain Python, `[42, 0]`: waits for a report, and asks the board where it reports nothing.
+        """The newest value as plain Python, `[42, None]` where the second sensor got no echo: waits for a report, and asks the board where it reports nothing.
 
         `event` names one of several kinds of value (`digital`, `analog` of the pins). Raises Unproven where no value came in
         time, NotThere where the board is away.
@@ -124,10 +124,11 @@ class Service(Commands):
     def _watched(self, sink: Callable[..., None], hz: float) -> Watch:
         engine, board, name = self.board._engine, self.board.name, self.name
         self.board._follow()
+        events = {event.name: event for event in self.model.events.values() if event.nones} if self.model else {}
 
         def told(payload: dict[str, Any], *more: Any) -> None:
             self.updated = time.time()
-            sink(payload, *more)
+            sink({name: shown(events[name], value) if name in events else value for name, value in payload.items()} if events else payload, *more)
         engine.do(lambda session, now: session.watch(now, board, name, told, hz))
 
         def cancel() -> None:

@@ -57,7 +57,7 @@ class Pages(unittest.TestCase):
                                           capture_output=True, text=True, timeout=60)
                     self.assertEqual((done.returncode, done.stderr), (0, ""))
                     if "distance.read()" in block and "testing" not in block:
-                        self.assertIn("[42, 0]", done.stdout)
+                        self.assertIn("[42, None]", done.stdout)
                     run += 1
         self.assertGreaterEqual(run, 7)
 
@@ -116,7 +116,7 @@ class Examples(unittest.TestCase):
     def test_lamp(self):
         program = self.start("lamp.py", "desk")
         self.assertEqual(program.stdout.readline(), "desk is online\n")
-        self.assertEqual(program.stdout.readline(), "distance [42, 0] cm\n")
+        self.assertEqual(program.stdout.readline(), "distance [42, None] cm\n")
         self.lights("desk/led")
 
 

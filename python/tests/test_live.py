@@ -88,7 +88,7 @@ class Board(Live):
         with self.assertRaises(asip.BoardError) as raised:
             self.desk.servo.write(9, 90)
         self.assertEqual(raised.exception.code, 7)
-        self.assertEqual(self.desk.distance.read(timeout=20), [42, 0])
+        self.assertEqual(self.desk.distance.read(timeout=20), [42, None])
         self.desk.pin(13).on()
         self.assertEqual(self.part("led"), "on")
         self.desk.pin(13).off()
@@ -144,7 +144,7 @@ class Board(Live):
         self.desk.distance.report(100)
         self.addCleanup(lambda: self.desk.distance.report(0) if not self.bus._engine.closed else None)
         for stream in streams:
-            self.assertEqual(next(stream), [42, 0])
+            self.assertEqual(next(stream), [42, None])
         for stream in streams:
             stream.close()
 
@@ -296,7 +296,7 @@ class Deaths(Live):
         self.real.start_broker()
         eventually(lambda: self.bus.connected, "the connection", 20)
         eventually(lambda: self.reports_again(), "the agent's return", 60)
-        self.assertEqual(next(stream), [42, 0])
+        self.assertEqual(next(stream), [42, None])
         self.desk.distance.report(0)
         self.assertEqual(self.part("servo"), "10")  # the command of the broken connection never came
 

@@ -178,8 +178,8 @@ class Values(Memory):
         with self.assertRaises(asip.Unproven):
             self.desk.distance.read()
         self.memory.desk.report("distance", [42, 0])
-        self.assertEqual(self.desk.distance.read(), [42, 0])
-        self.assertEqual(self.desk.distance[0].read(), 42)
+        self.assertEqual(self.desk.distance.read(), [42, None], "the second sensor got no echo")
+        self.assertEqual((self.desk.distance[0].read(), self.desk.distance[1].read()), (42, None))
         with self.assertRaises(asip.Invalid):
             self.desk.distance[2].read()
         self.assertEqual(self.desk.distance.unit, "cm")
@@ -190,7 +190,7 @@ class Values(Memory):
             self.memory.desk.report("distance", [value, 0])
         eventually(lambda: stream.dropped == 9)
         reading = next(stream)
-        self.assertEqual((reading.value, reading.unit), ([9, 0], "cm"))
+        self.assertEqual((reading.value, reading.unit), ([9, None], "cm"))
         stream.close()
         self.assertEqual(list(stream), [])
 
@@ -205,9 +205,9 @@ class Values(Memory):
 
     def test_stream_that_keeps_loses_nothing(self):
         with self.desk.distance.stream(keep=2000) as stream:
-            for value in range(1000):
+            for value in range(1, 1001):
                 self.memory.desk.report("distance", [value, 0])
-            self.assertEqual([next(stream)[0] for _ in range(1000)], list(range(1000)))
+            self.assertEqual([next(stream)[0] for _ in range(1000)], list(range(1, 1001)))
 
     def test_stream_ends_when_the_board_is_lost_or_waits(self):
         stream, waiting = self.desk.distance.stream(), self.desk.distance.stream(lost="wait", timeout=5)
@@ -485,6 +485,16 @@ class Properties(Memory):
         with self.assertRaises(asip.NotThere) as raised:
             self.desk["servo/0/angel"]
         self.assertIn("did you mean", str(raised.exception))
+        self.assertEqual(self.commands(), [])
+
+    def test_pin_that_nothing_holds_is_refused_at_once(self):
+        self.memory.desk.offer("io/4", "binary", read="/digital/4", choices=[["off", 0], ["on", 1]], floating=True)
+        began = time.monotonic()
+        for read in (self.desk["io/4"].read, self.desk.pin(4).read):
+            with self.assertRaises(asip.Invalid) as raised:
+                read(timeout=20)
+            self.assertIn('pin(4).mode("input-pullup") makes it an input', str(raised.exception))
+        self.assertLess(time.monotonic() - began, 10)
         self.assertEqual(self.commands(), [])
 
     def test_write(self):

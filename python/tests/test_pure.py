@@ -7,7 +7,7 @@ import pickle
 import tempfile
 import unittest
 
-from asip import _clock, _envelope, _mdns, _model, _topics, errors, settings
+from asip import _clock, _commands, _envelope, _mdns, _model, _topics, errors, settings
 from asip._calls import Drop, Publish, Resolve, Subscribe, Tell, Unsubscribe
 from asip._session import DEMAND_LEASE, Hold, Session
 from asip.board import standard_model
@@ -50,6 +50,14 @@ class Models(unittest.TestCase):
         for args, named in [((0, 1), {"angle": 2}), ((0,), {"servo": 1}), ((), {"angel": 1})]:
             with self.assertRaises(_model.ModelError):
                 write.values(args, named)
+
+    def test_numbers_that_say_that_there_is_no_value(self):
+        document = {"name": "far", "events": {"e": {"name": "far", "fields": [{"name": "cm", "type": "integer", "none": 0}, {"name": "times", "type": "integer"}]}}}
+        far = _model.Model(document).event("far")
+        self.assertEqual(_commands.shown(far, [{"cm": 0, "times": 0}, {"cm": 4, "times": 1}]), [{"cm": None, "times": 0}, {"cm": 4, "times": 1}])
+        self.assertEqual(_commands.shown(far, {"3": {"cm": 0}, "times": 0}), {"3": {"cm": None}, "times": 0})
+        self.assertEqual(_commands.shown(standard_model("distance").event(None), {"0": 0, "7": 42}), {"0": None, "7": 42})
+        self.assertEqual(_commands.shown(standard_model("io").event("digital"), {"2": 0}), {"2": 0})
 
     def test_safe_form(self):
         motors, io = standard_model("motors"), standard_model("io")

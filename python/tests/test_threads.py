@@ -42,7 +42,7 @@ class Asynchronous(unittest.IsolatedAsyncioTestCase):
         for value in range(3):
             self.memory.desk.report("distance", [value, 0])
         await asyncio.wait_for(task, 5)
-        self.assertEqual(seen, [[0, 0], [1, 0], [2, 0]])
+        self.assertEqual(seen, [[None, None], [1, None], [2, None]])
         async with self.desk.motors.hold(power=[0, 60]):
             pass
         self.assertEqual(self.memory.desk.commands[-1], ("motors", "stop", [0]))
