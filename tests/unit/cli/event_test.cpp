@@ -12,7 +12,7 @@
 #include "tests/unit/cli/boards.hpp"
 
 namespace asip::cli {
-namespace {
+namespace event_test {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
@@ -207,5 +207,5 @@ TEST(TopModel, ValueOlderThanThreePeriods_IsPaintedStale) {
     EXPECT_THAT(model.table(kStart + 400ms).render(0, true), HasSubstr("\033[31m400 ms"));
 }
 
-}  // namespace
+}  // namespace event_test
 }  // namespace asip::cli

@@ -7,7 +7,7 @@
 #include "tests/unit/cli/boards.hpp"
 
 namespace asip::cli {
-namespace {
+namespace target_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -72,5 +72,5 @@ TEST(SplitWords, OpenQuote_IsRefused) {
     EXPECT_FALSE(split_words("a 'b"));
 }
 
-}  // namespace
+}  // namespace target_test
 }  // namespace asip::cli

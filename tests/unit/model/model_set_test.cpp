@@ -7,7 +7,7 @@
 #include <fstream>
 
 namespace asip::model {
-namespace {
+namespace model_set_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -73,5 +73,5 @@ TEST_F(ModelSetTest, MissingFolderOrHugeFile_IsRefused) {
     EXPECT_FALSE(models_.load_directory(folder_));
 }
 
-}  // namespace
+}  // namespace model_set_test
 }  // namespace asip::model

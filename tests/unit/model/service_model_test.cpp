@@ -8,7 +8,7 @@
 #include "asip/model/model_set.hpp"
 
 namespace asip::model {
-namespace {
+namespace service_model_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
@@ -173,5 +173,5 @@ TEST(Matches, OtherLetterOrOtherName_FindsNone) {
     EXPECT_FALSE(ModelSet::standard().match('I', "Ion radio"));
 }
 
-}  // namespace
+}  // namespace service_model_test
 }  // namespace asip::model

@@ -7,7 +7,7 @@
 #include "messages.hpp"
 
 namespace asip::registry {
-namespace {
+namespace change_feed_test {
 
 using Kind = Event::Kind;
 using model::BoardState;
@@ -166,5 +166,5 @@ TEST_F(ChangeFeedTest, SnapshotInTheMiddleOfABurst_WatcherEndsWithTheCatalogueAn
     EXPECT_EQ(heard.size(), 20u + 10u);
 }
 
-}  // namespace
+}  // namespace change_feed_test
 }  // namespace asip::registry

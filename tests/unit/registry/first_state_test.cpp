@@ -8,7 +8,7 @@
 #include "messages.hpp"
 
 namespace asip::registry {
-namespace {
+namespace first_state_test {
 
 using testing::ElementsAre;
 
@@ -59,5 +59,5 @@ TEST_F(FirstStateTest, ConnectionLost_MarkAndTimeOfItCountForNothing) {
     EXPECT_EQ(complete, 0);
 }
 
-}  // namespace
+}  // namespace first_state_test
 }  // namespace asip::registry

@@ -9,7 +9,7 @@
 #include "history_files.hpp"
 
 namespace asip::registry {
-namespace {
+namespace history_test {
 
 using namespace std::chrono_literals;
 using testing::ElementsAre;
@@ -268,5 +268,5 @@ TEST(History, FileThatCannotBe_IsAFaultThatMayPass) {
     }
 }
 
-}  // namespace
+}  // namespace history_test
 }  // namespace asip::registry

@@ -7,7 +7,7 @@
 #include "messages.hpp"
 
 namespace asip::registry {
-namespace {
+namespace journal_test {
 
 using model::BoardState;
 using testing::IsEmpty;
@@ -167,5 +167,5 @@ TEST(Journal, CommandThatClaimsAnotherBoardTimeOrState_HasThoseOfItsTopic) {
     EXPECT_EQ(rows[0].count, 0);
 }
 
-}  // namespace
+}  // namespace journal_test
 }  // namespace asip::registry

@@ -12,7 +12,7 @@
 #include "messages.hpp"
 
 namespace asip::registry {
-namespace {
+namespace keeper_test {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
@@ -286,5 +286,5 @@ TEST(HistoryKeeper, FaultLastsLongerThanThereIsRoom_WhatIsLostIsCountedAndBoards
     EXPECT_TRUE(again.keeper().remembered("b2009", {at(1h), wall(0)}));
 }
 
-}  // namespace
+}  // namespace keeper_test
 }  // namespace asip::registry

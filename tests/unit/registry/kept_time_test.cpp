@@ -6,7 +6,7 @@
 #include "history_files.hpp"
 
 namespace asip::registry {
-namespace {
+namespace kept_time_test {
 
 using namespace std::chrono_literals;
 
@@ -126,5 +126,5 @@ TEST(KeptTime, MarksThatCannotBe_NeitherGoBackNorOverflow) {
     }
 }
 
-}  // namespace
+}  // namespace kept_time_test
 }  // namespace asip::registry

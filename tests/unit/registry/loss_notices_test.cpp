@@ -9,7 +9,7 @@
 #include "registry/webhook_address.hpp"
 
 namespace asip::registry {
-namespace {
+namespace loss_notices_test {
 
 using model::StateReason;
 using nlohmann::json;
@@ -174,5 +174,5 @@ TEST(WebhookAddress, IsTakenApart_AndAFaultTellsNoSecret) {
     }
 }
 
-}  // namespace
+}  // namespace loss_notices_test
 }  // namespace asip::registry

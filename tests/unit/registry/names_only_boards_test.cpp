@@ -8,7 +8,7 @@
 #include "messages.hpp"
 
 namespace asip::registry {
-namespace {
+namespace names_only_boards_test {
 
 class NamesOnlyBoardsTest : public testing::Test {
   protected:
@@ -110,5 +110,5 @@ TEST_F(NamesOnlyBoardsTest, TooMany_AllTrafficIsHeardUntilHalfOfThemAreLeft) {
     EXPECT_EQ(filters.count("asip/esp0/out"), 1u);
 }
 
-}  // namespace
+}  // namespace names_only_boards_test
 }  // namespace asip::registry

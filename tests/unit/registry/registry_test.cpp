@@ -13,7 +13,7 @@
 #include "messages.hpp"
 
 namespace asip::registry {
-namespace {
+namespace registry_test {
 
 using nlohmann::json;
 
@@ -327,5 +327,5 @@ TEST(RefusalLogTest, MalformedDescription_LineSaysWhichMember) {
     EXPECT_FALSE(refusals.refused(message, "uno2", Refusal::kOldSequence)) << "replays are no faults";
 }
 
-}  // namespace
+}  // namespace registry_test
 }  // namespace asip::registry

@@ -6,7 +6,7 @@
 #include "messages.hpp"
 
 namespace asip::registry {
-namespace {
+namespace tidier_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -107,5 +107,5 @@ TEST_F(TidierTest, NeverAcknowledged_TheNextTopicIsTriedAfterAWhile) {
     EXPECT_EQ(cleared.back(), "asip/uno1/io/out");
 }
 
-}  // namespace
+}  // namespace tidier_test
 }  // namespace asip::registry
