@@ -6,9 +6,11 @@
 #   more        ./run test more: the rest of continuous integration
 #   sanitized   ./run test more, with programs built with sanitizers
 #   long        ./run test long: minutes for each test
-# Tests that start nothing have the label `unit` beside `quick`; ./run test more runs them again, compiled with sanitizers.
+# Tests that start nothing have the label `unit` beside `quick`. Compiled with sanitizers, ./run test more runs those of rooms that take bytes
+# apart or keep buffers (SANITIZED), and ./run test long all (label `units`).
 
 add_custom_target(unit-tests)
+add_custom_target(all-unit-tests DEPENDS unit-tests)
 add_custom_target(quick-tests) # what tests of tier quick run
 add_custom_target(more-tests)  # what tests of tier more run, without what has sanitizers
 add_custom_target(long-tests)
@@ -23,15 +25,17 @@ target_compile_options(asip_test_options INTERFACE $<$<CONFIG:Dev>:-O0>
   $<$<CONFIG:Sanitize>:-fno-sanitize=null,alignment,object-size,vptr>)
 
 # One executable of unit tests, one CTest entry: starting it costs more than most tests in it. TIER more: ./run test leaves it
-# out; with sanitizers it runs as every unit test does.
+# out. SANITIZED: ./run test more has it with sanitizers, too.
 function(asip_add_unit_test name)
-  cmake_parse_arguments(arg "" "TIER" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(arg "SANITIZED" "TIER" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE asip_options asip_test_options ${arg_LIBS} GTest::gmock GTest::gtest_main)
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-  # For the sanitizers; other builds do not look at it.
   set(labels quick unit)
-  if(arg_TIER AND NOT ASIP_SANITIZE)
+  if(ASIP_SANITIZE AND NOT arg_SANITIZED)
+    set(labels units)
+    add_dependencies(all-unit-tests ${name})
+  elseif(arg_TIER AND NOT ASIP_SANITIZE)
     set(labels ${arg_TIER})
     add_dependencies(${arg_TIER}-tests ${name})
   else()
@@ -50,7 +54,7 @@ endfunction()
 # asip_add_integration_test(NAME SOURCES... [LIBS...] [DEPENDS...] [TIMEOUT SECONDS] [TIER TIER]
 #                           [MORE FILTER] [PLAIN FILTER] [HEAVY FILTER] [LONG FILTER])
 # Each test case is a CTest entry, so that tests run side by side. TIER (quick) is the tier of all cases that no filter
-# names. Filters are those of GoogleTest; no case may be in two of them.
+# names. Filters are those of GoogleTest, without negative patterns; a case that several name belongs to the first of them.
 #   MORE    tier more, with programs built with sanitizers
 #   PLAIN   tier more, with programs without sanitizers: the test starts none of ours, or counts on their speed
 #   HEAVY   as PLAIN, and takes half of the places in which tests run: its floods leave other tests too little time
@@ -86,10 +90,16 @@ function(asip_add_integration_test name)
   set(rest ${arg_MORE} ${arg_PLAIN} ${arg_HEAVY} ${arg_LONG})
   list(JOIN rest ":" rest)
   set(filter_quick "-${rest}")
-  set(filter_more "${arg_MORE}")
-  set(filter_plain "${arg_PLAIN}")
-  set(filter_heavy "${arg_HEAVY}")
-  set(filter_long "${arg_LONG}")
+  set(before "")
+  foreach(group MORE PLAIN HEAVY LONG)
+    string(TOLOWER ${group} lower)
+    set(filter_${lower} "")
+    if(arg_${group})
+      list(JOIN before ":" others)
+      set(filter_${lower} "${arg_${group}}-${others}")
+      list(APPEND before "${arg_${group}}")
+    endif()
+  endforeach()
   if(NOT arg_TIER STREQUAL "quick")
     set(filter_quick "")
     if(filter_${arg_TIER})
