@@ -21,7 +21,6 @@ int run_verb(CommandLine& line, Environment& environment) {
     if (const auto found = line.find_broker(environment); !found) return environment.fail_with(found.error());
     environment.width = terminal_width(STDOUT_FILENO);
     environment.colour = use_colour(line.colour(), environment.terminal(), program::environment_variable);
-    environment.command_line = &line.app();
     environment.help = [&line](const std::string& verb) { return line.help(verb); };
     return line.run(environment);
 }

@@ -43,9 +43,9 @@ constexpr std::array<std::string_view, 13> kFirst{"list",   "show",   "get",  "s
                                                   "pin",    "stop",   "open", "label",     "flash",
                                                   "doctor", "secure", "help"};
 
-/// These print or complete what every verb declares.
+/// It prints what every verb declares.
 bool knows_all(const Verb& verb) {
-    return verb.name == "help" || verb.name == "shell";
+    return verb.name == "help";
 }
 
 const Verb* find_verb(const std::vector<Verb>& verbs, const std::string& name) {

@@ -166,21 +166,6 @@ std::vector<std::string> complete(const CLI::App& app, const std::vector<std::st
     return next.option == nullptr ? Words() : values(app, *next.option, start, arguments, names);
 }
 
-TypedLine typed_line(const std::string& line) {
-    auto words = split_words(line);
-    for (const char* quote : {"'", "\""}) {
-        if (!words) words = split_words(line + quote);
-    }
-    TypedLine result;
-    if (!words || words->empty()) return result;
-    result.words.assign(words->begin() + 1, words->end());
-    if (!result.words.empty() && line.back() != ' ') {
-        result.start = std::move(result.words.back());
-        result.words.pop_back();
-    }
-    return result;
-}
-
 ShellLine typed_shell_line(const std::string& line) {
     ShellLine result;
     auto& words = result.words;

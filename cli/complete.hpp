@@ -30,15 +30,10 @@ std::vector<std::string> complete(const CLI::App& app, const std::vector<std::st
                                   const std::string& start, const NameSources& names);
 
 /// A line typed so far, up to the cursor: whole words without the program's name, and the beginning of the
-/// next, which may be empty. A quote that is still open is taken as closed.
-struct TypedLine {
+/// next, which may be empty, as bash, zsh and fish read it. A quote that is still open is taken as closed.
+struct ShellLine {
     std::vector<std::string> words;
     std::string start;
-};
-TypedLine typed_line(const std::string& line);
-
-/// The same in a line of bash, zsh or fish, where a backslash takes its meaning from what follows it.
-struct ShellLine : TypedLine {
     char quote = '\0';         ///< that is still open
     std::size_t unquoted = 0;  ///< so many bytes of `start` stand in front of that quote
 };

@@ -17,17 +17,13 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace asip::cli {
 
 /// Why a command ends early: the text for standard error (with what to do next), and the exit status.
 struct Failure {
     int status = program::kExitFailure;
     std::string text;
-    std::string reason{};  ///< the word for programs of an agent's refusal: "recorded", "queue-full"
+    std::string reason{};  ///< the word for programs of an agent's refusal: "not-there", "queue-full"
     int code = 0;          ///< of a board's error
 };
 
@@ -67,8 +63,6 @@ struct Environment {
 
     /// Service models; the standard ones are read when first asked for, which `asipctl list` never does.
     const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }
-    /// All that may be typed, for a reader of lines: the verbs and their options.
-    const CLI::App* command_line = nullptr;
     /// What `asipctl VERB --help` prints (without a verb: `asipctl --help`), or the nearest verb.
     std::function<Outcome<std::string>(const std::string& verb)> help{};
 

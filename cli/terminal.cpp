@@ -15,12 +15,6 @@ std::size_t terminal_width(int descriptor) {
     return std::max<std::size_t>(20, size.ws_col);
 }
 
-std::size_t terminal_height(int descriptor) {
-    winsize size{};
-    if (::isatty(descriptor) == 0 || ::ioctl(descriptor, TIOCGWINSZ, &size) != 0) return 0;
-    return size.ws_row;
-}
-
 bool knows_escapes(const std::optional<std::string>& term) {
     return !term.value_or("").empty() && term != "dumb";
 }

@@ -10,9 +10,6 @@ namespace asip::cli {
 /// Columns of the terminal that this file descriptor is, at least 20; 0 when it is none.
 std::size_t terminal_width(int descriptor);
 
-/// Lines of it; 0 when it is none, or does not tell.
-std::size_t terminal_height(int descriptor);
-
 enum class ColourChoice { kAuto, kAlways, kNever };
 
 /// Whether a terminal whose TERM this is can be cleared and coloured: not where that is unset, empty or

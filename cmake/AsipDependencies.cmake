@@ -22,7 +22,6 @@ target_compile_definitions(asip_asio INTERFACE
 find_package(CLI11 REQUIRED)
 find_package(OpenSSL REQUIRED)
 pkg_check_modules(mosquitto REQUIRED IMPORTED_TARGET libmosquitto)
-pkg_check_modules(libedit REQUIRED IMPORTED_TARGET libedit)
 pkg_check_modules(utf8proc REQUIRED IMPORTED_TARGET libutf8proc)
 pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
 
@@ -59,7 +58,6 @@ function(asip_prefer_static_runtime program)
   endif()
 endfunction()
 
-asip_prefer_static(asip_libedit PkgConfig::libedit edit bsd md tinfo)
 asip_prefer_static(asip_utf8proc PkgConfig::utf8proc utf8proc)
 asip_prefer_static(asip_resolv resolv resolv)
 

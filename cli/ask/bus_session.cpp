@@ -16,7 +16,6 @@
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
-#include "cli/ask/quit_key.hpp"
 #include "cli/ask/stuck_output.hpp"
 
 namespace asip::cli {
@@ -143,7 +142,6 @@ struct BusSession::State {
     std::function<void(const std::string&, const mqtt::Message*)> board_said;
     bool started = false;
     program::StopSignal signal;
-    std::optional<QuitKey> quit_key;
     mqtt::Client client;
     caller::Caller caller;  // ends before the client that it acts through
 };
@@ -162,10 +160,6 @@ void BusSession::leave() {
     state_->caller.leave();
     state_->client.stop(300ms, [state = state_.get()] { state->left = true; });
     state_->io.poll();
-}
-
-void BusSession::end_at_q() {
-    state_->quit_key.emplace(state_->io, [state = state_.get()] { state->stopped = true; });
 }
 
 BusSession::Subscription BusSession::subscribe(const std::string& filter, OnMessage on_message,

@@ -103,9 +103,6 @@ class BusSession {
     /// Whether the user asked to end (Ctrl-C), or the reader of the output has ended.
     bool stopped() const;
 
-    /// From now on `q` on the terminal ends it, too.
-    void end_at_q();
-
     /// From now on the user is told at once of each subscription that the broker refuses: for a command
     /// that listens for long.
     void tell_refused_subscriptions();

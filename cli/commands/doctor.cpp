@@ -9,6 +9,7 @@
 #include "asip/random.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
+#include "cli/doctor/agents.hpp"
 #include "cli/doctor/findings.hpp"
 #include "cli/doctor/registries.hpp"
 #include "cli/secure/try_out.hpp"
@@ -206,17 +207,25 @@ namespace {
 
 Run declare_doctor(Declaration& verb) {
     auto options = std::make_shared<DoctorOptions>();
-    auto registries = std::make_shared<bool>(false);
-    verb.flag("--registries", *registries, "List the registries and what they counted, as they publish it");
+    verb.flag("--registries", options->registries,
+              "List the registries and what they counted, as they publish it");
+    verb.flag("--agents", options->agents,
+              "List what agents counted since they started: lines, commands, round trips, losses");
     verb.output(options->output, {Output::kTable, Output::kName},
-                {"level",      "what",     "advice",    "registry", "state",
-                 "version",    "epoch",    "seq",       "at",       "uptime",
-                 "boards",     "services", "conflicts", "messages", "messages_per_second",
-                 "renewals",   "expired",  "refused",   "queries",  "events",
-                 "connections"});
-    return [options, registries](Environment& environment) {
-        return *registries ? list_registries(options->output, environment)
-                           : run_doctor(*options, environment);
+                {"level",       "what",     "advice",    "registry", "state",
+                 "version",     "epoch",    "seq",       "at",       "uptime",
+                 "boards",      "services", "conflicts", "messages", "messages_per_second",
+                 "renewals",    "expired",  "refused",   "queries",  "events",
+                 "connections", "board",    "line",      "commands", "round_trip",
+                 "queue",       "holds",    "stops",     "bus",      "number",
+                 "interval",    "session"});
+    return [options](Environment& environment) {
+        if (options->registries && options->agents)
+            return environment.fail_with(
+                {program::kExitUsage, "--registries and --agents do not go together"});
+        return options->registries ? list_registries(options->output, environment)
+               : options->agents   ? list_agents(options->output, environment)
+                                   : run_doctor(*options, environment);
     };
 }
 
@@ -226,7 +235,7 @@ Verb doctor_verb() {
     return {
         "doctor", "Find what is wrong with broker, registry, boards and this machine",
         "Each finding names what to do. Exit status: 0 nothing is wrong, 1 something is, 3 the broker is.\n"
-        "Of --registries: 4, there is none.\n"
+        "Of --registries and --agents: 4, there is none.\n"
         "Examples:\n"
         "  asipctl doctor --broker pi.local\n"
         "  asipctl doctor --registries -o json | jq '.[].boards'",

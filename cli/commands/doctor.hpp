@@ -6,6 +6,8 @@
 namespace asip::cli {
 
 struct DoctorOptions {
+    bool registries = false;  ///< list them instead
+    bool agents = false;      ///< list what they counted instead
     OutputOptions output{};
 };
 

@@ -12,7 +12,6 @@
 #include "cli/flash/lent_port.hpp"
 #include "cli/flash/load.hpp"
 #include "cli/flash/programmer.hpp"
-#include "cli/record/replay_board.hpp"
 
 namespace asip::cli {
 namespace {
@@ -89,9 +88,6 @@ class Flasher {
   private:
     Outcome<std::vector<std::string>> call_for(const KnownBoard& known) const {
         const auto* board = &known;
-        if (board->description && board->description->link.kind == kReplayLink)
-            return failure(program::kExitFailure, board_ + " is recorded (" + board->description->link.path +
-                                                      "): there is no chip to load firmware into");
         if (!board->description)
             return failure(
                 program::kExitNoAnswer,

@@ -17,7 +17,6 @@
 #include "cli/declaration.hpp"
 #include "cli/events/leaf_values.hpp"
 #include "cli/find/target.hpp"
-#include "cli/record/replay_board.hpp"
 #include "cli/text/width.hpp"
 #include "cli/text/words.hpp"
 
@@ -169,8 +168,6 @@ class Getter {
         if (!request) return tl::unexpected(request.error());
         const auto reply = ask_board(session_, request->to_send());
         if (!reply) return tl::unexpected(reply.error());
-        // A recorded board cannot be asked, but it reports.
-        if (reply->reason == kRefusedRecorded) return {};
         if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, request->line + ": "));
         take(reply->answer, "asked");
         if (!printed_ && !other_fields_.empty()) return without_field();

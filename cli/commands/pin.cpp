@@ -10,7 +10,6 @@
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/ask/board_values.hpp"
-#include "cli/commands/pin_group.hpp"
 #include "cli/commands/show.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/width.hpp"
@@ -324,8 +323,10 @@ int run_pin(PinOptions options, Environment& environment) {
     if (!target->service.empty())
         return environment.fail_with(
             {program::kExitUsage, "pin takes a board, not a service: asipctl pin " + target->board + " ..."});
-    const auto labels = parse_selector(options.selector);
-    if (!labels) return environment.fail_with(labels.error());
+    if (target->is_pattern())
+        return environment.fail_with(
+            {program::kExitUsage, "pin takes one board; several are commanded by asipctl send '" +
+                                      target->board + "/io' write PIN 1"});
     if (!options.word.empty()) {
         if (const auto action = parse_pin_word(options.word); !action)
             return environment.fail_with(action.error());
@@ -333,12 +334,6 @@ int run_pin(PinOptions options, Environment& environment) {
     BusSession session(environment);
     BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
-    const bool several = target->is_pattern() || options.selector;
-    if (several && options.word == "toggle")
-        return environment.fail_with(
-            {program::kExitUsage,
-             "toggle takes one board: several that stand otherwise would stay so; write high or low"});
-    if (several) return run_pin_group(options, *target, *labels, environment, session, source);
     const auto done = run_on_board(options, environment, session, source);
     if (done) return program::kExitOk;
     const auto count = options.pin.empty() ? RecordPrinter::Count::kList : RecordPrinter::Count::kOne;
@@ -350,14 +345,12 @@ namespace {
 
 Run declare_pin(Declaration& verb) {
     auto options = std::make_shared<PinOptions>();
-    verb.argument("BOARD", options->board,
-                  "Name of the board; with * and ? as in a shell, or with -l: several boards");
+    verb.argument("BOARD", options->board, "Name of the board");
     verb.argument("PIN", options->pin, "13, D13, A0 or its name; without it all pins are shown",
                   Declaration::Needed::kNo);
     verb.argument("high|low|toggle|input|pullup|output|analog|pwm|...", options->word,
                   "What to set, or 0..255 for PWM; without it the pin is read", Declaration::Needed::kNo);
     verb.argument("DUTY", options->duty, "Behind pwm: 0..255", Declaration::Needed::kNo);
-    declare_selector(verb, options->selector);
     verb.output(options->output, {Output::kText},
                 {"board", "pin", "mode", "value", "owner", "can", "channel", "label", "status", "error",
                  "reason", "code"});
@@ -369,8 +362,7 @@ Run declare_pin(Declaration& verb) {
 Verb pin_verb() {
     return {"pin", "Read or set a pin in words",
             "Sets the mode that the word needs: high and low make an output, 0..255 makes PWM.\n"
-            "Of several boards: a table of what each did; nothing is sent where the pin is wrong for one of "
-            "them.\n"
+            "Several boards: asipctl send 'PATTERN/io' write PIN 1.\n"
             "Examples:\n"
             "  asipctl pin uno1 13 high\n"
             "  asipctl pin uno1 13 toggle\n"
@@ -379,9 +371,7 @@ Verb pin_verb() {
             "  asipctl pin uno1 2 pullup\n"
             "  asipctl pin uno1 2\n"
             "  asipctl pin uno1 A0\n"
-            "  asipctl pin uno1 \"status lamp\" high\n"
-            "  asipctl pin 'uno*' 13 low\n"
-            "  asipctl pin '*' \"status lamp\" high -l room=lab",
+            "  asipctl pin uno1 \"status lamp\" high",
             declare_pin};
 }
 

@@ -18,7 +18,6 @@ struct PinOptions {
     std::string pin;     ///< empty: all of them, as the board reports them
     std::string word;    ///< empty: read it
     std::string duty{};  ///< behind `pwm`
-    SelectorText selector{};
     OutputOptions output{};
 };
 
@@ -33,7 +32,7 @@ std::string value_text(const PinReading& reading);
 /// The modes in a board's answer to the question for them, by pin.
 Outcome<std::vector<protocol::PinMode>> modes_of(const std::string& answer);
 
-/// `asipctl pin`: reads or sets one pin in words, of one board or of several.
+/// `asipctl pin`: reads or sets one pin of a board in words.
 int run_pin(PinOptions options, Environment& environment);
 
 /// `13`, `D13`, or `A0` by the board's analog map. Fails with kExitUsage.

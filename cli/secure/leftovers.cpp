@@ -15,7 +15,7 @@ namespace asip::cli {
 namespace {
 
 constexpr Duration kBrokerPatience = std::chrono::seconds(5);
-constexpr Duration kBetweenAttempts = std::chrono::milliseconds(500);
+constexpr Duration kBrokerPause = std::chrono::milliseconds(500);
 
 }  // namespace
 
@@ -93,7 +93,7 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
         session->on_connection_change({});
         connected = session->connect();
         if (connected || session->stopped() || Clock::now() >= until) break;
-        session->run_for(kBetweenAttempts);
+        session->run_for(kBrokerPause);
     }
     if (!connected) return cannot(connected.error().text);
     for (const auto& [name, role] : gone) {
@@ -111,7 +111,7 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
         report.next(
             "the broker keeps " + unnamed + "; " + name +
                 " may have left them, and no topic says it: look at them, and clear what no program needs",
-            as_admin + " prune --dry-run");
+            as_admin + " forget --leftovers --dry-run");
         if (unnamed.find("export") != std::string::npos)
             report.next("what a gateway exported is cleared by",
                         "asip-gateway clean --credentials " + folder.credentials("admin").string());

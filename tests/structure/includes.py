@@ -13,7 +13,6 @@ from functools import cache
 from pathlib import Path
 
 FOLDERS = ("agent", "asip", "bench", "cli", "gateway", "registry", "sim")
-OF_LIBRARIES = {"History"}  # of libedit
 INCLUDE = re.compile(r'^\s*#\s*include ["<]([^">]+)[">]', re.MULTILINE)
 TYPE = re.compile(r"^(?:class|struct|enum class) (?:\[\[\w+\]\] )?([A-Z]\w+)(?: final)?\s*(?::[^:;]|\{)", re.MULTILINE)
 DECLARED = re.compile(r"\b(?:class|struct|enum(?: class)?|union) (?:\[\[\w+\]\] )?([A-Z]\w+)")
@@ -53,7 +52,7 @@ def missing(texts):
     for path, text in sorted(texts.items()):
         code = code_of(INCLUDE.sub("", text))
         own = set(DECLARED.findall(code))
-        for name in sorted(set(WORD.findall(code)) - own - OF_LIBRARIES):
+        for name in sorted(set(WORD.findall(code)) - own):
             if name in homes and len(homes[name] | everywhere[name]) == 2 and not homes[name] & reached(path):
                 yield path, name, min(homes[name])
 

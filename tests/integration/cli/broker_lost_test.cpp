@@ -99,19 +99,5 @@ TEST_F(BrokerLostTest, BackInTime_IsToldAndTheAnswerStillCounts) {
     EXPECT_EQ(send->wait_exit(), 0) << send->errors();
 }
 
-TEST_F(BrokerLostTest, Replay_DoesNotBlameAccessRules) {
-    const TempDir folder;
-    const auto walk =
-        folder.write("walk.jsonl", R"({"asip":"recording","version":1,"began":"2026-11-21T10:00:00.000Z"})"
-                                   "\n"
-                                   R"({"at":0.001,"what":"description","board":"walk1","data":)"
-                                   R"({"board":"walk1","session":"5f3a9c01","seq":3,"services":[]}})"
-                                   "\n");
-    const auto replay = start({"replay", walk}, "asip/servicebus/$probe");
-    broker_.kill();
-    expect_lost(*replay, "replay");
-    EXPECT_THAT(replay->errors(), Not(HasSubstr("deny")));
-}
-
 }  // namespace
 }  // namespace asip::test

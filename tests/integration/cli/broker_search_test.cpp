@@ -81,7 +81,7 @@ $asipctl list --from-bus -o json
 retain() { mosquitto_pub -h 10.9.8.1 -p 1899 -r -t "asip/servicebus/desk/$1" -m "$2"; }
 retain '$description' '{"board":"desk","session":"1","seq":1,"lease":60,"firmware":{"protocol":"0.4"},"services":[]}'
 retain '$state' online
-printf 'list -o name\n' | $asipctl shell desk
+$asipctl list --from-bus -o name
 )");
     EXPECT_EQ(result.status, 0) << result.errors;
     EXPECT_THAT(result.output, HasSubstr("[]"));

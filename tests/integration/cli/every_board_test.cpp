@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every verb that reads, follows or commands a board, on each kind of board: with our firmware, with that of
-// ASIP 0.4, and recorded and replayed.
+// Every verb that reads, follows or commands a board, on each kind of board: with our firmware, and with that
+// of ASIP 0.4.
 #include <gmock/gmock.h>
 
-#include <csignal>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/cli/bus_fixture.hpp"
@@ -19,7 +17,6 @@ using Json = nlohmann::json;
 struct BoardKind {
     const char* name;
     const char* image;
-    bool recorded = false;
     friend std::ostream& operator<<(std::ostream& out, const BoardKind& kind) { return out << kind.name; }
 };
 
@@ -27,18 +24,6 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
   protected:
     void SetUp() override {
         ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online")) << registry_.errors();
-        start_board();
-        if (!GetParam().recorded) return;
-        const auto recording = record();
-        agent_.reset();
-        sim_.reset();
-        ASSERT_EQ(asipctl({"wait", "desk", "--for", "lost"}).status, 0);
-        replay_ = std::make_unique<ChildProcess>(program({"replay", recording, "--loop"}), environment());
-        ASSERT_TRUE(replay_->wait_for_errors("replaying 1 board")) << replay_->errors();
-        ASSERT_EQ(asipctl({"wait", "desk", "--for", "online", "--timeout", "60s"}).status, 0);
-    }
-
-    void start_board() {
         const auto file = folder_.write(
             "desk.json", std::string(R"({"name":"desk","board":"uno","image":")") + ASIP_IMAGES + "/" +
                              GetParam().image + R"(","link":")" + folder_.file("port") +
@@ -55,26 +40,6 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
         ASSERT_EQ(asipctl({"send", "desk/distance", "report", "100"}).status, 0);
     }
 
-    /// Values, and an error.
-    std::string record() const {
-        const auto path = folder_.file("walk.jsonl");
-        ChildProcess record(program({"record", path, "desk"}), environment());
-        const auto holds = [&](const char* what) {
-            std::ifstream file(path);
-            const std::string text(std::istreambuf_iterator<char>(file), {});
-            return text.find(what) != std::string::npos;
-        };
-        EXPECT_TRUE(wait_until([&] { return holds(R"("what":"value")"); })) << record.errors();
-        EXPECT_TRUE(wait_until([&] {
-            fail_once();
-            return holds("INVALID_DEVICE_NUMBER");
-        })) << record.errors();
-        record.signal(SIGINT);
-        EXPECT_EQ(record.wait_exit(), 0) << record.errors();
-        return path;
-    }
-
-    bool recorded() const { return GetParam().recorded; }
     void fail_once() const { asipctl({"send", "desk/servo", "write", "9", "90"}); }
     /// What the verb prints as JSON; it must succeed.
     Json json(Words arguments) const {
@@ -85,29 +50,24 @@ class EveryBoardTest : public BusTest, public ::testing::WithParamInterface<Boar
         EXPECT_TRUE(Json::accept(line)) << arguments.front() << ": " << line;
         return Json::parse(line, nullptr, false);
     }
-    /// A command: the board takes it, or is recorded and refuses.
     void commanded(Words arguments) const {
         arguments.insert(arguments.end(), {"-o", "jsonl", "--timeout", "20s"});
         const auto result = asipctl(arguments);
-        EXPECT_EQ(result.status, recorded() ? 1 : 0) << arguments.front() << ": " << result.errors;
+        EXPECT_EQ(result.status, 0) << arguments.front() << ": " << result.errors;
         const auto first = result.output.substr(0, result.output.find('\n'));
         EXPECT_TRUE(first.empty() || Json::accept(first)) << arguments.front() << ": " << first;
-        if (recorded()) {
-            EXPECT_THAT(result.output + result.errors, HasSubstr("recorded")) << arguments.front();
-        }
     }
 
     TempDir folder_;
     ChildProcess registry_{
         {ASIP_PROGRAMS "/asip-registry", "--id", "r1", "--history", folder_.file("history.db")},
         environment()};
-    std::unique_ptr<ChildProcess> sim_, agent_, replay_;
+    std::unique_ptr<ChildProcess> sim_, agent_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Kind, EveryBoardTest,
                          ::testing::Values(BoardKind{"Ours", "asip_uno_services.elf"},
-                                           BoardKind{"Asip04", "asip_uno_04_services.elf"},
-                                           BoardKind{"Recorded", "asip_uno_services.elf", true}),
+                                           BoardKind{"Asip04", "asip_uno_04_services.elf"}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST_P(EveryBoardTest, IsReadAndFollowed) {
@@ -120,67 +80,45 @@ TEST_P(EveryBoardTest, IsReadAndFollowed) {
     EXPECT_EQ(json({"list", "--kind", "distance", "--sort", "chip"})["board"], "desk");
     EXPECT_EQ(json({"list", "services", "--unit", "cm"})["name"], "distance");
     EXPECT_EQ(json({"show", "desk/distance"})["board"], "desk");
-    EXPECT_EQ(json({"top", "desk", "-n", "1", "--no-ping"})["board"], "desk");
     EXPECT_EQ(json({"events", "desk", "--last", "20"})["board"], "desk");
     EXPECT_EQ(json({"events", "desk", "--since", "1h", "-n", "1"})["board"], "desk");
     EXPECT_EQ(json({"doctor", "--registries"})["registry"], "r1");
-    const auto again = folder_.file("again.jsonl");
-    EXPECT_EQ(json({"record", again, "desk/distance", "-n", "5"})["messages"], 5);
     const auto line = asipctl({"subscribe", "desk/distance", "-n", "1", "--format", "{data.distance.0}"});
     EXPECT_EQ(line.output, "42\n") << line.errors;
     const auto wide = asipctl({"list", "-o", "wide"});
-    EXPECT_THAT(wide.output, HasSubstr(recorded() ? "replay walk.jsonl" : "serial"));
+    EXPECT_THAT(wide.output, HasSubstr("serial"));
 }
 
 TEST_P(EveryBoardTest, ItsErrorsAreLogged) {
     ChildProcess logs(program({"events", "--logs", "desk", "-n", "1", "-W", "20s", "-o", "jsonl"}),
                       environment());
     EXPECT_TRUE(wait_until([&] {
-        if (!recorded()) fail_once();
+        fail_once();
         return !logs.running();
     }));
     EXPECT_EQ(logs.wait_exit(), 0);
     EXPECT_THAT(logs.output(), HasSubstr("INVALID_DEVICE_NUMBER"));
 }
 
-TEST_P(EveryBoardTest, IsCommanded_OrSaysThatItIsRecorded) {
+TEST_P(EveryBoardTest, IsCommanded) {
     commanded({"send", "desk/servo", "write", "0", "90"});
     commanded({"pin", "desk", "13", "high"});
     commanded({"stop", "desk", "--once"});
     commanded({"send", "desk/io", "pwm", "3", "120", "--hold", "5s", "--for", "300ms"});
     const auto ping = asipctl({"ping", "desk", "-c", "1", "-o", "json"});
-    EXPECT_EQ(ping.status, recorded() ? 1 : 0) << ping.errors;
+    EXPECT_EQ(ping.status, 0) << ping.errors;
     commanded({"release", "desk", "--for", "10s"});
-    if (!recorded()) {
-        EXPECT_EQ(json({"release", "desk", "--back"})["same"], true);
-    }
+    EXPECT_EQ(json({"release", "desk", "--back"})["same"], true);
     commanded({"label", "desk", "room=lab"});
 }
 
-TEST_P(EveryBoardTest, IsCommandedByAShell_OrSaysThatItIsRecorded) {
-    ChildProcess shell(program({"shell", "desk"}),
-                       {{"ASIP_BROKER", broker_.address()}, {"HOME", folder_.path().string()}});
-    shell.write_input("get distance/0 --raw\nservo write 0 90\n");
-    shell.close_input();
-    EXPECT_EQ(shell.wait_exit(), recorded() ? 1 : 0) << shell.errors();
-    EXPECT_EQ(shell.output(), recorded() ? "42\n" : "42\nok\n");
-    EXPECT_THAT(shell.errors(), HasSubstr(recorded() ? "recorded" : ""));
-}
-
-TEST_P(EveryBoardTest, IsFlashed_OrSaysThatItIsRecorded) {
+TEST_P(EveryBoardTest, IsFlashed) {
     const auto flashed = asipctl(
         {"flash", "desk", ASIP_IMAGES "/asip_uno.elf", "--socket", folder_.file("sim.sock"), "-o", "json"});
     const auto record = Json::parse(flashed.output, nullptr, false);
     ASSERT_TRUE(record.is_object()) << flashed.output << flashed.errors;
-    if (recorded()) {
-        EXPECT_EQ(flashed.status, 1);
-        EXPECT_THAT(record.value("error", ""), HasSubstr("there is no chip to load firmware into"));
-        EXPECT_EQ(json({"wait", "desk", "--for", "online"})["state"], "online")
-            << "nobody asked for its port";
-    } else {
-        EXPECT_EQ(flashed.status, 0) << flashed.errors;
-        EXPECT_EQ(record["sketch"], "AsipHello");
-    }
+    EXPECT_EQ(flashed.status, 0) << flashed.errors;
+    EXPECT_EQ(record["sketch"], "AsipHello");
 }
 
 TEST_P(EveryBoardTest, FailureOfPinAndRelease_IsARecordToo) {
@@ -194,18 +132,14 @@ TEST_P(EveryBoardTest, FailureOfPinAndRelease_IsARecordToo) {
         return record;
     };
     const auto pin = failed({"pin", "desk", "9", "high"});
-    EXPECT_EQ(pin["status"], recorded() ? "refused" : "error") << pin;
+    EXPECT_EQ(pin["status"], "error") << pin;
     EXPECT_EQ(failed({"pin", "desk", "200", "high"})["status"], "refused");
     EXPECT_EQ(failed({"release", "nobody"})["status"], "timeout");
     EXPECT_EQ(asipctl({"release", "desk", "--for", "2h"}).status, 2);
-    if (recorded()) {
-        EXPECT_EQ(failed({"release", "desk"})["reason"], "recorded");
-    } else {
-        EXPECT_EQ(json({"release", "desk", "--for", "10s"})["state"], "updating");
-        EXPECT_EQ(failed({"release", "desk"})["reason"], "released");
-        EXPECT_EQ(failed({"pin", "desk", "13"})["status"], "refused");
-        EXPECT_EQ(json({"release", "desk", "--back"})["same"], true);
-    }
+    EXPECT_EQ(json({"release", "desk", "--for", "10s"})["state"], "updating");
+    EXPECT_EQ(failed({"release", "desk"})["reason"], "released");
+    EXPECT_EQ(failed({"pin", "desk", "13"})["status"], "refused");
+    EXPECT_EQ(json({"release", "desk", "--back"})["same"], true);
 }
 
 }  // namespace

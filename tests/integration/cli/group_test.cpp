@@ -21,58 +21,6 @@ class GroupTest : public SimulatedBoards {
     }
 };
 
-TEST_F(GroupTest, Pin_IsSetAndReadOnEachBoardThatIsChosen) {
-    const auto set = asipctl({"pin", "*", "13", "high"});
-    EXPECT_EQ(set.status, 0) << set.errors;
-    EXPECT_THAT(set.output, MatchesRegex("BOARD +PIN +MODE +VALUE +RESULT\n"
-                                         "desk +13 +output +high +ok\n"
-                                         "lamp +13 fan +output +high +ok\n"
-                                         "old +13 +output +high +ok\n"));
-    // A name means a pin of its own on each board.
-    const auto named = asipctl({"pin", "*", "fan", "input", "-l", "room=lab", "-o", "json"});
-    EXPECT_EQ(named.status, 0) << named.errors;
-    const auto records = json::parse(named.output);
-    ASSERT_EQ(records.size(), 2u);
-    EXPECT_EQ(records[0],
-              json::parse(R"({"board":"desk","pin":12,"label":"fan","mode":"input","status":"ok"})"));
-    EXPECT_EQ(records[1]["pin"], 13);
-    const auto read = asipctl({"pin", "*", "12", "-l", "room=lab"});
-    EXPECT_EQ(read.status, 0) << read.errors;
-    EXPECT_THAT(read.output, HasSubstr("desk   12 fan  input"));
-    EXPECT_THAT(asipctl({"pin", "desk", "13", "-l", "room=lab"}).output,
-                MatchesRegex("BOARD.*\ndesk +13 +output +ok\n"));
-    const auto analog = asipctl({"pin", "*", "A0", "-l", "room", "-o", "jsonl"});
-    EXPECT_EQ(analog.status, 0) << analog.errors;
-    EXPECT_THAT(analog.output, MatchesRegex(R"(\{"board":"desk",.*"value":[0-9]+\}
-\{"board":"lamp",.*"value":[0-9]+\}
-)"));
-}
-
-TEST_F(GroupTest, PinThatOneBoardHasNot_ChangesNothingAndOneThatIsTakenIsTold) {
-    probe_.clear();
-    const auto wrong = asipctl({"pin", "*", "fan", "high"});
-    EXPECT_EQ(wrong.status, 2);
-    EXPECT_THAT(wrong.errors, HasSubstr("old: 'fan' is not a pin"));
-    EXPECT_EQ(probe_.count("asip/desk/io/in"), 0u) << "nothing is sent where it is wrong for one of them";
-    EXPECT_EQ(asipctl({"pin", "*", "13", "hihg"}).status, 2);
-    EXPECT_THAT(asipctl({"pin", "*"}).errors, HasSubstr("which pin of these boards?"));
-    EXPECT_THAT(asipctl({"pin", "*/io", "13"}).errors, HasSubstr("pin takes a board, not a service"));
-    const auto none = asipctl({"pin", "x*", "13"});
-    EXPECT_EQ(none.status, 4);
-    EXPECT_THAT(none.errors, HasSubstr("no board is like x*"));
-    // Pin 9 is a servo's on two of them.
-    const auto taken = asipctl({"pin", "*", "9", "high"});
-    EXPECT_EQ(taken.status, 1);
-    EXPECT_THAT(taken.output, HasSubstr("pin 9 belongs to the service desk/servo"));
-    EXPECT_THAT(taken.output, MatchesRegex("[^$]*lamp +9 +output +high +ok\n[^$]*"));
-    EXPECT_THAT(taken.errors, HasSubstr("1 of 3 boards did it"));
-    ASSERT_NO_FATAL_FAILURE(kill_agent("old"));
-    const auto half = asipctl({"pin", "*", "13", "low"});
-    EXPECT_EQ(half.status, 1);
-    EXPECT_THAT(half.output, MatchesRegex("[^$]*old +13 +it is lost[^$]*"));
-    EXPECT_THAT(half.errors, HasSubstr("2 of 3 boards did it"));
-}
-
 TEST_F(GroupTest, Ping_AsksAllAtATimeAndSumsUpEach) {
     const auto pinged = asipctl({"ping", "*", "-n", "2", "-i", "10ms"});
     EXPECT_EQ(pinged.status, 0) << pinged.errors;

@@ -82,17 +82,6 @@ TEST_F(ChangesTest, WaitWhileTheBrokerIsGone_ClaimsNoState) {
     broker_.start();
 }
 
-TEST_F(ChangesTest, TopOfABoardThatIsNotThere_EndsWithTheNearestName) {
-    announce("uno1");
-    const auto top = [this](const std::string& board) {
-        return asipctl({"top", board, "-n", "1", "-i", "300ms", "--no-ping"});
-    };
-    EXPECT_EQ(top("uno2").status, 4);
-    EXPECT_THAT(top("uno2").errors, HasSubstr("no board 'uno2' on this bus (did you mean \"uno1\"?)"));
-    EXPECT_THAT(top("x*").errors, HasSubstr("no board is like x*"));
-    EXPECT_EQ(top("uno*").status, 0) << top("uno*").errors;
-}
-
 TEST_F(ChangesTest, WaitForAnEvent_TakesNoRetainedOneAndPrintsIt) {
     announce("uno1");
     probe_.publish("asip/uno1/distance/out", R"({"distance":[1]})", true);

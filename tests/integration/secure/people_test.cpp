@@ -124,38 +124,6 @@ TEST_F(PeopleOnSecuredBus, Check_FindsABrokerThatAllowsMore) {
         << checked.output;
 }
 
-/// Two boards that said something.
-constexpr const char* kRecording = R"({"asip":"recording","version":1,"began":"2026-11-21T10:00:00.000Z"}
-{"at":0.001,"what":"description","board":"walk1","data":{"board":"walk1","session":"5f3a9c01","seq":3,"lease":60,"firmware":{"protocol":"0.4"},"link":{"kind":"serial","path":"/dev/ttyACM0"},"agent":{"version":"0.1.0","host":"pi","client":"asip-agent-1"},"services":[{"name":"distance","id":"D","model":"distance@1","count":1}]}}
-{"at":0.002,"what":"description","board":"walk2","data":{"board":"walk2","session":"5f3a9c01","seq":3,"lease":60,"firmware":{"protocol":"0.4"},"link":{"kind":"serial","path":"/dev/ttyACM0"},"agent":{"version":"0.1.0","host":"pi","client":"asip-agent-1"},"services":[{"name":"distance","id":"D","model":"distance@1","count":1}]}}
-{"at":0.01,"what":"value","board":"walk1","service":"distance","data":{"distance":[42]}}
-{"at":0.02,"what":"value","board":"walk2","service":"distance","data":{"distance":[43]}}
-)";
-
-TEST_F(PeopleOnSecuredBus, Recording_IsReplayedWithTheCredentialsOfItsBoards) {
-    const auto walk = place_.write("walk.jsonl", kRecording);
-    const auto replay = [&](const Words& more) {
-        return run(Words{ASIP_TEST_ASIPCTL, "replay", walk} + more);
-    };
-    const auto denied = replay(Words{"walk1"} + as("ann"));
-    EXPECT_EQ(denied.status, 1);
-    EXPECT_NE(denied.errors.find("deny user ann to speak for board walk1"), std::string::npos)
-        << denied.errors;
-    EXPECT_NE(denied.errors.find("asipctl secure add board walk1;"), std::string::npos) << denied.errors;
-    const auto missing = replay({"--credentials-dir", file("credentials")});
-    EXPECT_EQ(missing.status, 2);
-    EXPECT_NE(missing.errors.find("walk1.credentials does not exist"), std::string::npos) << missing.errors;
-    add({"board", "walk1", "walk2"});
-    ASSERT_TRUE(wait_until([this] { return may_publish("walk2", "asip/walk2/out"); }));
-    auto bob = probe("bob", {"asip/#"});
-    EXPECT_EQ(replay(Words{"walk1"} + as("walk1")).status, 0);
-    EXPECT_TRUE(bob.wait_for("asip/walk1/distance/out"));
-    const auto both = replay({"--credentials-dir", file("credentials")});
-    EXPECT_EQ(both.status, 0) << both.errors;
-    EXPECT_TRUE(bob.wait_for("asip/walk2/distance/out"));
-    EXPECT_EQ(replay(Words{"walk2"} + as("walk1")).status, 1) << "one board may not speak for another";
-}
-
 TEST_F(PeopleOnSecuredBus, HomeAssistant_IsToldWhatItsFormsAskFor) {
     const auto added = secure({"add", "home-assistant"});
     ASSERT_EQ(added.status, 0) << added.errors;

@@ -21,7 +21,7 @@ class CompletionTest : public ::testing::Test {
   protected:
     /// Completes what follows the last blank of `line`.
     Words after(const std::string& line) {
-        const auto typed = typed_line("asipctl " + line);
+        const auto typed = typed_shell_line("asipctl " + line);
         return complete(line_.app(), typed.words, typed.start, names_);
     }
 
@@ -45,7 +45,7 @@ class CompletionTest : public ::testing::Test {
 };
 
 TEST_F(CompletionTest, FirstWord_IsAVerb) {
-    EXPECT_THAT(after("s"), ElementsAre("secure", "send", "shell", "show", "stop", "subscribe"));
+    EXPECT_THAT(after("s"), ElementsAre("secure", "send", "show", "stop", "subscribe"));
     EXPECT_THAT(after(""), IsSupersetOf({"help", "list", "pin", "send", "show"}));
     EXPECT_THAT(after("x"), IsEmpty());
     EXPECT_THAT(after("help su"), ElementsAre("subscribe"));
@@ -97,22 +97,12 @@ TEST_F(CompletionTest, BoardsServicesAndCommands_AreLive) {
     EXPECT_THAT(after("send uno1/servo write "), IsEmpty());
     EXPECT_THAT(after("pin n"), ElementsAre("nano"));
     EXPECT_THAT(after("ping "), ElementsAre("nano", "uno1", "uno2"));
-    EXPECT_THAT(after("top u"), ElementsAre("uno1", "uno2"));
 }
 
 TEST_F(CompletionTest, WrongLine_OffersNothing) {
     EXPECT_THAT(after("lst "), IsEmpty());
     EXPECT_THAT(after("list boards extra "), IsEmpty());
     EXPECT_THAT(after("list --sate=l"), IsEmpty());
-}
-
-TEST(TypedLine, WordsQuotesAndTheCursor_AreUnderstood) {
-    EXPECT_THAT(typed_line("asipctl send 'a b' c").words, ElementsAre("send", "a b"));
-    EXPECT_EQ(typed_line("asipctl send 'a b' c").start, "c");
-    EXPECT_EQ(typed_line("asipctl list ").start, "");
-    EXPECT_THAT(typed_line("asipctl list ").words, ElementsAre("list"));
-    EXPECT_EQ(typed_line("asipctl subscribe 'un").start, "un");
-    EXPECT_THAT(typed_line("").words, IsEmpty());
 }
 
 TEST(TypedShellLine, BackslashesAndQuotes_AreUnderstood) {
@@ -243,7 +233,7 @@ TEST(Verbs, EachThatPrintsData_KnowsJsonLinesAndTemplates) {
     const CommandLine line(all_verbs());
     for (const auto* verb : line.app().get_subcommands([](const CLI::App*) { return true; })) {
         if (verb->get_name() == "help" || verb->get_name() == "completion" || verb->get_name() == "open" ||
-            verb->get_name() == "model" || verb->get_name() == "shell")
+            verb->get_name() == "model")
             continue;
         ASSERT_NE(verb->get_option_no_throw("--output"), nullptr) << verb->get_name();
         EXPECT_THAT(verb->get_option("--output")->get_type_name(), ::testing::HasSubstr("json|jsonl"));

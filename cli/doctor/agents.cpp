@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/events/stats_model.hpp"
+#include "cli/doctor/agents.hpp"
+
+#include <ostream>
+#include <utility>
 
 #include "asip/model/json.hpp"
 #include "asip/text/duration.hpp"
+#include "cli/ask/bus_session.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -10,8 +14,8 @@ namespace {
 
 using nlohmann::json;
 
-// Agents publish every 15 s, unless told otherwise.
-constexpr Duration kOld = std::chrono::seconds(45);
+// A little more than the time between two documents of an agent.
+constexpr Duration kRound = std::chrono::seconds(16);
 
 const json& at_path(const json& document, const char* path) {
     static const json kNone;
@@ -49,25 +53,13 @@ Cell bad(double number) {
 
 }  // namespace
 
-void StatsModel::take(const std::string& board, const std::string& payload, Time now) {
+void take_counts(AgentCounts& counts, const std::string& board, const std::string& payload) {
     auto document = model::parse_json(payload);
-    if (document && document->is_object()) boards_[board] = {std::move(*document), now};
+    if (document && document->is_object()) counts[board] = std::move(*document);
 }
 
-std::vector<json> StatsModel::records(Time now) const {
-    std::vector<json> result;
-    for (const auto& [name, board] : boards_) {
-        auto record = board.document;
-        record["board"] = name;
-        record["age"] = std::chrono::duration<double>(now - board.seen).count();
-        result.push_back(std::move(record));
-    }
-    return result;
-}
-
-Table StatsModel::table(Time now) const {
+Table counts_table(const AgentCounts& counts) {
     Table table({{"BOARD"},
-                 {"AGE", true},
                  {"UP", true},
                  {"IN", true},
                  {"OUT", true},
@@ -80,14 +72,11 @@ Table StatsModel::table(Time now) const {
                  {"BAD", true},
                  {"RESETS", true},
                  {"DROPPED", true}});
-    for (const auto& [name, board] : boards_) {
-        const auto& document = board.document;
-        const auto age = now - board.seen;
+    for (const auto& [name, document] : counts) {
         const auto [all, failed] = commands(document);
         const double dropped =
             number(document, "/bus/dropped_values") + number(document, "/bus/dropped_answers");
-        table.add({name, Cell(text::duration_text(age), age > kOld ? Colour::kRed : Colour::kNone),
-                   time(document, "/uptime"), count_text(number(document, "/line/lines_in")),
+        table.add({name, time(document, "/uptime"), count_text(number(document, "/line/lines_in")),
                    count_text(number(document, "/line/lines_out")), count_text(all), bad(failed),
                    time(document, "/round_trip/p50"), time(document, "/round_trip/p99"),
                    count_text(number(document, "/queue/commands")),
@@ -95,6 +84,35 @@ Table StatsModel::table(Time now) const {
                    bad(number(document, "/line/resets")), bad(dropped)});
     }
     return table;
+}
+
+int list_agents(const OutputOptions& output, Environment& environment) {
+    BusSession session(environment);
+    session.tell_refused_subscriptions();
+    AgentCounts counts;
+    const auto documents =
+        session.subscribe(environment.topics.stats("+"),
+                          [&](const mqtt::Message& message) {
+                              const auto topic = environment.topics.parse(message.topic);
+                              if (topic && !message.retain)
+                                  take_counts(counts, std::string(topic->board), message.payload);
+                          },
+                          {.retained = false});
+    if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
+    environment.note("agents publish what they counted every 15 s: this takes as long");
+    session.run_for(kRound);
+    RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
+    if (!output.for_people()) {
+        for (auto& [board, document] : counts) {
+            document["board"] = board;
+            records.print(document);
+        }
+        records.finish();
+    } else if (!counts.empty()) {
+        environment.out << counts_table(counts).render(environment.width, environment.colour) << std::flush;
+    }
+    if (!counts.empty() || session.stopped()) return program::kExitOk;
+    return environment.fail_with(session.unanswered("no agent published what it counted; see asipctl list"));
 }
 
 }  // namespace asip::cli
