@@ -4,14 +4,13 @@
 #include <ostream>
 
 #include "asip/bus/request/reply_topics.hpp"
-#include "asip/links/link.hpp"
+#include "asip/links/shown.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/property/documents.hpp"
 #include "asip/property/words.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_request.hpp"
-#include "cli/ask/shown_links.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/table.hpp"
 
@@ -19,7 +18,7 @@ namespace asip::cli {
 namespace {
 
 using links::Link;
-using links::When;
+using links::ShownLink;
 using nlohmann::json;
 
 constexpr std::chrono::milliseconds kShownWithin{2500};
@@ -45,34 +44,47 @@ std::pair<std::string, std::string> split(const std::string& text) {
 }
 
 json value_of(const std::string& word) {
-    if (word == "on" || word == "true") return true;
-    if (word == "off" || word == "false") return false;
-    const auto number = model::parse_json(word);
-    return number && number->is_number() ? *number : json(word);
-}
-
-Outcome<double> number_of(const std::string& option, const std::string& word) {
-    const auto number = model::parse_json(word);
-    if (!number || !number->is_number()) return usage(option + " " + word + " is no number");
-    return number->get<double>();
+    if (word == "on" || word == "off") return word == "on";
+    const auto value = model::parse_json(word);
+    return value && value->is_primitive() ? *value : json(word);
 }
 
 /// "0..1023=0..180".
-Outcome<std::array<double, 4>> line_of(const std::string& text) {
+json line_of(const std::string& text) {
     auto list = "[" + text + "]";
-    for (const auto* mark : {"..", "=", ".."}) {
-        const auto at = list.find(mark);
-        if (at == std::string::npos) break;
-        list.replace(at, std::string_view(mark).size(), ",");
-    }
-    const auto numbers = model::parse_json(list);
-    const bool good =
-        numbers && numbers->is_array() && numbers->size() == 4 &&
-        std::all_of(numbers->begin(), numbers->end(), [](const json& each) { return each.is_number(); });
-    if (!good)
-        return usage("--line " + text +
-                     ": write what the source is and what the target becomes: 0..1023=0..180");
-    return numbers->get<std::array<double, 4>>();
+    for (const auto* mark : {"..", "=", ".."})
+        if (const auto at = list.find(mark); at != std::string::npos)
+            list.replace(at, std::string_view(mark).size(), ",");
+    return model::parse_json(list).value_or(json(text));
+}
+
+/// How the source moves the target, as the agent reads it. Fails where options do not go together.
+Outcome<json> rule_of(const LinkOptions& options) {
+    json rule = json::object();
+    std::string given;
+    const auto when = [&](bool is, const char* option, const std::string& word) -> Outcome<void> {
+        if (!is) return {};
+        if (!given.empty()) return usage(given + " and " + option + " do not go together");
+        given = option;
+        rule["when"] = word;
+        return {};
+    };
+    for (const auto& done :
+         {when(options.toggle, "--toggle", "toggles"), when(options.inverted, "--inverted", "inverted"),
+          when(options.above.has_value(), "--above", "above"),
+          when(options.below.has_value(), "--below", "below"), when(!options.on.empty(), "--on", options.on)})
+        if (!done) return tl::unexpected(done.error());
+    for (const auto& [key, word] : {std::pair("level", &options.above), std::pair("level", &options.below),
+                                    std::pair("back", &options.back), std::pair("value", &options.value),
+                                    std::pair("else", &options.otherwise)})
+        if (*word) rule[key] = value_of(**word);
+    if (!options.send.empty()) rule["command"] = model::parse_json(options.send).value_or(json(options.send));
+    if (!options.line.empty()) rule["line"] = line_of(options.line);
+    if (!options.between.empty()) rule["between"] = options.between;
+    for (const auto& [key, time] : {std::pair("after", options.after), std::pair("for", options.lasts)})
+        if (time) rule[key] = std::chrono::duration<double>(*time).count();
+    if (options.safe) rule["safe"] = true;
+    return rule;
 }
 
 class Linker {
@@ -88,10 +100,14 @@ class Linker {
         const auto retained = read_retained(
             environment_, session_, {environment_.topics.links("+"), environment_.topics.properties("+")});
         if (!retained) return tl::unexpected(retained.error());
-        links_ = read_links(environment_.topics, *retained);
-        for (const auto& message : *retained)
+        for (const auto& message : *retained) {
+            const auto topic = environment_.topics.parse(message.topic);
+            if (!topic) continue;
+            for (auto& each : links::read_shown(topic->board, message.payload))
+                links_.push_back(std::move(each));
             if (auto list = property::parse_list(message.payload))
-                properties_[list->head.board] = std::move(list->properties);
+                properties_[std::string(topic->board)] = std::move(list->properties);
+        }
         const auto& what = options_.what;
         if (what == "list") return list();
         if (what == "remove" || what == "enable" || what == "disable") return change();
@@ -102,23 +118,13 @@ class Linker {
     int list() {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"LINK"}, {"RULE", false, 20}, {"STATE"}, {"LAST", false, 20}});
-        const auto of = options_.words.empty() ? std::string() : options_.words.front();
         for (const auto& each : links_) {
-            if (!of.empty() && each.board != of) continue;
-            const auto fault = value_at(each.object, "fault");
-            const std::string state = !each.link.enabled                  ? "disabled"
-                                      : !fault.empty()                    ? fault
-                                      : each.object.contains("suspended") ? "until the source changes"
-                                                                          : "on";
-            if (options_.output.for_people()) {
-                table.add({each.id(), links::in_words(each.link), state, value_at(each.object, "last")});
-                continue;
-            }
-            auto record = each.object;
-            record["board"] = each.board;
-            record["rule"] = links::in_words(each.link);
-            record["state"] = state;
-            records.print(record);
+            if (!options_.words.empty() && each.board != options_.words.front()) continue;
+            if (options_.output.for_people())
+                table.add({each.id(), value_at(each.object, "rule"), value_at(each.object, "state"),
+                           value_at(each.object, "last")});
+            else
+                records.print(each.object);
         }
         records.finish();
         if (!table.empty())
@@ -144,10 +150,8 @@ class Linker {
         if (found.size() > 1)
             return usage("several boards have a link " + wanted + ": write " + found.front()->id());
         const auto& link = *found.front();
-        const auto user = link.link.user;
-        const auto reply = ask(link.board, user, json{{options_.what, link.link.name}});
-        if (!reply) return tl::unexpected(reply.error());
-        if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, link.board + ": "));
+        if (const auto done = ask(link.board, link.link.user, {{options_.what, link.link.name}}); !done)
+            return tl::unexpected(done.error());
         environment_.say(link.id() + (options_.what == "remove" ? " removed" : " " + options_.what + "d"));
         return program::kExitOk;
     }
@@ -165,81 +169,30 @@ class Linker {
         return usage(board + "/" + id + " is several: " + all);
     }
 
-    Outcome<void> read_condition(Link& link) const {
-        std::vector<std::string> given;
-        const auto take = [&](bool is, const char* option, When when) {
-            if (is) given.emplace_back(option), link.when = when;
-        };
-        take(options_.toggle, "--toggle", When::kToggles);
-        take(options_.inverted, "--inverted", When::kInverted);
-        take(options_.above.has_value(), "--above", When::kAbove);
-        take(options_.below.has_value(), "--below", When::kBelow);
-        take(!options_.on.empty(), "--on", links::when_of(options_.on).value_or(When::kPress));
-        if (given.size() > 1) return usage(given[0] + " and " + given[1] + " do not go together");
-        for (const auto& [option, word, number] : {std::tuple("--above", &options_.above, &link.level),
-                                                   std::tuple("--below", &options_.below, &link.level),
-                                                   std::tuple("--back", &options_.back, &link.back)}) {
-            if (!*word) continue;
-            const auto read = number_of(option, **word);
-            if (!read) return tl::unexpected(read.error());
-            *number = *read;
-        }
-        return {};
-    }
-
-    Outcome<Link> read() const {
-        if (options_.words.size() != 1) return usage("write asipctl link BOARD/PROPERTY BOARD/PROPERTY");
-        Link link;
-        std::string id;
-        std::tie(link.board, id) = split(options_.what);
-        const auto [board, target] = split(options_.words.front());
+    Outcome<Link> read(const std::string& board) const {
+        auto rule = rule_of(options_);
+        if (!rule) return tl::unexpected(rule.error());
+        const auto [source, id] = split(options_.what);
+        const auto target = split(options_.words.front()).second;
         for (const auto& [each, text] :
              {std::pair(id, options_.what), std::pair(target, options_.words.front())})
             if (each.empty()) return usage(text + " is no property: write BOARD/PROPERTY, such as desk/io/2");
-        auto source = id_of(link.board, id);
-        if (!source) return tl::unexpected(source.error());
-        link.source = *source;
-        link.target = target;
-        if (options_.send.empty()) {
-            const auto meant = id_of(board, target);
-            if (!meant) return tl::unexpected(meant.error());
-            link.target = *meant;
-        } else if (auto command = model::parse_json(options_.send); command && command->is_object()) {
-            link.command = std::move(*command);
-        } else {
-            return usage("--send must be a command as JSON, such as '{\"play\":[440,200]}'");
-        }
-        if (auto done = read_condition(link); !done) return tl::unexpected(done.error());
-        if (options_.value) link.value = value_of(*options_.value);
-        if (options_.otherwise) link.otherwise = value_of(*options_.otherwise);
-        if (!options_.line.empty()) {
-            const auto line = line_of(options_.line);
-            if (!line) return tl::unexpected(line.error());
-            link.line = *line;
-        }
-        if (!options_.between.empty()) {
-            const auto between = links::parse_between(options_.between);
-            if (!between) return usage("--between " + between.error());
-            link.between = *between;
-        }
-        link.after = options_.after.value_or(std::chrono::milliseconds(0));
-        link.lasts = options_.lasts.value_or(std::chrono::milliseconds(0));
-        link.safe = options_.safe;
-        link.name = options_.name.empty()
-                        ? model::suggest_name(link.board + "-" + link.source + "-" + link.target)
-                        : options_.name;
-        // What the agent would refuse is refused here, in the same words.
-        if (const auto checked = links::read_link(links::to_json(link)); !checked)
-            return usage(checked.error());
-        return link;
+        const auto from = id_of(source, id);
+        const auto to = rule->contains("command") ? Outcome<std::string>(target) : id_of(board, target);
+        if (!from || !to) return tl::unexpected((from ? to : from).error());
+        (*rule)["from"] = source + "/" + *from;
+        (*rule)["to"] = *to;
+        (*rule)["name"] =
+            options_.name.empty() ? model::suggest_name(source + "-" + *from + "-" + *to) : options_.name;
+        auto link = links::read_link(*rule);
+        if (!link) return usage(link.error());
+        return std::move(*link);
     }
 
+    /// What the target's agent cannot know yet, or never.
     Outcome<void> check(const Link& link, const std::string& board) {
         for (const auto& name : {link.board, board})
             if (const auto found = source_.board(name); !found) return tl::unexpected(found.error());
-        if (const auto found = properties_.find(board); found != properties_.end())
-            if (const auto fault = links::target_fault(link, found->second); !fault.empty())
-                return failure(program::kExitFailure, board + ": " + fault);
         if (const auto found = properties_.find(link.board); found != properties_.end())
             if (const auto fault = links::source_fault(link, found->second); !fault.empty())
                 return failure(program::kExitFailure, fault);
@@ -254,19 +207,19 @@ class Linker {
     }
 
     Outcome<int> make() {
-        const auto link = read();
-        if (!link) return tl::unexpected(link.error());
+        if (options_.words.size() != 1) return usage("write asipctl link BOARD/PROPERTY BOARD/PROPERTY");
         const auto board = split(options_.words.front()).first;
+        const auto link = read(board);
+        if (!link) return tl::unexpected(link.error());
         if (const auto good = check(*link, board); !good) return tl::unexpected(good.error());
         std::optional<std::string> fault;
         const auto shown =
             session_.subscribe(environment_.topics.links(board), [&](const mqtt::Message& message) {
-                for (const auto& each : read_links(environment_.topics, {{message.topic, message.payload}}))
+                for (const auto& each : links::read_shown(board, message.payload))
                     if (each.link.name == link->name) fault = value_at(each.object, "fault");
             });
-        const auto reply = ask(board, environment_.mqtt.user, json{{"set", links::to_json(*link)}});
-        if (!reply) return tl::unexpected(reply.error());
-        if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, board + ": "));
+        if (const auto done = ask(board, environment_.mqtt.user, {{"set", links::to_json(*link)}}); !done)
+            return tl::unexpected(done.error());
         environment_.say(board + "/" + link->name + ": " + links::in_words(*link));
         session_.run_until([&] { return fault && fault->empty(); }, Clock::now() + kShownWithin);
         if (!fault || fault->empty()) return program::kExitOk;
@@ -277,10 +230,13 @@ class Linker {
         return program::kExitOk;
     }
 
-    Outcome<bus::Reply> ask(const std::string& board, const std::string& user, const json& request) {
+    Outcome<void> ask(const std::string& board, const std::string& user, const json& request) {
         const auto who = bus::user_level(user) + "/" + environment_.mqtt.client_id;
-        return ask_board(
+        const auto reply = ask_board(
             session_, {.topic = environment_.topics.link(board, who), .payload = model::dump_json(request)});
+        if (!reply) return tl::unexpected(reply.error());
+        if (!reply->succeeded()) return tl::unexpected(failure_of(*reply, board + ": "));
+        return {};
     }
 
     const LinkOptions& options_;

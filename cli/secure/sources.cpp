@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/sources.hpp"
 
+#include "asip/links/shown.hpp"
 #include "cli/ask/board_request.hpp"
-#include "cli/ask/shown_links.hpp"
 #include "cli/secure/actions.hpp"
 #include "cli/secure/folder.hpp"
 #include "cli/secure/reload.hpp"
@@ -75,8 +75,10 @@ void clear_links(const Environment& admin, BusSession& session, const std::strin
     const auto retained = read_retained(admin, session, {admin.topics.links("+")});
     if (!retained) return;
     std::set<std::string> boards;
-    for (const auto& each : read_links(admin.topics, *retained))
-        if (each.link.user == user) boards.insert(each.board);
+    for (const auto& message : *retained)
+        if (const auto topic = admin.topics.parse(message.topic))
+            for (const auto& each : links::read_shown(topic->board, message.payload))
+                if (each.link.user == user) boards.insert(each.board);
     for (const auto& board : boards) {
         const auto reply = ask_board(
             session, {.topic = admin.topics.link(board, user + "/revoke"), .payload = R"({"remove":"*"})"});

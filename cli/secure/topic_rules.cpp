@@ -88,7 +88,7 @@ TopicRule rule_of(TopicKind kind) {
             return announced("BOARD/$values", "broker, gateway: 32 KiB a board",
                              "each reader, at most ten times a second", "-");
         case TopicKind::kLinks:
-            return announced("BOARD/$links", "broker: 256 KiB a board", "each reader", "-");
+            return announced("BOARD/$links", "broker, gateway: 256 KiB a board", "each reader", "-");
         case TopicKind::kLink:
             return {"BOARD/$link/USER/CLIENT",
                     {kReadOfBoard},

@@ -133,8 +133,6 @@ std::optional<Commands::Start> start_of(Call& call) {
     return start;
 }
 
-namespace {
-
 void send(Call& call, std::string target, std::string topic, const json& payload) {
     auto start = start_of(call);
     if (!start) return;
@@ -145,8 +143,6 @@ void send(Call& call, std::string target, std::string topic, const json& payload
                          [reply = call.reply, base = call.gateway.options().base_path](
                              const CommandRecord& record) { reply.send(response_for(record, base)); });
 }
-
-}  // namespace
 
 void post_command(Call& call) {
     if (!bus_is_there(call)) return;
@@ -195,16 +191,14 @@ void post_raw(Call& call) {
     send(call, board->board, call.gateway.mirror().topics().board_in(board->board), {{"raw", text}});
 }
 
-namespace {
-
-bool is_without_agent(const bus::BoardItem& board) {
-    return board.state == "offline" || board.reason == "agent-gone" || board.reason == "expired";
-}
-
-void send_without_agent(Call& call, const bus::BoardItem& board) {
+bool has_agent(const Call& call, const bus::BoardItem& board) {
+    if (board.state != "offline" && board.reason != "agent-gone" && board.reason != "expired") return true;
     call.reply.send(
         problem(503, "the agent of board " + board.board + " is not there", {{"reason", "board-not-there"}}));
+    return false;
 }
+
+namespace {
 
 bool is_label_change(const json& body) {
     if (!body.is_object() || body.empty()) return false;
@@ -228,7 +222,7 @@ void post_labels(Call& call) {
                             "{\"names\":{\"pins\":{\"13\":\"status lamp\"}}}, "
                             "{\"meanings\":{\"io/2\":{\"class\":\"door\"}}} or several of them");
     }
-    if (is_without_agent(*board)) return send_without_agent(call, *board);
+    if (!has_agent(call, *board)) return;
     send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
 }
 
@@ -256,7 +250,7 @@ void post_load(Call& call) {
         return send_problem(call, 400,
                             "the body must be {}, or have \"firmware\":\"AsipServices\", \"board\":\"mega\", "
                             "\"force\":true");
-    if (is_without_agent(*board)) return send_without_agent(call, *board);
+    if (!has_agent(call, *board)) return;
     (*body)["port"] = "load";
     if (!body->contains("firmware")) (*body)["firmware"] = "AsipServices";
     send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));

@@ -102,6 +102,16 @@ inline constexpr std::string_view kComponents = R"json({
   "Load": {"type": "object", "additionalProperties": false, "description": "Firmware of the agent's machine, AsipServices where it is not given; which board it is, where USB does not tell", "properties": {
     "firmware": {"type": "string", "maxLength": 64}, "board": {"type": "string", "enum": ["uno", "nano", "nano-old", "mega"]},
     "force": {"type": "boolean", "description": "Also where the board runs ASIP"}}},
+  "BoardLinkChange": {"type": "object", "minProperties": 1, "maxProperties": 1, "additionalProperties": false, "properties": {
+    "set": {"type": "object", "required": ["name", "from", "to"], "description": "See docs/links.md"},
+    "remove": {"type": "string"}, "enable": {"type": "string"}, "disable": {"type": "string"}}},
+  "BoardLinks": {"type": "object", "required": ["items"], "properties": {
+    "set_aside": {"type": "array", "items": {"type": "string"}, "description": "Links of the board that cannot be read, and where they are"},
+    "items": {"type": "array", "items": {"type": "object", "required": ["name", "board", "from", "when", "to", "rule", "state", "yours"],
+      "properties": {"name": {"type": "string"}, "board": {"type": "string", "description": "Of the target"}, "from": {"type": "string"},
+        "when": {"type": "string"}, "to": {"type": "string"}, "rule": {"type": "string"}, "state": {"type": "string", "description": "on, disabled, or why it does nothing"},
+        "last": {"type": "string", "description": "What it did last, and why"}, "at": {"type": "string"}, "user": {"type": "string"},
+        "yours": {"type": "boolean", "description": "The gateway set it, and you may change it"}}}}}},
   "CommandAnswer": {"type": "object", "required": ["status"], "properties": {
     "status": {"type": "string", "enum": ["ok", "error", "timeout", "refused"]}, "id": {"type": "string"},
     "proof": {"type": "string"}, "answer": {}, "code": {"type": "integer"}, "error": {"type": "string"},

@@ -83,7 +83,7 @@ std::vector<Answer> widget_answers() {
 }
 
 std::vector<Answer> label_answers() {
-    return {{200, "Kept; `answer` has all labels and names as they are now", "CommandAnswer"},
+    return {{200, "Kept; `answer` has what is kept now", "CommandAnswer"},
             fault(400, "Refused: `invalid`"),
             fault(404, "No such board"),
             fault(409, "Refused: `id-reused` or `not-kept`"),
@@ -134,6 +134,8 @@ std::vector<Route> make_routes() {
         {"POST", "/api/boards/{board}/raw", "sendRaw", "Send ASIP request lines", Need::kRaw, {kDeadline}, "RawLines", command_answers(), post_raw},
         {"POST", "/api/boards/{board}/labels", "labelBoard", "Set labels of a board, and friendly names of its services and pins; its agent keeps them", Need::kLabel, {kDeadline}, "LabelChange", label_answers(), post_labels},
         {"POST", "/api/boards/{board}/load", "loadBoard", "Let the agent of a board load firmware of its machine into it; how far it is stands in the board's description", Need::kLabel, {kDeadline}, "Load", load_answers(), post_load},
+        {"GET", "/api/boards/{board}/links", "getBoardLinks", "The links from and to a board, each as its agent shows it", Need::kRead, {}, "", {{200, "All that you see", "BoardLinks"}, kNotFound, kNotReady}, get_board_links},
+        {"POST", "/api/boards/{board}/links", "changeBoardLink", "Set, remove, enable or disable a link to a board; its agent keeps and executes it", Need::kLabel, {kDeadline}, "BoardLinkChange", label_answers(), post_board_links},
         {"GET", "/api/commands/{id}", "getCommand", "What became of a command of yours; kept for a minute", Need::kCommand, {}, "", {{200, "The command, with its answer if there is one", "Command"}, kNotFound}, get_command},
         {"POST", "/api/commands/{id}/renew", "renewCommand", "Go on holding a command that was sent with `hold_ms`", Need::kCommand, {kHold}, "", {{200, "Held for another while", "CommandAnswer"}, fault(404, "No command of yours has this id"), fault(409, "It is not held: `not-held`"), kNotReady, fault(504, "No agent answered")}, post_renew},
         {"POST", "/api/boards/{board}/stop", "stopBoard", "Bring everything on a board into its safe state, ahead of all that waits, and keep it stopped until it is resumed", Need::kStop, {kOnce, kWhy}, "", {{200, "Stopped", "Stopped"}, {207, "The board did not confirm it in time", "Stopped"}, kNotFound, kNotReady}, post_stop_board},

@@ -72,6 +72,8 @@ void post_command(Call& call);
 void post_raw(Call& call);
 void post_labels(Call& call);
 void post_load(Call& call);
+void get_board_links(Call& call);
+void post_board_links(Call& call);
 void get_command(Call& call);
 void post_renew(Call& call);
 void post_stop_board(Call& call);
@@ -129,6 +131,10 @@ http::Response response_for(const CommandRecord& record, const std::string& base
 std::optional<Commands::Start> start_of(Call& call);
 /// Null where there is none. Fails with a sentence.
 Expected<nlohmann::json> body_of(const http::Request& request);
+/// Sends it and answers the call with what becomes of it.
+void send(Call& call, std::string target, std::string topic, const nlohmann::json& payload);
+/// Answers 503 and returns false where the board has no agent that could keep anything.
+bool has_agent(const Call& call, const bus::BoardItem& board);
 /// Sends a command and answers the call with what becomes of it; `arguments` as its body would have them.
 void send_command(Call& call, const bus::BoardItem& board, const bus::ServiceItem& service,
                   const std::string& command, nlohmann::json arguments);

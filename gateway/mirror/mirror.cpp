@@ -21,6 +21,7 @@ constexpr std::size_t kSnapshotNames = 500;
 constexpr std::size_t kSnapshotBytes = 16 * 1024;
 constexpr std::size_t kMaxKnown = 500;
 constexpr std::size_t kMaxEarly = 2000;
+constexpr std::size_t kMaxLinksBytes = 256 * 1024;
 constexpr std::size_t kMaxBoardStatsBytes = 8 * 1024;
 constexpr Duration kStatsTime = std::chrono::seconds(45);  // three of the agents' intervals
 
@@ -71,8 +72,8 @@ std::vector<std::pair<std::string, bool>> Mirror::subscriptions() const {
     return {{topics_.root() + "/servicebus/#", true},
             {topics_.service_out("+", "+"), true},
             {topics_.service_error("+", "+"), false},
-
             {topics_.values("+"), true},
+            {topics_.links("+"), true},
             {topics_.registry_state("+"), true},
             {topics_.registry_stats("+"), true},
             {options_.own_topic, false}};
@@ -104,6 +105,7 @@ void Mirror::disconnected(const Instant& now) {
     standing_.reading();
     if (!subscribed_) return;
     subscribed_ = false;
+    links_.clear();
     mark_.clear();
     since_ = now;
     catalogue_.suspend();
@@ -128,9 +130,17 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
         case TopicKind::kLog:
         case TopicKind::kCommands:
         case TopicKind::kDemand:
-        case TopicKind::kLinks:
         case TopicKind::kLink:
             return;
+        case TopicKind::kLinks: {
+            const std::string board(topic->board);
+            const bool room = links_.size() < catalogue_.size() + kMaxEarly || links_.contains(board);
+            if (message.payload.empty() || message.payload.size() > kMaxLinksBytes)
+                links_.erase(board);
+            else if (room && (!subscribed_ || reading() || catalogue_.knows(board)))
+                links_[board] = message.payload;
+            return;
+        }
         case TopicKind::kProperties:
         case TopicKind::kValues:
             return standing_message(*topic, message, now);
@@ -234,6 +244,7 @@ void Mirror::change(const Event& event, const Instant& now) {
     if (event.kind == Event::Kind::kForgotten) {
         values_.forget(event.board);
         standing_.forget(event.board);
+        links_.erase(event.board);
     } else if (const auto item = catalogue_.board(event.board, both(now))) {
         object["board"] = bus::to_json(*item);
     }
@@ -246,6 +257,7 @@ void Mirror::complete_now(const Instant& now) {
     mark_.clear();
     complete_ = true;
     catalogue_.settle();
+    std::erase_if(links_, [this](const auto& each) { return !catalogue_.knows(each.first); });
     // What the broker does not retain any more was cleared while it was not heard.
     Standing::Change gone;
     gone.list = true;

@@ -93,6 +93,8 @@ class Mirror {
     /// Properties and values as agents publish them.
     Standing& standing() { return standing_; }
     const Standing& standing() const { return standing_; }
+    /// What agents show of the links of their boards: `$links`, as it is.
+    const std::map<std::string, std::string>& links() const { return links_; }
     /// How a property of a board stands: what the board reported last by itself, else what its agent says.
     /// Nothing: nobody says.
     std::optional<property::ShownValue> shown(const std::string& board, const property::Property& property,
@@ -135,6 +137,7 @@ class Mirror {
     std::map<std::string, std::shared_ptr<const bus::BoardItem>> known_;
     std::map<std::string, RegistryInfo> registries_;
     std::map<std::string, BoardStats> board_stats_;
+    std::map<std::string, std::string> links_;
     std::string mark_;
     Time mark_sent_{};
     bool subscribed_ = false;

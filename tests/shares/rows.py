@@ -119,6 +119,8 @@ RESOURCES = {
     "POST /api/boards/{board}/raw": ("operator+raw", "", json.dumps({"lines": ["I,d,13,1"] * 64})),
     "POST /api/boards/{board}/labels": ("operator", "", LABELS),
     "POST /api/boards/{board}/load": ("operator", "?deadline_ms=60000", '{"board":"uno"}'),
+    "GET /api/boards/{board}/links": ("viewer", "", ""),
+    "POST /api/boards/{board}/links": ("operator", "?deadline_ms=60000", json.dumps({"set": {"name": "l1", "from": "lamp/io/2", "to": "io/13"}})),
     "GET /api/commands/{id}": ("operator", "", ""),
     "POST /api/commands/{id}/renew": ("operator", "?hold_ms=60000", "{}"),
     "POST /api/boards/{board}/stop": ("operator", "?once=true&why=" + "x" * 1000, "{}"),

@@ -9,6 +9,7 @@ import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
 import "./firmware.js";
 import "./history.js";
+import "./links.js";
 import "./names.js";
 import { has_pins } from "./pins.js";
 import "./service.js";
@@ -54,6 +55,7 @@ class Board extends Part {
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
       this.problem, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
+      h("section", { "aria-label": "Links" }, h("h2", {}, "Links"), document.createElement("asip-links").begin(this.name)),
       h("section", { "aria-label": "About" }, h("h2", {}, "About"), this.facts, this.names, this.advanced),
       h("details", { class: "history", ontoggle: (event) => { if (!this.past) event.target.append((this.past = document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false))); } },
         h("summary", {}, h("h2", {}, "History"))));
