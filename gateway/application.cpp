@@ -5,7 +5,7 @@
 #include <boost/asio/post.hpp>
 #include <utility>
 
-#include "asip/caller/client_port.hpp"
+#include "asip/caller/caller.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"

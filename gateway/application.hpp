@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "asip/bus/board_shares.hpp"
+#include "asip/bus/shares.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -11,21 +13,63 @@
 #include "asip/caller/caller.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/message.hpp"
+#include "asip/time.hpp"
 #include "gateway/api/board_models.hpp"
-#include "gateway/api/board_texts.hpp"
 #include "gateway/api/many_boards.hpp"
 #include "gateway/api/things.hpp"
 #include "gateway/auth/gate.hpp"
 #include "gateway/commands/commands.hpp"
 #include "gateway/dashboard/dashboards.hpp"
-#include "gateway/export_standing.hpp"
 #include "gateway/http/server.hpp"
 #include "gateway/metrics/command_times.hpp"
 #include "gateway/mirror/mirror.hpp"
-#include "gateway/rate.hpp"
 #include "gateway/stream/streams.hpp"
 
 namespace asip::gateway {
+
+/// How it stands with another system that boards can be shown to.
+struct ExportStanding {
+    std::string system;  ///< as `asip-gateway export` calls it
+    std::string title;   ///< "Home Assistant"
+    bool on = false;     ///< this gateway has the option
+    bool shows = false;  ///< it shows boards there now
+    std::string other;   ///< the machine of another gateway that does; empty: none
+    /// What the system last said of itself: it is there, or has left. Nothing: it said nothing yet, or never
+    /// does.
+    std::optional<bool> found;
+};
+
+/// How often each of several names does something: `per_second` on average, twice as many at once. Names that
+/// have done nothing for a minute are forgotten by expire(). Pure.
+class Rates {
+  public:
+    /// `per_second`: above 0.
+    explicit Rates(double per_second) : per_second_(per_second) {}
+
+    /// Counts one; false: too many.
+    bool take(const std::string& name, Time now) {
+        auto& bucket = buckets_.try_emplace(name, Bucket{2 * per_second_, now}).first->second;
+        const std::chrono::duration<double> passed = now - bucket.at;
+        bucket.left = std::min(2 * per_second_, bucket.left + passed.count() * per_second_);
+        bucket.at = now;
+        if (bucket.left < 1) return false;
+        bucket.left -= 1;
+        return true;
+    }
+    /// Forgets clients that have done nothing for a while.
+    void expire(Time now) {
+        std::erase_if(buckets_,
+                      [&](const auto& each) { return now - each.second.at > std::chrono::minutes(1); });
+    }
+
+  private:
+    struct Bucket {
+        double left;
+        Time at;
+    };
+    double per_second_;
+    std::map<std::string, Bucket> buckets_;
+};
 
 /// What a gateway is to do. Limits of a client hold for all its connections together; a client is a token, or
 /// an address where there is none.

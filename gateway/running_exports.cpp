@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/running_exports.hpp"
 
-#include "asip/bus/request/answer_words.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/program/log.hpp"
 #include "gateway/gateway.hpp"
 

@@ -4,7 +4,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 
-#include "asip/bus/board_shares.hpp"
+#include "asip/bus/shares.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/program/broker_log.hpp"
 #include "asip/program/stop_signal.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "registry/catalogue_types.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/query_endpoint.hpp"
 
-#include "asip/bus/request/refusal_reasons.hpp"
+#include "asip/bus/request/reply.hpp"
 
 namespace asip::registry {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "asip/bus/packet_limit.hpp"
 #include "asip/bus/request/request_envelope.hpp"
+#include "asip/bus/topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "registry/queries.hpp"
 #include "registry/waiting_questions.hpp"

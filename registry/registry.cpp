@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/registry.hpp"
 
-#include "asip/bus/registry/forget_topics.hpp"
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/registry/query.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/program/log.hpp"
 

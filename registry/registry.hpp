@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/random.hpp"
 #include "registry/catalogue_types.hpp"

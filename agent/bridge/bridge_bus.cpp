@@ -5,7 +5,7 @@
 #include "agent/bridge/bridge.hpp"
 #include "agent/command/command_note.hpp"
 #include "asip/program/options.hpp"
-#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/message.hpp"
 #include "asip/text/wall_time.hpp"
 
 namespace asip::agent {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/member/announcements.hpp"
+#include "asip/member/announcer.hpp"
 #include "asip/model/description.hpp"
 #include "asip/model/labels.hpp"
 #include "asip/session/action.hpp"

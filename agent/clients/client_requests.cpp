@@ -5,8 +5,8 @@
 #include <string>
 
 #include "agent/command/control.hpp"
-#include "asip/protocol/error_code.hpp"
 #include "asip/protocol/extensions.hpp"
+#include "asip/protocol/message.hpp"
 #include "asip/session/request.hpp"
 
 namespace asip::agent {

@@ -11,7 +11,7 @@
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
-#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/message.hpp"
 #include "asip/session/name_budget.hpp"
 #include "asip/session/request.hpp"
 

@@ -12,7 +12,7 @@ namespace asip::agent {
 /// session::to_string() of the same.
 std::string refusal_text(session::Refusal refusal);
 
-/// Why a queued request was not sent to the board: the word of `asip/bus/request/refusal_reasons.hpp` for
+/// Why a queued request was not sent to the board: the word of `asip/bus/request/reply.hpp` for
 /// programs.
 std::string_view reason_of(const session::Finished& end);
 /// The same for people.

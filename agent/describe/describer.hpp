@@ -10,7 +10,7 @@
 #include "agent/reports/report_periods.hpp"
 #include "asip/model/description.hpp"
 #include "asip/model/model_set.hpp"
-#include "asip/protocol/parsed_line.hpp"
+#include "asip/protocol/message.hpp"
 
 namespace asip::agent {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "agent/command/command_note.hpp"
-#include "asip/bus/request/label_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/description.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "agent/inbound/command_age.hpp"
-#include "asip/bus/request/label_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 
 namespace asip::agent {
 

@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "agent/inbound/arrival.hpp"
-#include "asip/bus/request/port_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/labels.hpp"

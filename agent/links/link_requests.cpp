@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "agent/links/link_book.hpp"
-#include "asip/bus/request/label_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"

@@ -9,7 +9,7 @@
 
 #include "agent/counts/board_log.hpp"
 #include "asip/mqtt/client.hpp"
-#include "asip/mqtt/outage.hpp"
+#include "asip/mqtt/failure.hpp"
 
 namespace asip::agent {
 

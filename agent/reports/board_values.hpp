@@ -13,7 +13,7 @@
 #include "agent/bridge/effects.hpp"
 #include "agent/inbound/command_age.hpp"
 #include "asip/bus/request/demand.hpp"
-#include "asip/model/request_values.hpp"
+#include "asip/model/command_encoder.hpp"
 #include "asip/property/known_values.hpp"
 
 namespace asip::agent {

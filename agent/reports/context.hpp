@@ -10,7 +10,7 @@
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
 #include "asip/expected.hpp"
-#include "asip/protocol/parsed_line.hpp"
+#include "asip/protocol/message.hpp"
 
 namespace asip::agent {
 

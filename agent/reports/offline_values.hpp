@@ -7,7 +7,7 @@
 
 #include "agent/bridge/effects.hpp"
 #include "agent/counts/statistics.hpp"
-#include "asip/protocol/parsed_line.hpp"
+#include "asip/protocol/message.hpp"
 
 namespace asip::agent {
 

@@ -8,7 +8,7 @@
 #include "agent/command/error_report.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
-#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/message.hpp"
 
 namespace asip::agent {
 

@@ -183,4 +183,18 @@ Caller::Question Caller::ask(mqtt::Message question, mqtt::Router::OnMessage on_
     return publish_asked(std::move(question)) ? std::move(asked) : Question();
 }
 
+Caller::Port port_of(mqtt::Client& client) {
+    Caller::Port port;
+    port.publish = [&client](mqtt::Message message) {
+        return client.publish(std::move(message), mqtt::Priority::kReply) != mqtt::PublishResult::kRefused;
+    };
+    port.subscribe = [&client](const std::string& filter, mqtt::SubscribeOptions options) {
+        client.subscribe(filter, options);
+    };
+    port.unsubscribe = [&client](const std::string& filter) { client.unsubscribe(filter); };
+    port.v5 = [&client] { return client.v5(); };
+    port.unacknowledged = [&client] { return client.counters().unacknowledged; };
+    return port;
+}
+
 }  // namespace asip::caller

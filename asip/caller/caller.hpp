@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/demander.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/bus/request/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/caller/access.hpp"
@@ -227,5 +227,8 @@ class Caller {
     Time now_{};
     Time retained_at_{};
 };
+
+/// A caller acts through this connection, which must outlive what the caller does; `changed` is left empty.
+Caller::Port port_of(mqtt::Client& client);
 
 }  // namespace asip::caller

@@ -1,17 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_set>
 #include <vector>
 
-#include "asip/catalogue/hash.hpp"
-#include "asip/catalogue/kinds.hpp"
+#include "asip/catalogue/name_order.hpp"
+#include "asip/model/board_state.hpp"
 #include "asip/model/labels.hpp"
 
 namespace asip::catalogue {
+
+struct WideProduct {
+    std::uint64_t low;
+    std::uint64_t high;
+    friend bool operator==(const WideProduct&, const WideProduct&) = default;
+};
+
+/// Where the machine has no integers of 128 bits: by halves.
+constexpr WideProduct multiply_by_halves(std::uint64_t a, std::uint64_t b) {
+    constexpr std::uint64_t kHalf = 0xFFFFFFFFu;
+    const std::uint64_t low = (a & kHalf) * (b & kHalf);
+    const std::uint64_t left = (a >> 32) * (b & kHalf) + (low >> 32);
+    const std::uint64_t right = (a & kHalf) * (b >> 32) + (left & kHalf);
+    return {(right << 32) | (low & kHalf), (a >> 32) * (b >> 32) + (left >> 32) + (right >> 32)};
+}
+
+constexpr WideProduct multiply(std::uint64_t a, std::uint64_t b) {
+#ifdef __SIZEOF_INT128__
+    __extension__ using Wide = unsigned __int128;
+    const Wide product = static_cast<Wide>(a) * b;
+    return {static_cast<std::uint64_t>(product), static_cast<std::uint64_t>(product >> 64)};
+#else
+    return multiply_by_halves(a, b);
+#endif
+}
+
+/// A hash of bytes that strangers choose: a stranger without the seed cannot pick texts that collide.
+inline std::uint64_t hash_bytes(std::string_view text, std::uint64_t seed) {
+    const auto mix = [](std::uint64_t a, std::uint64_t b) {
+        const auto product = multiply(a, b);
+        return product.low ^ product.high;
+    };
+    std::uint64_t state = seed ^ (text.size() * 0x9E3779B97F4A7C15u);
+    const char* at = text.data();
+    std::size_t left = text.size();
+    while (left >= 16) {
+        std::uint64_t a = 0;
+        std::uint64_t b = 0;
+        std::memcpy(&a, at, 8);
+        std::memcpy(&b, at + 8, 8);
+        state = mix(a ^ state, b ^ (seed | 1));
+        at += 16;
+        left -= 16;
+    }
+    std::uint64_t a = 0;
+    std::uint64_t b = 0;
+    std::memcpy(&a, at, left < 8 ? left : 8);
+    if (left > 8) std::memcpy(&b, at + 8, left - 8);
+    state = mix(a ^ state ^ 0xA0761D6478BD642Fu, b ^ seed ^ 0xE7037ED1A0B428DBu);
+    return mix(state, 0x8EBC6AF09C88C6E3u);
+}
 
 /// A service of a list; the views are into the list's text.
 struct Service {
@@ -101,5 +154,35 @@ std::unique_ptr<model::Labels> read_labels(std::string_view labels, std::string_
 
 /// What stood between the quotes of a JSON string, escapes undone.
 std::string unescape(std::string_view raw);
+
+/// The members of a description's outer object. The views point into the payload that was read.
+struct DescriptionMembers {
+    std::string_view board;
+    std::string_view session;
+    std::uint64_t seq = 0;
+    std::uint64_t lease = 0;  // seconds; 0: absent
+    std::string_view firmware;
+    std::string_view pins;
+    std::string_view services;
+    std::string_view agent;
+    std::string_view link;
+    std::string_view labels;
+    std::string_view names;
+    std::optional<model::SaidState> state;
+    std::string extra;  // all others with their keys, as received, joined by commas; labels and names, too
+};
+
+/// Texts that members are likely to have. A member that is equal to its guess is not parsed again.
+struct Guesses {
+    std::string_view firmware;
+    std::string_view pins;
+    std::string_view services;
+    std::string_view agent;
+    std::string_view link;
+};
+
+/// False if `payload` is not a JSON object with board, session, seq and services of the right types, or has
+/// one of these members twice. Names are not checked here.
+bool read_description(std::string_view payload, const Guesses& guesses, DescriptionMembers& members);
 
 }  // namespace asip::catalogue

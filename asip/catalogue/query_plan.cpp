@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "asip/bus/registry/match.hpp"
+#include "asip/bus/registry/board_match.hpp"
 
 namespace asip::catalogue {
 namespace {

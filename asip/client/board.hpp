@@ -15,7 +15,6 @@
 #include "asip/client/error.hpp"
 #include "asip/client/options.hpp"
 #include "asip/client/stream.hpp"
-#include "asip/client/subscription.hpp"
 #include "asip/client/transport.hpp"
 #include "asip/protocol/pin.hpp"
 

@@ -7,9 +7,9 @@
 #include <set>
 #include <string_view>
 
-#include "asip/bus/request/answer_words.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/bus/request/request_envelope.hpp"
-#include "asip/caller/client_port.hpp"
+#include "asip/caller/caller.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/failure.hpp"
 #include "asip/property/documents.hpp"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/request/answer_words.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "asip/client/subscription.hpp"
+#include "asip/client/stream.hpp"
 
 namespace asip::client {
 

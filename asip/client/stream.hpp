@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "asip/client/awaitable.hpp"
-
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -10,10 +8,28 @@
 #include <memory>
 #include <utility>
 
+#include "asip/client/awaitable.hpp"
 #include "asip/client/error.hpp"
 #include "asip/time.hpp"
 
 namespace asip::client {
+
+/// Keeps a callback registered; the callback is never called after this is destroyed or reset. May be dropped
+/// inside the callback, and may outlive the board.
+class Subscription {
+  public:
+    /// Keeps nothing.
+    Subscription() = default;
+    explicit Subscription(std::shared_ptr<void> registration) : registration_(std::move(registration)) {}
+    Subscription(Subscription&&) noexcept = default;
+    Subscription& operator=(Subscription&&) noexcept = default;
+
+    /// Ends it now.
+    void reset() { registration_.reset(); }
+
+  private:
+    std::shared_ptr<void> registration_;
+};
 
 /// Events kept in order until they are fetched, for code that must not miss one while it waits for something
 /// else. Copies share one queue. It stops collecting when the last copy is gone.

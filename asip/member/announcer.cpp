@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/program/exit_status.hpp"
 
 namespace asip::member {
@@ -57,6 +58,28 @@ Duration random_part(Duration of, const Random& random) {
 }
 
 }  // namespace
+
+mqtt::Message retained(std::string topic, std::string payload) {
+    mqtt::Message message;
+    message.topic = std::move(topic);
+    message.payload = std::move(payload);
+    message.qos = 1;
+    message.retain = true;
+    return message;
+}
+
+std::vector<std::string> take_stray_answers(Publications& publish, const bus::Topics& topics,
+                                            std::string_view board) {
+    std::vector<std::string> taken;
+    std::erase_if(publish, [&](const Publication& each) {
+        const bool answer =
+            each.priority == mqtt::Priority::kReply || each.priority == mqtt::Priority::kUrgent;
+        if (!answer || bus::may_answer_on(each.message.topic, topics, board)) return false;
+        taken.push_back(each.message.topic);
+        return true;
+    });
+    return taken;
+}
 
 Announcer::Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random)
     : topics_(topics),

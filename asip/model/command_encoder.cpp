@@ -8,7 +8,6 @@
 #include "asip/model/argument_writer.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
-#include "asip/model/request_values.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"
 #include "asip/protocol/request.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
@@ -61,5 +62,16 @@ std::string usage(const CommandModel& command);
 /// The request that undoes a command, with the names of the arguments it takes over: "M,s,motor"; empty where
 /// nothing undoes it.
 std::string safe_usage(const ServiceModel& model, const CommandModel& command);
+
+/// A request as its model reads it.
+struct RequestValues {
+    const CommandModel* command = nullptr;  ///< of the model
+    /// The value of each of given_arguments(), in order: numbers (a color is one, too), texts, and for a list
+    /// an array of its items. An item with several fields is an array.
+    nlohmann::json values;
+};
+
+/// ASIP text without its service, "W,0,90". Fails where encode_text_command() does.
+Expected<RequestValues> request_values(const ServiceModel& model, std::string_view text);
 
 }  // namespace asip::model

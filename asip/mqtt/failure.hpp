@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+/// Distinguishes the ways in which a connection fails, in words for a person.
 #pragma once
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "asip/mqtt/client.hpp"
 
-/// Distinguishes the ways in which a connection fails, in words for a person.
 namespace asip::mqtt {
 
 /// A CONNACK other than success. Codes below 128 are those of MQTT 3.1.1.
@@ -42,5 +44,20 @@ std::string unanswered_text(const std::string& user, const std::string& topic,
 
 /// Whether a CONNACK code means that the broker does not know this version of the protocol.
 bool is_version_refusal(int connack_code);
+
+/// Decides which failures of one outage are worth a line in the log. Attempts repeat every few seconds, and
+/// fail in the same way each time.
+class Outage {
+  public:
+    /// Whether this broker has not yet failed in this way since over().
+    bool is_news(const ConnectionFailure& failure) {
+        return seen_.emplace(failure.broker.describe(), failure.kind).second;
+    }
+    /// Call when a connection is established.
+    void over() { seen_.clear(); }
+
+  private:
+    std::set<std::pair<std::string, ConnectionFailure::Kind>> seen_;
+};
 
 }  // namespace asip::mqtt

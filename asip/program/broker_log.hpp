@@ -5,7 +5,7 @@
 
 #include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/client.hpp"
-#include "asip/mqtt/outage.hpp"
+#include "asip/mqtt/failure.hpp"
 
 namespace asip::program {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/program/command_words.hpp"
 #include "asip/program/credentials.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/property/field_values.hpp"
+#include "asip/property/service_properties.hpp"
 
 #include <algorithm>
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/model/request_values.hpp"
+#include "asip/model/command_encoder.hpp"
 #include "asip/property/contact.hpp"
 #include "asip/property/property.hpp"
 #include "asip/time.hpp"

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "asip/model/hints.hpp"
-#include "asip/property/field_values.hpp"
 
 namespace asip::property {
 namespace {

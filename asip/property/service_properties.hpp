@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "asip/model/description.hpp"
+#include "asip/model/hints.hpp"
 #include "asip/model/model_set.hpp"
+#include "asip/model/service_model.hpp"
 #include "asip/property/property.hpp"
 
 namespace asip::property {
@@ -13,5 +17,18 @@ std::vector<Property> service_properties(const model::Description& description,
                                          const model::ServiceInfo& service, const model::ServiceModel& model);
 /// Those of the pins, by their meanings and by the modes that commands set.
 std::vector<Property> pin_properties(const model::Description& description, const model::ServiceInfo& io);
+
+bool is_number(const model::Field& field);
+/// The different numbers of a field's names, each with the first of its words.
+std::vector<std::pair<std::string, double>> named_numbers(const model::Field& field);
+/// {"off", N}, {"on", M} of a field that has two values; empty: it has others.
+std::vector<std::pair<std::string, double>> two_values(const model::Field& field,
+                                                       const model::FieldHints& hints);
+/// Whether its words are all that a field can be.
+bool names_say_all(const model::Field& field);
+
+void describe_number(Property& property, const model::Field& field, const model::FieldHints& hints);
+/// A switch, a choice, or a number.
+void make_settable(Property& property, const model::Field& argument, const model::FieldHints& hints);
 
 }  // namespace asip::property

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <string>
 
-#include "asip/protocol/find_any.hpp"
 #include "asip/protocol/limits.hpp"
 
 namespace asip::protocol {

@@ -29,4 +29,12 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 /// The same for hexadecimal digits of either case, without a sign and without `0x`.
 std::optional<std::uint32_t> parse_hex(std::string_view text);
 
+/// As find_first_of(), for a few characters: it looks for one after the other, several times as fast.
+inline std::size_t find_any(std::string_view text, std::string_view few, std::size_t from = 0) {
+    auto first = std::string_view::npos;
+    for (const char c : few)
+        if (const auto at = text.substr(0, first).find(c, from); at != std::string_view::npos) first = at;
+    return first;
+}
+
 }  // namespace asip::protocol

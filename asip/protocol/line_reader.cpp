@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/protocol/line_reader.hpp"
 
-#include "asip/protocol/find_any.hpp"
+#include "asip/protocol/body.hpp"
 
 namespace asip::protocol {
 

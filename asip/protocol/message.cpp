@@ -2,9 +2,11 @@
 #include "asip/protocol/message.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace asip::protocol {
+
 namespace {
 
 bool is_printable(char c) {
@@ -62,6 +64,44 @@ Message parse_line(std::string_view line) {
     const auto body = line.size() > 5 ? line.substr(5) : std::string_view{};
     if (kind == '@') return Event{service, tag, body};
     return parse_error(service, tag, body);
+}
+
+std::string_view error_name(int code) {
+    static constexpr std::array<std::string_view, 12> kNames = {
+        "NO_ERROR",        "INVALID_SERVICE",       "UNKNOWN_REQUEST",
+        "INVALID_PIN",     "MODE_UNAVAILABLE",      "INVALID_MODE",
+        "WRONG_MODE",      "INVALID_DEVICE_NUMBER", "DEVICE_NOT_AVAILABLE",
+        "I2C_NOT_ENABLED", "BAD_CHECKSUM",          "BAD_ARGUMENT",
+    };
+    if (code < 0 || static_cast<std::size_t>(code) >= kNames.size()) return "UNKNOWN_ERROR";
+    return kNames[static_cast<std::size_t>(code)];
+}
+
+ParsedLine::ParsedLine(std::string line) : text_(std::move(line)) {
+    keep(parse_line(text_), text_);
+}
+
+ParsedLine::ParsedLine(std::string_view line, const Message& message) : text_(line) {
+    keep(message, line);
+}
+
+void ParsedLine::keep(const Message& message, std::string_view line) {
+    std::string_view part;
+    if (const auto* event = std::get_if<Event>(&message)) {
+        kind_ = Kind::kEvent;
+        service_ = event->service;
+        tag_ = event->tag;
+        part = event->body;
+    } else if (const auto* error = std::get_if<ErrorReply>(&message)) {
+        kind_ = Kind::kError;
+        service_ = error->service;
+        tag_ = error->tag;
+        code_ = error->code;
+        part = error->text;
+    }
+    if (part.empty()) return;
+    part_at_ = static_cast<std::size_t>(part.data() - line.data());
+    part_size_ = part.size();
 }
 
 }  // namespace asip::protocol

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "asip/protocol/find_any.hpp"
+#include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"
 
 namespace asip::protocol {

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "asip/protocol/parsed_line.hpp"
+#include "asip/protocol/message.hpp"
 
 namespace asip::session {
 

@@ -5,6 +5,20 @@
 
 namespace asip::session {
 
+const char* to_string(Refusal refusal) {
+    switch (refusal) {
+        case Refusal::kInvalid:
+        case Refusal::kTooLong:
+            return "invalid";
+        case Refusal::kQueueFull:
+        case Refusal::kTooManyNames:
+            return "queue-full";
+        case Refusal::kNoBoard:
+            return "board-not-there";
+    }
+    return "?";
+}
+
 BoardSession::BoardSession(SessionOptions options, const Random& random)
     : machine_(std::make_unique<Machine>(options, random)) {}
 BoardSession::~BoardSession() = default;

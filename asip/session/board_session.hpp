@@ -10,11 +10,29 @@
 #include "asip/protocol/request.hpp"
 #include "asip/random.hpp"
 #include "asip/session/action.hpp"
-#include "asip/session/identity.hpp"
-#include "asip/session/submit_refusal.hpp"
+#include "asip/session/interview.hpp"
 #include "asip/time.hpp"
 
 namespace asip::session {
+
+/// Why submit() did not take a request. Nothing of it was sent.
+enum class Refusal {
+    /// Not a request line: `S,t[,...]`, printable characters, at most kMaxRequestBytes, and none of `#,B`,
+    /// `#,C` and `#,V`, which are the session's own.
+    kInvalid,
+    /// Longer than Extensions::longest_request() of this board.
+    kTooLong,
+    /// kMaxQueuedPerClient requests of this client wait already, or kMaxQueued of all clients; of urgent ones
+    /// kMaxUrgent.
+    kQueueFull,
+    /// The link is down, the board is silent, or it was not identified since link_up.
+    kNoBoard,
+    /// It stores a name on the board, as others did before: see NameBudget.
+    kTooManyNames,
+};
+
+/// The word of asip/bus/request/reply.hpp: several causes share one.
+const char* to_string(Refusal refusal);
 
 /// When lines carry a checksum, on boards that have that extension.
 enum class ChecksumPolicy {

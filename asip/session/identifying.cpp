@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <utility>
 
-#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/message.hpp"
 #include "asip/session/machine.hpp"
 
 namespace asip::session {

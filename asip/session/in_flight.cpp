@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "asip/protocol/error_code.hpp"
+#include "asip/protocol/message.hpp"
 #include "asip/protocol/request.hpp"
 
 namespace asip::session {

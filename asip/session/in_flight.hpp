@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "asip/protocol/digest.hpp"
-#include "asip/protocol/parsed_line.hpp"
+#include "asip/protocol/checksum.hpp"
+#include "asip/protocol/message.hpp"
 #include "asip/session/fences.hpp"
 #include "asip/session/request.hpp"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "asip/protocol/board_info.hpp"
-#include "asip/protocol/find_any.hpp"
+#include "asip/protocol/body.hpp"
 #include "asip/session/machine.hpp"
 
 namespace asip::session {

@@ -4,17 +4,22 @@
 #include <algorithm>
 #include <utility>
 
+#include "asip/protocol/message.hpp"
+#include "asip/protocol/request.hpp"
+#include "asip/session/machine.hpp"
 #include "asip/session/rate_change.hpp"
 
 namespace asip::session {
 
 namespace {
+
 constexpr Duration kAtStartRate = std::chrono::milliseconds(600);
 constexpr Duration kAtOtherRates = std::chrono::milliseconds(200);
 // The second of a 0.4 board, and the way there. Behind the third of four questions: a question that was lost
 // is asked again soon.
 constexpr Duration kSilence = std::chrono::milliseconds(1100);
 constexpr int kLongestTurn = 4;
+
 }  // namespace
 
 int Search::longer(int turn) {
@@ -52,6 +57,53 @@ Search::Step Search::next(Time now) {
     index_ = (index_ + 1) % rates_.size();
     if (index_ == 0 && rates_.size() > 1 && std::exchange(bytes_came_, false)) turn_ = longer(turn_);
     return step;
+}
+
+void Machine::ask(Searching& state, Time now, Actions& out) {
+    const Search::Step step = state.search.next(now);
+    wire_.set_rate(step.baud, {}, out);
+    if (!step.ask) return;
+    std::vector<std::string> lines;
+    if (checksums_seen_ || has_checksums()) {
+        lines = wire_.switching_lines(false);
+    } else if (step.newline_first) {
+        lines.emplace_back();
+    }
+    lines.emplace_back(protocol::kAskInfo);
+    write(lines, now, out);
+}
+
+void Machine::on_event(Searching& state, const protocol::Event& event, std::string_view line, Time now,
+                       Actions& out) {
+    if (event.service == '#' && event.tag == '?') {
+        progress_at_ = now;
+        return identify(now, out);
+    }
+    state.search.heard();
+    note_report(event, now);
+    // Answers to questions that were asked before belong to no client.
+    if (event.service != '#') out.emplace_back(BoardLine{protocol::ParsedLine(line, event), std::nullopt});
+}
+
+void Machine::on_error(Searching& state, const protocol::ErrorReply& error, std::string_view, Time now,
+                       Actions& out) {
+    state.search.heard();
+    if (error.code != static_cast<int>(protocol::ErrorCode::kBadChecksum) || checksums_seen_) return;
+    // A program before us left checksums on.
+    checksums_seen_ = true;
+    auto lines = wire_.switching_lines(false);
+    lines.emplace_back(protocol::kAskInfo);
+    write(lines, now, out);
+}
+
+void Machine::on_time(Searching& state, Time now, Actions& out) {
+    if (there_ && now >= state.since + options_.patience) return fall_silent(now, out);
+    if (now >= state.search.next_deadline()) ask(state, now, out);
+}
+
+Time Machine::deadline(const Searching& state) const {
+    const Time next = state.search.next_deadline();
+    return there_ ? std::min(next, state.since + options_.patience) : next;
 }
 
 }  // namespace asip::session

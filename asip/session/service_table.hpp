@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "asip/model/model_set.hpp"
-#include "asip/session/identity.hpp"
+#include "asip/session/interview.hpp"
 
 namespace asip::session {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "asip/caller/client_port.hpp"
+#include "asip/caller/caller.hpp"
 
 namespace asip::load {
 

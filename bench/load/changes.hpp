@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "bench/load/times.hpp"
 
 namespace asip::load {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "asip/bus/registry/answer.hpp"
-#include "asip/bus/registry/change_event.hpp"
 #include "bench/load/calling.hpp"
 #include "bench/load/changes.hpp"
 #include "bench/load/fleet.hpp"

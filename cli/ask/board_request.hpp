@@ -4,7 +4,6 @@
 #include <span>
 #include <string>
 
-#include "asip/bus/request/answer_words.hpp"
 #include "asip/bus/request/reply.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"

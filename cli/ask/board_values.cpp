@@ -6,7 +6,7 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/bus/registry/board_match.hpp"
 #include "asip/bus/request/reply.hpp"
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 #include "asip/property/contact.hpp"
 #include "asip/property/list.hpp"

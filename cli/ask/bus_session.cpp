@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "asip/caller/client_port.hpp"
+#include "asip/caller/caller.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/mqtt/failure.hpp"

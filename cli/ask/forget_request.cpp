@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "asip/bus/registry/forget_topics.hpp"
+#include "asip/bus/registry/query.hpp"
 
 namespace asip::cli {
 namespace {

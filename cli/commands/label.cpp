@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/bus/request/label_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/json_reader.hpp"
 #include "cli/ask/board_request.hpp"

@@ -5,7 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "asip/bus/registry/brief.hpp"
 #include "asip/bus/registry/items.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "cli/environment.hpp"

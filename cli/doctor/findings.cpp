@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/packet_limit.hpp"
+#include "asip/bus/topics.hpp"
 #include "asip/model/description.hpp"
 #include "asip/mqtt/options.hpp"
 #include "asip/text/duration.hpp"

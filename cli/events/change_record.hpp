@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {

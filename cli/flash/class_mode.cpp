@@ -8,7 +8,7 @@
 #include <ostream>
 #include <set>
 
-#include "asip/bus/request/port_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/program/options.hpp"

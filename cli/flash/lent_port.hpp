@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "asip/bus/request/port_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/environment.hpp"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/bus/request/port_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/json.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/text/width.hpp"

@@ -3,7 +3,6 @@
 #include <string>
 #include <string_view>
 
-#include "asip/bus/registry/brief.hpp"
 #include "asip/bus/registry/items.hpp"
 #include "asip/model/description.hpp"
 

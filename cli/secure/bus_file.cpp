@@ -5,7 +5,6 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/packet_limit.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/options.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/trials.hpp"
 
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 
 namespace asip::cli {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "asip/random.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/registry/forget_topics.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "asip/model/board_state.hpp"
 #include "asip/model/json.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/request/answer_words.hpp"
+#include "asip/bus/request/reply.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"

@@ -6,7 +6,6 @@
 #include "asip/program/log.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
-#include "gateway/api/paths.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/http/address.hpp"
 

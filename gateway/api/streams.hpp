@@ -6,7 +6,6 @@
 #include "gateway/api/call.hpp"
 #include "gateway/mirror/property_feed.hpp"
 #include "gateway/stream/feed.hpp"
-#include "gateway/stream/place.hpp"
 
 namespace asip::gateway::api {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "asip/bus/request/answer_words.hpp"
+#include "asip/bus/request/reply.hpp"
 
 namespace asip::gateway {
 namespace {

@@ -11,13 +11,51 @@
 #include <unordered_map>
 #include <vector>
 
+#include "asip/mqtt/message.hpp"
 #include "gateway/export/dialect.hpp"
 #include "gateway/export/export.hpp"
-#include "gateway/export/retained_scan.hpp"
-#include "gateway/export/seldom.hpp"
 #include "gateway/export/value_pacer.hpp"
 
 namespace asip::gateway::exports {
+
+/// What the broker retains of an export, read back: between begin() and take_all(). Pure.
+class RetainedScan {
+  public:
+    static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
+
+    void begin(std::string mark) {
+        mark_ = std::move(mark);
+        found_.clear();
+        bytes_ = 0;
+        complete_ = true;
+    }
+    bool runs() const { return !mark_.empty(); }
+    const std::string& mark() const { return mark_; }
+    /// One that was retained; others are passed over.
+    void message(const mqtt::Message& message) {
+        if (!runs() || !message.retain || message.payload.empty()) return;
+        const auto bytes = message.topic.size() + message.payload.size() + 100;
+        if (bytes_ + bytes > kMaxBytes) {
+            complete_ = false;
+            return;
+        }
+        if (found_.emplace(message.topic, message.payload).second) bytes_ += bytes;
+    }
+    /// False: there was more than is kept.
+    bool complete() const { return complete_; }
+    /// Topic -> payload. The scan is over.
+    std::map<std::string, std::string> take_all() {
+        mark_.clear();
+        bytes_ = 0;
+        return std::exchange(found_, {});
+    }
+
+  private:
+    std::string mark_;
+    std::map<std::string, std::string> found_;
+    std::size_t bytes_ = 0;
+    bool complete_ = true;
+};
 
 /// An export that retains what it shows: says when what its dialect decides is published. At each connection,
 /// and when the other system starts, it reads back what the broker retains and puts right what differs:

@@ -11,7 +11,7 @@
 
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
-#include "gateway/export/escaped_id.hpp"
+#include "gateway/export/dialect.hpp"
 #include "gateway/export/home_assistant.hpp"
 #include "gateway/export/object_text.hpp"
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "gateway/export/export.hpp"
-#include "gateway/export/seldom.hpp"
 #include "gateway/export/sparkplug.hpp"
 #include "gateway/export/value_pacer.hpp"
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -43,6 +46,48 @@ class PacedValue {
     std::string sent_;  // empty: nothing
     std::optional<std::string> waiting_;
     std::optional<Time> sent_at_;
+};
+
+/// What others can cause at will must not fill the log: of each subject one line a minute, with how often it
+/// came since. Pure.
+class Seldom {
+  public:
+    static constexpr Duration kBetween = std::chrono::minutes(1);
+    static constexpr std::size_t kMaxSubjects = 1000;  ///< all others are one
+
+    explicit Seldom(std::function<void(const std::string&)> log) : log_(std::move(log)) {}
+
+    void say(std::string subject, const std::string& sentence, Time now) {
+        if (said_.size() >= kMaxSubjects && !said_.contains(subject)) subject.clear();
+        const auto [found, first] = said_.try_emplace(std::move(subject), Said{now, 0, {}});
+        if (first) return log_(sentence);
+        ++found->second.more;
+        found->second.sentence = sentence;
+    }
+    /// Call now and then.
+    void tick(Time now) {
+        for (auto each = said_.begin(); each != said_.end();) {
+            auto& said = each->second;
+            if (now - said.at < kBetween) {
+                ++each;
+            } else if (said.more == 0) {
+                each = said_.erase(each);
+            } else {
+                log_(said.sentence + " (" + std::to_string(std::exchange(said.more, 0)) + " in a minute)");
+                said.at = now;
+                ++each;
+            }
+        }
+    }
+
+  private:
+    struct Said {
+        Time at;
+        std::uint64_t more;
+        std::string sentence;  // the last one
+    };
+    std::function<void(const std::string&)> log_;
+    std::map<std::string, Said> said_;
 };
 
 }  // namespace asip::gateway::exports

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/http/message.hpp"
 
+#include <zlib.h>
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <stdexcept>
 
 namespace asip::gateway::http {
+
 namespace {
 
 int hex_digit(char c) {
@@ -68,6 +72,23 @@ bool take_absolute(Request& request) {
     if (path != "*" && !path.starts_with('/')) path.insert(0, 1, '/');
     request.target = std::move(path);
     return true;
+}
+
+constexpr int kGzip = 16 + MAX_WBITS;
+
+template <class Step>
+std::string run(z_stream& stream, std::string_view input, Step step) {
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(input.data()));
+    stream.avail_in = static_cast<uInt>(input.size());
+    std::string output;
+    std::array<char, 16384> piece;
+    for (int result = Z_OK; result == Z_OK;) {
+        stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+        stream.avail_out = piece.size();
+        result = step();
+        output.append(piece.data(), piece.size() - stream.avail_out);
+    }
+    return output;
 }
 
 }  // namespace
@@ -260,6 +281,23 @@ bool is_upgrade(const Request& request) {
     return request.method == "GET" && lower(request.header("upgrade")) == "websocket" &&
            lower(request.header("connection")).find("upgrade") != std::string::npos &&
            request.header("sec-websocket-version") == "13" && !request.header("sec-websocket-key").empty();
+}
+
+std::string compress(std::string_view text) {
+    z_stream stream{};
+    if (deflateInit2(&stream, 1, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+        throw std::runtime_error("zlib");
+    auto output = run(stream, text, [&] { return deflate(&stream, Z_FINISH); });
+    deflateEnd(&stream);
+    return output;
+}
+
+std::string decompress(std::string_view gzip) {
+    z_stream stream{};
+    if (inflateInit2(&stream, kGzip) != Z_OK) throw std::runtime_error("zlib");
+    auto output = run(stream, gzip, [&] { return inflate(&stream, Z_NO_FLUSH); });
+    inflateEnd(&stream);
+    return output;
 }
 
 }  // namespace asip::gateway::http

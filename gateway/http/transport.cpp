@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/http/transport.hpp"
 
+#include <boost/asio/bind_executor.hpp>
+#include <utility>
+
+#include "gateway/http/connection.hpp"
+#include "gateway/http/turn_executor.hpp"
+
 namespace asip::gateway::http {
 
 void Transport::close() {
@@ -17,6 +23,39 @@ void Transport::read_some(boost::asio::mutable_buffer buffer, Ended ended) {
 void Transport::write_some(const std::array<boost::asio::const_buffer, kBuffers>& buffers, Ended ended) {
     if (tls_) return tls_->async_write_some(buffers, std::move(ended));
     socket_->async_write_some(buffers, std::move(ended));
+}
+
+namespace asio = boost::asio;
+
+void Connection::start(asio::ssl::context* tls) {
+    until(shared_->limits.head_time);
+    if (tls == nullptr) {
+        phase_ = Phase::kReading;
+        return read();
+    }
+    if (use_ != nullptr && use_->handshakes >= shared_->limits.handshakes_per_address) {
+        ++shared_->counters.turned_away;
+        return close();
+    }
+    shakes_hands(true);
+    transport_.use_tls(*tls);
+    // A handshake costs a millisecond or two, and nobody has shown a token before it.
+    const TurnExecutor turns(asio::query(transport_.get_executor(), asio::execution::context),
+                             shared_->shares, "address " + address_);
+    transport_.tls()->async_handshake(
+        asio::ssl::stream_base::server,
+        asio::bind_executor(turns, [self = shared_from_this()](const boost::system::error_code& error) {
+            if (self->closed()) return;
+            self->shakes_hands(false);
+            if (error) return self->close();
+            self->phase_ = Phase::kReading;
+            self->read();
+        }));
+}
+
+void Connection::shakes_hands(bool now) {
+    if (use_ == nullptr || std::exchange(in_handshake_, now) == now) return;
+    use_->handshakes += now ? 1 : -1;
 }
 
 }  // namespace asip::gateway::http

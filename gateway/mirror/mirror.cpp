@@ -2,7 +2,7 @@
 #include "gateway/mirror/mirror.hpp"
 
 #include "asip/bus/pattern.hpp"
-#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "asip/model/json.hpp"
 #include "asip/property/value.hpp"
 

@@ -15,7 +15,6 @@
 #include "asip/random.hpp"
 #include "gateway/instant.hpp"
 #include "gateway/mirror/standing.hpp"
-#include "gateway/stream/change_feed.hpp"
 #include "gateway/stream/change_log.hpp"
 #include "gateway/stream/values.hpp"
 

@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "gateway/stream/budget.hpp"
 #include "gateway/stream/feed.hpp"
 
 namespace asip::gateway {
@@ -48,6 +51,74 @@ class ChangeLog {
     std::uint64_t last_ = 0;
     std::deque<Change> changes_;
     std::vector<ChangeFeed*> feeds_;
+};
+
+/// The catalogue and its changes: each board that matches (`board`), `snapshot-end`, then each change. What
+/// changes while the snapshot is being read is in it or follows it, never both, never neither. A filtered
+/// feed moves its place on by `bookmark` events, so that it can be resumed after a quiet time. One that is
+/// too slow for what the log keeps is sent `reset` and begins anew.
+class ChangeFeed : public Feed {
+  public:
+    static constexpr std::uint64_t kBookmarkAfter = 100;  ///< changes that did not match
+    static constexpr Duration kBookmarkTime = std::chrono::seconds(15);
+
+    /// Boards behind `after` in the order of their names: as many as others can wait for.
+    struct Page {
+        std::vector<std::string> boards;  ///< JSON objects, without those that the reader may not see
+        std::string behind;               ///< the last name that was looked at
+        bool last = true;
+    };
+    using ReadPage =
+        std::function<Page(const std::string& pattern, const std::string& after, const Instant&)>;
+    using Allowed = std::function<bool(std::string_view board)>;
+
+    struct Options {
+        std::string board = "*";     ///< pattern
+        std::optional<Place> after;  ///< resume behind it; where it is gone, `reset` and the state follow
+        bool snapshot = true;        ///< false: only what changes from now on
+        Allowed allowed;             ///< which changes the reader may see; empty: all
+        Budget::Part part{};         ///< of the reader: for what waits here to be sent
+    };
+
+    /// `read_page` is called for one page a turn of the snapshot, and must leave out what the reader may not
+    /// see.
+    ChangeFeed(ChangeLog& log, ReadPage read_page, Options options);
+    ~ChangeFeed() override;
+
+    bool next(StreamEvent& event, const Instant& now) override;
+    void tick(const Instant& now) override;
+    bool more() const override { return phase_ == Phase::kSnapshot && turn_over_ && fault_.empty(); }
+    std::string_view fault() const override { return fault_; }
+
+  private:
+    friend class ChangeLog;
+    enum class Phase { kReset, kSnapshot, kLive };
+
+    bool matches(const ChangeLog::Change& change) const;
+    bool in_snapshot(const ChangeLog::Change& change) const;
+    bool next_board(StreamEvent& event, const Instant& now);
+    bool next_change(StreamEvent& event, const Instant& now);
+    bool bookmark(StreamEvent& event, const Instant& now);
+    void begin_snapshot();
+    bool read_page(const Instant& now);
+
+    ChangeLog* log_;
+    ReadPage read_page_;
+    std::string pattern_;
+    Allowed allowed_;
+    Budget::Part part_;
+    std::string_view fault_;
+    Phase phase_ = Phase::kLive;
+    std::string_view reset_reason_;
+    std::uint64_t sent_ = 0;    // everything up to here is with the reader, or does not concern it
+    std::uint64_t placed_ = 0;  // number of the last place that the reader was given
+    bool bookmark_due_ = false;
+    Time quiet_since_{};
+    Page page_;
+    std::size_t at_ = 0;      // in page_
+    bool turn_over_ = false;  // the next page is read in another turn
+    std::string last_name_;
+    std::vector<std::pair<std::string, std::uint64_t>> pages_;  // last name of each, and the change it holds
 };
 
 }  // namespace asip::gateway

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/json/written_numbers.hpp"
+#include "asip/bus/json/json_text.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::gateway {

@@ -7,7 +7,6 @@
 
 #include "gateway/stream/budget.hpp"
 #include "gateway/stream/feed.hpp"
-#include "gateway/stream/place.hpp"
 #include "gateway/stream/values.hpp"
 
 namespace asip::gateway {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "asip/bus/registry/change_event.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"

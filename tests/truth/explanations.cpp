@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "asip/protocol/digest.hpp"
+#include "asip/protocol/checksum.hpp"
 
 namespace truth {
 

@@ -6,10 +6,13 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 
+#include "asip/bus/json/json_scanner.hpp"
 #include "asip/model/json.hpp"
 
 namespace asip::bus {
+
 namespace {
 
 bool is_plain(unsigned char c) {
@@ -40,6 +43,30 @@ void append_json_seconds(std::string& out, double seconds) {
     const std::string thousandths = std::to_string(1000 + size % 1000);
     out += '.';
     out.append(thousandths, 1, thousandths.find_last_not_of('0'));
+}
+
+std::string_view written_member(std::string_view payload, std::string_view name) {
+    JsonScanner scanner(payload);
+    std::string_view found;
+    std::string_view key;
+    if (!scanner.enter_object()) return {};
+    while (scanner.next_member(key)) {
+        const bool wanted = key == name;
+        std::string_view value;
+        if (!scanner.value(value)) break;
+        if (wanted) found = value;
+    }
+    return found;
+}
+
+void keep_numbers(std::string_view payload, nlohmann::json& object,
+                  std::initializer_list<std::string_view> names) {
+    for (const auto name : names) {
+        const auto member = object.find(name);
+        if (member == object.end() || !member->is_number_float()) continue;
+        if (const auto written = written_member(payload, name); !written.empty())
+            *member = std::string(written);
+    }
 }
 
 }  // namespace asip::bus

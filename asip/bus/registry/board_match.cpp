@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "asip/bus/registry/match.hpp"
-
 namespace asip::bus {
 namespace {
 

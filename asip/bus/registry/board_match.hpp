@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "asip/bus/pattern.hpp"
 #include "asip/bus/registry/items.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "asip/model/description.hpp"
@@ -7,8 +14,59 @@
 
 namespace asip::bus {
 
-/// Whether a board, or one service of it, is among what `query` asks for (sort, limit and cursor aside). The
-/// rule is that of match.hpp. `description` may be null; `models` gives the units of standard models.
+// The one place that decides it: for programs that read the bus itself, and for a registry where no index
+// answers.
+
+/// What a query looks at of a board, its services aside. The texts are the caller's, for the duration of a
+/// call.
+struct BoardFacts {
+    std::string_view board;
+    std::string_view state;  ///< effective
+    std::string_view chip;
+    std::string_view sketch;
+    unsigned capabilities = 0;  ///< of all its pins together: 1 digital, 2 analog, 4 PWM
+    const std::map<std::string, std::string>* labels = nullptr;  ///< null: none
+};
+
+/// The bit of "digital", "analog" or "pwm"; 0: none of these.
+inline unsigned capability_bit(std::string_view word) {
+    return word == "digital" ? 1 : word == "analog" ? 2 : word == "pwm" ? 4 : 0;
+}
+
+/// Whether `value` is one of `wanted`; always, where `wanted` is empty.
+inline bool is_among(const std::vector<std::string>& wanted, std::string_view value) {
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
+}
+
+/// Whether the filters on boards hold: `board`, `state`, `chip`, `sketch`, `capability`, `labels`.
+inline bool matches_board(const Query& query, const BoardFacts& board) {
+    if (!is_among(query.state, board.state) || !matches_pattern(query.board, board.board)) return false;
+    if (!query.chip.empty() && !matches_pattern(query.chip, board.chip)) return false;
+    if (!query.sketch.empty() && !matches_pattern(query.sketch, board.sketch)) return false;
+    if (!query.labels.empty()) {
+        static const std::map<std::string, std::string> kNone;
+        if (!query.labels.matches(board.labels != nullptr ? *board.labels : kNone)) return false;
+    }
+    return query.capability.empty() || (board.capabilities & capability_bit(query.capability)) != 0;
+}
+
+/// Whether the filters on services hold: `service`, `kind`, `unit`. `has_unit(unit)`: whether some field of
+/// the service's events or commands has this unit.
+template <class HasUnit>
+bool matches_service(const Query& query, std::string_view name, std::string_view kind,
+                     const HasUnit& has_unit) {
+    return is_among(query.kind, kind) && matches_pattern(query.service, name) &&
+           (query.unit.empty() || has_unit(query.unit));
+}
+
+/// Whether the query has a filter on services: then it asks for boards with at least one service that
+/// matches.
+inline bool asks_for_services(const Query& query) {
+    return !query.service.empty() || !query.kind.empty() || !query.unit.empty();
+}
+
+/// Whether a board, or one service of it, is among what `query` asks for (sort, limit and cursor aside).
+/// `description` may be null; `models` gives the units of standard models.
 bool board_matches(const Query& query, const BoardItem& board, const model::Description* description,
                    const model::ModelSet& models);
 bool service_matches(const Query& query, const ServiceItem& service, const model::Description* description,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/registry/brief.hpp"
+#include "asip/bus/registry/items.hpp"
 
 #include <algorithm>
 #include <charconv>

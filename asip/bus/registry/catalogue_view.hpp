@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "asip/bus/registry/answer.hpp"
-#include "asip/bus/registry/change_event.hpp"
 #include "asip/bus/registry/items.hpp"
 #include "asip/bus/registry/query.hpp"
 

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#pragma once
-#include <cstddef>
-#include <nlohmann/json_fwd.hpp>
-#include <string>
-#include <variant>
-#include <vector>
-
-#include "asip/bus/registry/label_selector.hpp"
-#include "asip/expected.hpp"
-
 /// What is sent to a registry: queries and requests to forget. Pure: JSON in and out, no connection. A query
 /// goes to ROOT/registry/query (any registry) or ROOT/registry/ID/query; its answer to the response topic of
 /// the message, or to "reply_to" in the query; events come on ROOT/registry/ID/events.
 ///
 /// Board states on this wire are the words of the service bus: "online", "offline", "lost", "sleeping",
 /// "updating". They are effective states: what was reported AND the lease not run out.
+#pragma once
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "asip/bus/registry/label_selector.hpp"
+#include "asip/bus/topics.hpp"
+#include "asip/expected.hpp"
+
 namespace asip::bus {
 
 /// What a query lists.
@@ -76,5 +78,11 @@ std::string encode(const RegistryRequest& request);
 /// Texts have at most 256 bytes, lists at most 64 items, a selector of labels
 /// LabelSelector::kMaxBytes.
 Expected<std::variant<Query, Forget>> read_registry_request(const nlohmann::json& object);
+
+/// Where a registry, or each of them, is asked to forget a board: another topic than for queries, so that the
+/// broker's access rules can let a user ask and not forget.
+inline std::string forget_topic(const Topics& topics, std::string_view registry = {}) {
+    return topics.root() + "/registry/" + (registry.empty() ? "" : std::string(registry) + "/") + "forget";
+}
 
 }  // namespace asip::bus

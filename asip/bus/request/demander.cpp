@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "asip/bus/pattern.hpp"
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/description.hpp"
 
 namespace asip::bus {

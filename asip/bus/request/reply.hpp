@@ -1,14 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
-#include "asip/bus/request/refusal_reasons.hpp"
 #include "asip/expected.hpp"
 #include "asip/mqtt/message.hpp"
 
 namespace asip::bus {
+
+// What each of these words means to a person is in reply.cpp; tests/vectors/answers.json binds it.
+
+/// Reasons of Reply::kRefused that every program knows.
+inline constexpr std::string_view kRefusedQueueFull = "queue-full";
+inline constexpr std::string_view kRefusedInvalid = "invalid";
+inline constexpr std::string_view kRefusedBoardNotThere = "board-not-there";
+inline constexpr std::string_view kRefusedRetained = "retained";
+inline constexpr std::string_view kRefusedDeadline = "deadline";
+/// It waited while the board was stopped.
+inline constexpr std::string_view kRefusedStopped = "stopped";
+/// There is nothing to renew.
+inline constexpr std::string_view kRefusedNotHeld = "not-held";
+inline constexpr std::string_view kRefusedIdReused = "id-reused";
+/// A program says it of its own command: the access rules of the broker deny the topic.
+inline constexpr std::string_view kRefusedDenied = "denied";
+
+/// Reasons of Reply::kTimeout: something on the line to the board was lost or damaged, so that it may or may
+/// not have executed the command; and: it executed the command, but the value that was asked for did not
+/// come.
+inline constexpr std::string_view kTimeoutDoubt = "doubt";
+inline constexpr std::string_view kTimeoutNoValue = "no-value";
+/// Of a command of several lines some were sent and others were not.
+inline constexpr std::string_view kTimeoutPartly = "partly";
+/// The board was not there to confirm a stop.
+inline constexpr std::string_view kTimeoutBoardNotThere = "board-not-there";
+/// A program says it of its own command: not even an agent answered.
+inline constexpr std::string_view kTimeoutNoAnswer = "no-answer";
+/// The same: its connection was lost before the answer came.
+inline constexpr std::string_view kTimeoutConnection = "connection";
 
 /// Where and under which names the answer to one request goes.
 struct ReplyTo {
@@ -76,5 +106,32 @@ Expected<Reply> parse_reply(std::string_view text);
 /// The message that carries `reply` (its id and `by` filled in from `to`) to the topic in `to`, with QoS 1;
 /// nothing when no answer is wanted. Where it may have user properties, the clock is one.
 std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply);
+
+/// Ends each sentence about a command that the board may have executed or not.
+inline constexpr std::string_view kMayHaveBeenExecuted = "; it may or may not have been executed";
+
+/// Whether the board may have executed the command or not: so behind every timeout, but for one that lacks
+/// the value alone.
+bool may_have_been_executed(const Reply& reply);
+
+/// One sentence without its full stop; empty for a success. What the answer says itself (`error`) comes
+/// before what is known of its reason.
+std::string sentence_of(const Reply& reply);
+/// The same where the status stands beside it already.
+std::string why_of(const Reply& reply);
+
+/// What came as an answer; where it is none, an answer that says so.
+Reply read_answer(std::string_view payload);
+
+/// A status with a reason, and what it means.
+struct AnswerWords {
+    Reply::Status status;
+    std::string_view reason;
+    std::string_view words;
+};
+/// All that programs of this version send or make.
+std::span<const AnswerWords> answer_words();
+/// Empty for a reason of a later version.
+std::string_view words_of(Reply::Status status, std::string_view reason);
 
 }  // namespace asip::bus

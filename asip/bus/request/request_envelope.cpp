@@ -2,9 +2,11 @@
 #include "asip/bus/request/request_envelope.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
-#include "asip/bus/json/written_numbers.hpp"
+#include "asip/bus/json/json_text.hpp"
 #include "asip/bus/request/agent_clock.hpp"
 #include "asip/bus/request/broken_request.hpp"
 #include "asip/model/json.hpp"
@@ -12,9 +14,64 @@
 #include "asip/text/file_text.hpp"
 
 namespace asip::bus {
+
 namespace {
 
 using nlohmann::json;
+
+constexpr std::string_view kServiceBus = "servicebus/";
+
+bool can_be_level(std::string_view text) {
+    return !text.empty() && std::none_of(text.begin(), text.end(), [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte < 0x20 || byte == 0x7f || c == '+' || c == '#' || c == '/';
+    });
+}
+
+constexpr int kMaxNumbers = 8;        // the text is read anew after each
+constexpr int kNumberTooLarge = 406;  // of the library's exceptions
+
+/// Notes the members that say where an answer goes, up to the first fault.
+class ReplyMembers final : public json::json_sax_t {
+  public:
+    json members = json::object();
+    bool number_too_large = false;
+    std::size_t fault_end = 0;  ///< of the token at which it stopped
+    std::size_t fault_bytes = 0;
+
+    bool null() override { return true; }
+    bool boolean(bool) override { return true; }
+    bool number_integer(json::number_integer_t value) override { return note(value); }
+    bool number_unsigned(json::number_unsigned_t value) override { return note(value); }
+    bool number_float(json::number_float_t value, const std::string&) override { return note(value); }
+    bool string(std::string& value) override { return note(std::move(value)); }
+    bool binary(json::binary_t&) override { return true; }
+    bool start_object(std::size_t) override { return ++depth_, true; }
+    bool end_object() override { return --depth_, true; }
+    bool start_array(std::size_t) override { return ++depth_, true; }
+    bool end_array() override { return --depth_, true; }
+    bool key(std::string& name) override {
+        if (depth_ == 1) key_ = name;
+        return true;
+    }
+    bool parse_error(std::size_t position, const std::string& token, const json::exception& fault) override {
+        number_too_large = fault.id == kNumberTooLarge;
+        fault_end = position;
+        fault_bytes = token.size();
+        return false;
+    }
+
+  private:
+    template <class Value>
+    bool note(Value&& value) {
+        constexpr std::array<std::string_view, 3> kWanted{"reply_to", "id", "by"};
+        if (depth_ == 1 && std::find(kWanted.begin(), kWanted.end(), key_) != kWanted.end())
+            members[key_] = std::forward<Value>(value);
+        return true;
+    }
+    int depth_ = 0;
+    std::string key_;
+};
 
 bool valid_reply_topic(std::string_view topic) {
     if (topic.empty() || topic.size() > kMaxReplyTopicBytes || topic.front() == '$') return false;
@@ -85,6 +142,72 @@ std::string take_reply_members(json& object, ReplyTo& reply) {
 }
 
 }  // namespace
+
+std::string user_level(std::string_view user) {
+    return std::string(can_be_level(user) ? user : "$nobody");
+}
+
+ReplyTopics::ReplyTopics(const Topics& topics, std::string_view user, std::string_view client)
+    : root_(topics.root() + "/"),
+      prefix_(root_ + "reply/" + user_level(user) + "/"),
+      client_("/" + std::string(client)) {}
+
+ReplyTopics ReplyTopics::below(std::string_view level) const {
+    ReplyTopics made = *this;
+    made.client_.append("/").append(level);
+    return made;
+}
+
+ReplyTopics ReplyTopics::beside(std::string_view suffix) const {
+    ReplyTopics made = *this;
+    made.client_.append("-").append(suffix);
+    return made;
+}
+
+std::string_view ReplyTopics::asked(std::string_view request_topic) const {
+    if (request_topic.starts_with(root_)) request_topic.remove_prefix(root_.size());
+    // A demand stands on the service bus, and the board answers it.
+    if (request_topic.starts_with(kServiceBus)) request_topic.remove_prefix(kServiceBus.size());
+    return request_topic.substr(0, request_topic.find('/'));
+}
+
+bool ReplyTopics::have(std::string_view topic) const {
+    if (!of_user(topic)) return false;
+    topic.remove_prefix(prefix_.size());
+    const auto level = topic.find('/');
+    return level != std::string_view::npos && topic.substr(level) == client_;
+}
+
+std::string ReplyTopics::of(std::string_view asked) const {
+    return std::string(prefix_).append(asked).append(client_);
+}
+
+bool may_answer_on(std::string_view topic, const Topics& topics, std::string_view answerer) {
+    const auto below = topics.root() + "/reply/";
+    if (!topic.starts_with(below)) return false;
+    topic.remove_prefix(below.size());
+    const auto user = topic.find('/');
+    if (user == 0 || user == std::string_view::npos) return false;
+    topic.remove_prefix(user + 1);
+    return topic.size() > answerer.size() + 1 && topic.starts_with(answerer) && topic[answerer.size()] == '/';
+}
+
+BrokenRequest read_broken_request(std::string text) {
+    constexpr std::string_view kNothing = "null";
+    std::string error = "the request is not valid JSON";
+    for (int number = 0;; ++number) {
+        ReplyMembers reader;
+        const bool whole = json::sax_parse(text, &reader);
+        const bool goes_on = reader.number_too_large && number < kMaxNumbers &&
+                             reader.fault_bytes >= kNothing.size() &&
+                             reader.fault_bytes <= reader.fault_end && reader.fault_end <= text.size();
+        if (whole || !goes_on) return {std::move(reader.members), std::move(error)};
+        error = "a number in the request is too large";
+        const auto start = reader.fault_end - reader.fault_bytes;
+        std::fill_n(text.begin() + static_cast<std::ptrdiff_t>(start), reader.fault_bytes, ' ');
+        text.replace(start, kNothing.size(), kNothing);
+    }
+}
 
 std::string RequestEnvelope::shown() const {
     return form == Form::kRaw ? text : model::dump_json(object);

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "asip/bus/request/agent_clock.hpp"
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/mqtt/message.hpp"
 #include "asip/time.hpp"
 

@@ -5,7 +5,6 @@
 #include "asip/protocol/board_info.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/checksum.hpp"
-#include "asip/protocol/error_code.hpp"
 #include "asip/protocol/extensions.hpp"
 #include "asip/protocol/line_reader.hpp"
 #include "asip/protocol/message.hpp"

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "asip/protocol/checksum.hpp"
-#include "asip/protocol/digest.hpp"
 #include "asip/session/action.hpp"
 #include "asip/time.hpp"
 #include "tests/fuzz/require.hpp"

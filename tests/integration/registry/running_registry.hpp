@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "asip/bus/registry/answer.hpp"
-#include "asip/bus/registry/change_event.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"

@@ -6,7 +6,7 @@
 #include <regex>
 #include <set>
 
-#include "asip/bus/packet_limit.hpp"
+#include "asip/bus/topics.hpp"
 #include "tests/integration/secure/running_bus.hpp"
 
 namespace asip::test {

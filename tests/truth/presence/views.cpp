@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "asip/bus/registry/answer.hpp"
-#include "asip/bus/registry/change_event.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "asip/catalogue/bus_view.hpp"
 #include "gateway/mirror/mirror.hpp"

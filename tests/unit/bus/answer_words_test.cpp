@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an answer means: tests/vectors/answers.json, which the tests of the Python package and of the Node-RED
 // nodes read, too.
-#include "asip/bus/request/answer_words.hpp"
+#include "asip/bus/request/reply.hpp"
 
 #include <gtest/gtest.h>
 

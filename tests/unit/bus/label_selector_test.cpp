@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/registry/query.hpp"
-#include "asip/bus/request/label_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 
 namespace asip::bus {
 namespace {

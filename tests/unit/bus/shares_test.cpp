@@ -5,8 +5,6 @@
 
 #include <gmock/gmock.h>
 
-#include "asip/bus/board_shares.hpp"
-
 namespace asip::bus {
 namespace {
 

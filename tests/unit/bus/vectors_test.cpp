@@ -9,7 +9,6 @@
 #include "asip/bus/request/agent_clock.hpp"
 #include "asip/bus/request/demand.hpp"
 #include "asip/bus/request/reply.hpp"
-#include "asip/bus/request/reply_topics.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/model/names.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Brief answers: rows instead of objects, written and read without a JSON tree.
-#include "asip/bus/registry/brief.hpp"
+#include "asip/bus/registry/items.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/registry/answer.hpp"
-#include "asip/bus/registry/items.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "tests/unit/catalogue/bus_messages.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/catalogue/hash.hpp"
+#include "asip/catalogue/description_parts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,6 @@
 #include "asip/bus/registry/query.hpp"
 #include "asip/bus/pattern.hpp"
 #include "asip/bus/registry/answer.hpp"
-#include "asip/bus/registry/change_event.hpp"
 #include "asip/bus/registry/items.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/api/board_texts.hpp"
+#include "gateway/api/board_models.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
-
-#include "gateway/api/board_models.hpp"
 
 namespace asip::gateway::api {
 namespace {

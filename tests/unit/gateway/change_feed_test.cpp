@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/stream/change_feed.hpp"
+#include "gateway/stream/change_log.hpp"
 
 #include <gmock/gmock.h>
 

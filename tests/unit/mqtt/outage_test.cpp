@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/mqtt/outage.hpp"
+#include "asip/mqtt/failure.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/protocol/digest.hpp"
+#include "asip/protocol/checksum.hpp"
 
 #include <gtest/gtest.h>
 

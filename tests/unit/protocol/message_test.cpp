@@ -5,8 +5,6 @@
 
 #include <string>
 
-#include "asip/protocol/error_code.hpp"
-
 namespace asip::protocol {
 namespace {
 

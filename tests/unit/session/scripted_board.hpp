@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "asip/protocol/checksum.hpp"
-#include "asip/protocol/digest.hpp"
 #include "asip/session/board_session.hpp"
 
 namespace asip::session {

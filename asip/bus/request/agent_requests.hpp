@@ -1,11 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#pragma once
-#include <chrono>
-#include <nlohmann/json_fwd.hpp>
-#include <string>
-
-#include "asip/expected.hpp"
-
 /// Asking a board's agent to let go of the board's port, so that another program (avrdude) can use it. A
 /// request on ROOT/BOARD/in that is a JSON object with the member "port":
 ///
@@ -15,7 +8,34 @@
 ///     {"port":"load","firmware":"AsipServices"}   load this firmware into the board, and take the port back;
 ///                                       "board":"mega" says which board it is, "force":true that it may run
 ///                                       ASIP already
+#pragma once
+#include <chrono>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "asip/expected.hpp"
+#include "asip/model/labels.hpp"
+
 namespace asip::bus {
+
+// Asking a board's agent to change the board's labels, friendly names and meanings of properties: a request
+// with the member "labels", "names" or "meanings"; what is `null` is removed, what is not named stays:
+//
+//     {"labels":{"room":"lab","shelf":null},"names":{"services":{"servo":"left arm"},"pins":{"13":"lamp"}}}
+//
+// The answer has all of them as they are then; its proof says that they are on the disk.
+
+/// Its payload, with its sender's name.
+std::string encode(const model::LabelChange& change, const std::string& by);
+/// Whether a request of a board is one of these.
+bool is_label_request(const nlohmann::json& object);
+/// Reads one. Fails with the first fault and its place; unknown members are refused.
+Expected<model::LabelChange> read_label_request(const nlohmann::json& object);
+
+/// The proof in the answer.
+inline constexpr std::string_view kProofKept = "kept";
+/// Reasons of a refusal: the agent cannot write its state; too many requests of this kind wait.
+inline constexpr std::string_view kRefusedNotKept = "not-kept";
 
 struct PortRequest {
     enum class What { kRelease, kTake, kLoad };
