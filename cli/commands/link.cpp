@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "asip/links/shown.hpp"
 #include "asip/bus/request/request_envelope.hpp"
+#include "asip/links/shown.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/property/documents.hpp"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/bus/request/reply_topics.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"
 #include "asip/property/property.hpp"
 #include "gateway/api/routes.hpp"
