@@ -106,11 +106,18 @@ void BoardValues::reported(const std::string& service, const json& published, Ti
 }
 
 void BoardValues::restarted(Time now) {
-    note(known_.forget(now), kBetween, now);
+    forget(now);
 }
 
 void BoardValues::identified(Time now) {
-    if (std::exchange(away_, false)) note(known_.forget(now), kBetween, now);
+    if (std::exchange(away_, false)) forget(now);
+}
+
+/// Readers are told even where no value was known: they may have read reports of which no document told.
+void BoardValues::forget(Time now) {
+    known_.forget(now);
+    ++restarts_;
+    note(true, kBetween, now);
 }
 
 std::vector<std::string> BoardValues::lines_to_learn(const model::Labels& labels) const {
@@ -187,6 +194,7 @@ void BoardValues::publish(const std::string& session, Time now, Effects& out) {
     if (!std::exchange(values_changed_, false)) return;
     auto document = property::values_of(known_, now);
     document.head = {board_.name, session, ++seq_};
+    document.restarts = restarts_;
     document.clock = age_.clock(now);
     out.publish.push_back({member::retained(board_.topics.values(board_.name), property::to_text(document)),
                            mqtt::Priority::kAnnouncement});
@@ -216,6 +224,7 @@ void BoardValues::answer(std::string_view demander, const bus::Demand& demand, c
     };
     auto document = property::values_of(known_, now, asked);
     document.head = {board_.name, session, seq_};
+    document.restarts = restarts_;
     document.clock = age_.clock(now);
     if (asked(std::string(kIo))) document.pins = known_.pins(kIo);
     if (demand.list)

@@ -96,6 +96,7 @@ class BoardValues {
     };
     std::optional<Request> read(std::string_view line) const;
     void apply(const Request& request, bool perhaps, Time now);
+    void forget(Time now);
     void note(bool changed, Duration between, Time now);
     bool may_answer(std::string_view demander, Time now);
 
@@ -106,6 +107,7 @@ class BoardValues {
     std::vector<std::pair<int, int>> modes_;
     std::map<std::string, Quota, std::less<>> quotas_;
     std::uint64_t seq_ = 0;
+    std::uint64_t restarts_ = 0;
     std::uint64_t changes_ = 0;
     bool away_ = false;
     bool list_changed_ = true;

@@ -164,6 +164,7 @@ std::string to_text(const ValueDocument& document, Members members) {
         ObjectText object(text);
         put_head(object, document.head);
         if (!document.clock.empty()) object.add("clock", document.clock);
+        if (document.restarts > 0) object.add_number("restarts", static_cast<double>(document.restarts));
         if (!document.pins.is_null()) object.add_json("pins", model::dump_json(document.pins));
         if (!document.properties.empty())
             object.add_json("properties", model::dump_json(properties_json(document.properties)));
@@ -206,6 +207,8 @@ Expected<ValueDocument> parse_values(std::string_view text) {
     ValueDocument result;
     result.head = read_head(reader);
     result.clock = reader.text("clock", {}, kMaxWordBytes);
+    result.restarts = static_cast<std::uint64_t>(
+        reader.integer("restarts", 0, std::numeric_limits<std::int64_t>::max()).value_or(0));
     result.left_out = reader.integer("left_out", 0, kMaxProperties).value_or(0);
     if (reader.ok()) result.properties = read_properties(reader);
     if (reader.object("pins")) result.pins = (*document)["pins"];

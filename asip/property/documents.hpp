@@ -58,6 +58,9 @@ struct ValueDocument {
     /// In such an answer: the properties of the services, where they were asked for.
     std::vector<Property> properties{};
     std::size_t left_out = 0;  ///< that did not fit
+    /// How often within the session the board restarted, or came back: nothing that it reported before
+    /// counts.
+    std::uint64_t restarts = 0;
     friend bool operator==(const ValueDocument&, const ValueDocument&) = default;
 };
 

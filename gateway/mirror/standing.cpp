@@ -4,20 +4,10 @@
 namespace asip::gateway {
 namespace {
 
-using property::How;
 using property::ShownValue;
-
-constexpr double kSlackSeconds = 0.05;  // documents take different times
 
 bool stands_alike(const ShownValue& a, const ShownValue& b) {
     return a.value == b.value && a.how == b.how && a.why == b.why;
-}
-
-/// Between two documents, `passed` apart. A value that was reported and lost in between is in neither.
-bool restarted(const ShownValue& old, const ShownValue& value, Duration passed) {
-    if (value.how != How::kNone || value.why != property::Unknown::kRestart) return false;
-    const double age_of_before = old.age + std::chrono::duration<double>(passed).count();
-    return old.how != How::kNone || value.age + kSlackSeconds < age_of_before;
 }
 
 }  // namespace
@@ -80,6 +70,9 @@ Standing::Change Standing::take_values(const std::string& board, std::string_vie
         }
         if (!may_replace(kept.head, parsed->head, board, session)) return change;
         values = std::move(parsed->values);
+        change.anew =
+            kept.there() && (kept.head.session != parsed->head.session || known.restarts != parsed->restarts);
+        known.restarts = parsed->restarts;
         kept.head = std::move(parsed->head);
         std::uint64_t last = known.session_of_act == kept.head.session ? known.last_act : 0;
         change.acts = property::new_acts(values, last);
@@ -88,9 +81,7 @@ Standing::Change Standing::take_values(const std::string& board, std::string_vie
     }
     for (const auto& [id, value] : values) {
         const auto old = kept.document.find(id);
-        const bool was_there = old != kept.document.end();
-        change.anew = change.anew || (was_there && restarted(old->second, value, now - kept.at));
-        if (!was_there || !stands_alike(old->second, value)) change.ids.push_back(id);
+        if (old == kept.document.end() || !stands_alike(old->second, value)) change.ids.push_back(id);
     }
     for (const auto& [id, value] : kept.document)
         if (!values.contains(id)) change.ids.push_back(id);

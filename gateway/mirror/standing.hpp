@@ -70,6 +70,7 @@ class Standing {
     struct Board {
         Kept<List> list;
         Kept<decltype(property::ValueDocument::values)> values;
+        std::uint64_t restarts = 0;  // of the board, by that document
         // What was done last with a button, also once its document is gone: it is not told again.
         std::string session_of_act;
         std::uint64_t last_act = 0;  // its number

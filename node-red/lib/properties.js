@@ -109,6 +109,7 @@ function readValues(document, now) {
   const pins = own(document, 'pins', {});
   need(isObject(values) && Object.keys(values).length <= MAX_PROPERTIES && typeof own(document, 'clock', '') === 'string', 'values');
   need(isObject(pins) && Object.values(pins).every(isObject) && isWhole(own(document, 'left_out', 0), MAX_PROPERTIES), 'pins');
+  need(isWhole(own(document, 'restarts', 0)), 'restarts');
   return new Map(Object.entries(values).map(([id, one]) => [id, readValue(one, now)]));
 }
 

@@ -11,7 +11,7 @@ from concurrent.futures import Future, TimeoutError as FutureTimeout
 
 from . import _wait, errors
 from ._followed import Followed
-from ._properties import Standing, Told, Value
+from ._properties import Standing, Told
 from .service import Service
 
 TYPE_CHECKING = False
@@ -147,9 +147,8 @@ class Bank:
 
     def _on_values(self, document: dict[str, Any], now: float, stored: bool) -> None:
         with self.changed:
-            before = self.standing.values
             if self.standing.take_values(document, self.board.name, self._holder(), now, stored):
-                self._compare(before, now)
+                self._compare(now)
             acts = self.standing.acts
         self._look()
         for id, word in acts:
@@ -159,10 +158,9 @@ class Bank:
     def _on_answer(self, service: str, document: Any) -> None:
         now = time.monotonic()
         with self.changed:
-            before = self.standing.values
             pins = self.standing.take_answer(document, self.board.name, self._holder(), now, lambda name: fnmatch.fnmatchcase(name, service))
             if pins is not None:
-                self._compare(before, now)
+                self._compare(now)
                 self._keep(pins, now)
         self._look()
 
@@ -176,12 +174,11 @@ class Bank:
         self._levels.update({pin: (level, now) for pin, level in numbers(told.get("digital")).items()})
         self._analog.update(numbers(told.get("analog"), 1 << 16))
 
-    def _compare(self, before: dict[str, Value], now: float) -> None:
+    def _compare(self, now: float) -> None:
         """After a restart no level of before counts. A report that was lost is made good."""
-        values = self.standing.values
-        if any(one.why == "restart" and id in before and before[id].how for id, one in values.items()):
+        if self.standing.anew:
             self.forget()
-        for id, one in values.items():
+        for id, one in self.standing.values.items():
             told = self.standing.properties.get(id)
             if told is not None and told.kind == "binary" and (pin := _pin_of(id)) in self._levels:
                 wire = told.wire(one.value)

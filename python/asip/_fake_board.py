@@ -35,7 +35,7 @@ class FakeBoard:
         self._last_act = 0
         self.state = "online"
         self._publish = publish
-        self._seq = 0
+        self._seq = self._restarts = 0
         self._models: dict[str, _model.Model] = {}
         for service in services:
             model = _model.Model(service) if isinstance(service, dict) else standard_model(service)
@@ -107,6 +107,7 @@ class FakeBoard:
     def _say(self, state: str, reason: str) -> None:
         if state == "online" and self.state != state:  # nothing is known of what it did meanwhile
             self._stands = {id: None for id in self._stands}
+            self._restarts += 1
         self.state = state
         self._seq += 1
         self._announce(reason)
@@ -253,7 +254,7 @@ class FakeBoard:
         listed = self._properties()
         documents: dict[str, dict[str, Any]] = {
             f"servicebus/{self.name}/$properties": {"properties": listed},
-            f"{self.name}/$values": {"values": {one["id"]: self._value(one) for one in listed if one["kind"] != "button"}}}
+            f"{self.name}/$values": {"restarts": self._restarts, "values": {one["id"]: self._value(one) for one in listed if one["kind"] != "button"}}}
         for topic, members in documents.items():
             text = json.dumps(members)
             if self._told.get(topic) != text:
@@ -266,4 +267,4 @@ class FakeBoard:
             return None
         listed = [one for one in self._properties() if any(fnmatch.fnmatchcase(one["service"], service) for service in services)]
         pins = {"digital": {str(pin): level for pin, level in self._inputs.items()}, "analog": self._values.get(("io", "analog"), {})}
-        return {"status": "ok", "proof": "memory", "answer": self._document(properties=listed, pins=pins, values={one["id"]: self._value(one) for one in listed})}
+        return {"status": "ok", "proof": "memory", "answer": self._document(properties=listed, pins=pins, restarts=self._restarts, values={one["id"]: self._value(one) for one in listed})}

@@ -156,6 +156,8 @@ class Standing:
         self.properties: dict[str, Told] = {}
         self.values: dict[str, Value] = {}
         self.listed = False  # a list came
+        self.anew = False  # by the document that came last: the board restarted, and what it reported before does not count
+        self._begun: tuple[str, int] | None = None
         self.acts: list[tuple[str, str]] = []  # what was done with buttons by the values that came last: id and word, each once
         self._last_act = ("", 0)  # session and number
         self._heads = dict.fromkeys(("list", "values"), _NONE)
@@ -176,13 +178,14 @@ class Standing:
         """`stored`: the broker kept it; what was done with a button is of an earlier time."""
         self.acts = []
         if not document:
-            self.values, self._heads["values"] = {}, _NONE
+            self.values, self._heads["values"], self._begun, self.anew = {}, _NONE, None, False
             return True
         session, seq = _head(document, board)
         values = _values(document, now)
         if not self._counts("values", session, (seq, 0), holder):
             return False
         self.values = values
+        self._begin(document)
         last = self._last_act[1] if session == self._last_act[0] else 0
         new = {number: (id, word) for id, one in values.items() for number, word in one.events if number > last}
         self._last_act = session, max(new, default=last)
@@ -198,11 +201,17 @@ class Standing:
         values, listed = _values(document, now), _list(document.get("properties", []))
         if not self._counts("values", session, (seq, 1), holder) or not self._counts("list", session, (seq, 1), holder):
             return None
+        self._begin(document)
         self.properties = {**{id: one for id, one in self.properties.items() if not of(one.service)}, **listed}
         self.values = {**{id: one for id, one in self.values.items() if not of(id.partition("/")[0])}, **values}
         self.listed = True
         pins: dict[str, Any] = document.get("pins", {})
         return pins
+
+    def _begin(self, document: dict[str, Any]) -> None:
+        begun = document["session"], document.get("restarts", 0)
+        self.anew = self._begun not in (None, begun)
+        self._begun = begun
 
     def _counts(self, what: str, session: str, place: tuple[int, int], holder: str) -> bool:
         """A document of the session in the description counts, else that of the later session; within one session the later document."""
@@ -271,5 +280,6 @@ def _values(document: dict[str, Any], now: float) -> dict[str, Value]:
     values = document.get("values")
     _need(isinstance(values, dict) and len(values) <= _MAX_PROPERTIES and isinstance(document.get("clock", ""), str), "values")
     pins, left_out = document.get("pins", {}), document.get("left_out", 0)
+    _need(whole(document.get("restarts", 0)), "restarts")
     _need(isinstance(pins, dict) and all(isinstance(one, dict) for one in pins.values()) and whole(left_out, _MAX_PROPERTIES), "pins")
     return {id: Value(one, now) for id, one in (values or {}).items()}

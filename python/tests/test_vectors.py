@@ -155,6 +155,14 @@ class Properties(unittest.TestCase):
                     document = {"version": 1, "board": "desk", "session": session, "seq": seq, "properties": [], "values": {}} if session else {}
                     self.assertEqual(getattr(standing, take)(document, "desk", one["holder"], *[0] * (take == "take_values")), counts, one)
 
+    def test_when_nothing_that_was_reported_counts_any_more(self):
+        for one in self.told["begins"]:
+            standing = _properties.Standing()
+            for session, seq, restarts, anew in (each or ("", 0, 0, False) for each in one["documents"]):
+                document = {"version": 1, "board": "desk", "session": session, "seq": seq, "restarts": restarts, "values": {}} if session else {}
+                counts = standing.take_values(document, "desk", "", 0)
+                self.assertEqual(counts and standing.anew, anew, one)
+
     def test_what_is_told_of_buttons(self):
         for one in self.told["acts"]:
             standing = _properties.Standing()

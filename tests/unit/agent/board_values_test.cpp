@@ -179,6 +179,23 @@ TEST_F(ValuesOfBoard, BoardAway_LastValuesStayAndAreUnknownAfterTheReturn) {
     EXPECT_EQ(values()["io/3"]["unknown"], "restart");
 }
 
+TEST_F(ValuesOfBoard, BoardThatRestartsTwice_IsToldThoughNothingIsKnownAtEitherEnd) {
+    const auto told = [this] { return last("asip/uno1/$values"); };
+    bench.say(bench.board.reboot());
+    bench.pass(10s);
+    const auto before = told();
+    bench.say("@D,e,1,{164}\n");
+    bench.say(bench.board.reboot());
+    bench.pass(10s);
+    EXPECT_EQ(before["values"]["distance/0"]["unknown"], "restart");
+    EXPECT_EQ(told()["values"]["distance/0"]["unknown"], "restart");
+    EXPECT_GT(told()["restarts"], before["restarts"]);
+    const auto seq = told()["seq"];
+    bench.say(bench.board.reboot());
+    bench.pass(10s);
+    EXPECT_GT(told()["seq"], seq) << "readers are told, though no value is another one";
+}
+
 TEST_F(ValuesOfBoard, WhoeverSentIt_IsKnown) {
     for (const auto* pin : {"2", "3"})
         bench.hear("asip/uno1/in", std::string("I,P,") + pin + ",3");

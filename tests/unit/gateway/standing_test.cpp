@@ -36,10 +36,11 @@ class StandingTest : public ApiTest {
         bus("asip/servicebus/" + board + "/$properties", property::to_text(list));
     }
     void values(const json& values, std::uint64_t seq = 1, const std::string& session = "s1",
-                const std::string& board = "uno1") {
-        bus("asip/" + board + "/$values",
-            json{{"version", 1}, {"board", board}, {"session", session}, {"seq", seq}, {"values", values}}
-                .dump());
+                const std::string& board = "uno1", int restarts = 0) {
+        json document{
+            {"version", 1}, {"board", board}, {"session", session}, {"seq", seq}, {"values", values}};
+        if (restarts > 0) document["restarts"] = restarts;
+        bus("asip/" + board + "/$values", document.dump());
     }
     json value(const std::string& id, const std::string& board = "uno1") {
         return get("/api/boards/" + board + "/values")->body()["values"][id];
@@ -147,7 +148,7 @@ TEST_F(StandingTest, ReportedValue_CountsOverWhatTheAgentSays_UntilARestart) {
     EXPECT_EQ(value("distance/0")["value"], 42);
     values({{"distance/0", {{"value", 41}, {"how", "reported"}, {"age", 0.1}}}}, 2);
     EXPECT_EQ(value("distance/0")["value"], 42) << "no view goes back to an older value";
-    values({{"distance/0", kRestart}}, 3);
+    values({{"distance/0", kRestart}}, 3, "s1", "uno1", 1);
     EXPECT_EQ(value("distance/0")["unknown"], "restart");
     bus("asip/uno1/distance/out", R"({"distance":[7]})");
     EXPECT_EQ(value("distance/0")["value"], 7);
@@ -155,14 +156,12 @@ TEST_F(StandingTest, ReportedValue_CountsOverWhatTheAgentSays_UntilARestart) {
 
 TEST_F(StandingTest, BoardThatRestartsTwice_WhatItReportedInBetweenDoesNotCount) {
     list();
-    values({{"distance/0", kRestart}});
-    pass(2s);
+    values({{"distance/0", kRestart}}, 1, "s1", "uno1", 1);
     bus("asip/uno1/distance/out", R"({"distance":[42]})");
     EXPECT_EQ(value("distance/0")["value"], 42);
-    values({{"distance/0", {{"unknown", "restart"}, {"age", 2}}}, {"servo/0/angle", set_to(90)}}, 2);
+    values({{"distance/0", kRestart}, {"servo/0/angle", set_to(90)}}, 2, "s1", "uno1", 1);
     EXPECT_EQ(value("distance/0")["value"], 42) << "the same restart, told again";
-    pass(1s);
-    values({{"distance/0", kRestart}}, 3);
+    values({{"distance/0", kRestart}}, 3, "s1", "uno1", 2);
     EXPECT_EQ(value("distance/0")["unknown"], "restart");
 }
 

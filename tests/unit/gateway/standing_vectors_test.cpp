@@ -45,6 +45,18 @@ TEST(StandingVectors, DocumentsThatCount_AreThoseOfTheFile) {
         }
 }
 
+TEST(StandingVectors, WhatWasReportedBefore_CountsUntilADocumentThatTheFileNames) {
+    for (const auto& each : vectors("begins")) {
+        Standing standing;
+        for (const auto& one : each.at("documents")) {
+            auto text = one.is_null() ? std::string() : document(one.at(0), one.at(1));
+            if (!one.is_null()) text.insert(1, "\"restarts\":" + one.at(2).dump() + ",");
+            const auto change = standing.take_values("desk", text, "", Time());
+            EXPECT_EQ(change.anew, !one.is_null() && one.at(3).get<bool>()) << each.at("about") << " " << one;
+        }
+    }
+}
+
 TEST(StandingVectors, WhatIsToldOfButtons_IsWhatTheFileSays) {
     for (const auto& each : vectors("acts")) {
         Standing standing;
