@@ -21,7 +21,7 @@ namespace {
 using Words = std::vector<std::string>;
 using WordKind = program::CommandWord::Kind;
 
-constexpr std::chrono::milliseconds kPatience{700};
+constexpr std::chrono::milliseconds kBusPatience{700};
 
 Words starting_with(Words candidates, const std::string& start) {
     std::erase_if(candidates, [&start](const std::string& one) { return !one.starts_with(start); });
@@ -239,7 +239,7 @@ int run_complete(const std::vector<std::string>& arguments, CommandLine& line, E
         options.push_back("--" + name + "=" + value);
     options.insert(options.end(), {"completion", "bash"});
     if (line.parse(std::move(options)) || !line.apply(environment)) return program::kExitOk;
-    environment.timeout = std::min(environment.timeout, kPatience);
+    environment.timeout = std::min(environment.timeout, kBusPatience);
     BusSession session(environment);
     session.on_connection_change({});  // what it says would stand in the line that is typed
     BoardSource source(environment, session);

@@ -22,7 +22,7 @@ struct WatchersTally {
 };
 
 /// Programs that follow the changes of registries, each over a connection of its own, subscribed as
-/// `asipctl list --watch` is: to the events of all registries. They measure how fast a change reaches many
+/// `asipctl events` is: to the events of all registries. They measure how fast a change reaches many
 /// programs, and whether one of them misses an event. None keeps a catalogue: a thousand of them fit into one
 /// process.
 class Watchers {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands/doctor.hpp"
-
 #include <algorithm>
 #include <list>
 #include <ostream>
@@ -12,6 +10,8 @@
 #include "cli/doctor/agents.hpp"
 #include "cli/doctor/findings.hpp"
 #include "cli/doctor/registries.hpp"
+#include "cli/environment.hpp"
+#include "cli/output.hpp"
 #include "cli/secure/try_out.hpp"
 #include "cli/text/samples.hpp"
 
@@ -19,6 +19,12 @@ namespace asip::cli {
 namespace {
 
 using namespace std::chrono_literals;
+
+struct DoctorOptions {
+    bool registries = false;  ///< list them instead
+    bool agents = false;      ///< list what they counted instead
+    OutputOptions output{};
+};
 
 constexpr int kWarmUps = 20;
 constexpr int kRoundTrips = 9;
@@ -189,8 +195,8 @@ int print_broker_problem(const Failure& problem, const DoctorOptions& options, E
     return problem.status;
 }
 
-}  // namespace
-
+/// `asipctl doctor`: looks at broker, registry, boards and this machine. kExitFailure when something is
+/// wrong, kExitBroker when the broker is.
 int run_doctor(const DoctorOptions& options, Environment& environment) {
     environment.mqtt.quick_ack = false;  // what other clients see is to be measured
     BusSession session(environment);
@@ -202,8 +208,6 @@ int run_doctor(const DoctorOptions& options, Environment& environment) {
     return session.stopped() ? environment.fail_with(seen.error())
                              : print_broker_problem(seen.error(), options, environment);
 }
-
-namespace {
 
 Run declare_doctor(Declaration& verb) {
     auto options = std::make_shared<DoctorOptions>();

@@ -86,17 +86,16 @@ class Flasher {
     }
 
   private:
-    Outcome<std::vector<std::string>> call_for(const KnownBoard& known) const {
-        const auto* board = &known;
-        if (!board->description)
+    Outcome<std::vector<std::string>> call_for(const KnownBoard& board) const {
+        if (!board.description)
             return failure(
                 program::kExitNoAnswer,
                 "no description of " + board_ +
                     " came in time, so its port is not known; try again, or with a longer --timeout");
-        if (board->description->link.kind != "serial")
+        if (board.description->link.kind != "serial")
             return failure(program::kExitFailure,
                            board_ + " is not at a serial port; only such a board can be flashed");
-        const auto& description = *board->description;
+        const auto& description = *board.description;
         if (description.agent.host != program::host_name())
             return failure(program::kExitFailure, board_ + " is at a port of " + description.agent.host +
                                                       "; run asipctl flash there");

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands/forget.hpp"
-
 #include <list>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "asip/protocol/request.hpp"
 #include "asip/text/nearest.hpp"
@@ -14,11 +14,22 @@
 #include "cli/ask/retained.hpp"
 #include "cli/ask/side_by_side.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 #include "cli/find/target.hpp"
+#include "cli/output.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
+
+struct ForgetOptions {
+    std::vector<std::string> boards;  ///< names, and patterns of them
+    bool leftovers = false;           ///< in place of boards
+    std::vector<std::string> kinds;   ///< of leftovers
+    bool dry_run = false;
+    bool force = false;  ///< also boards that seem alive
+    OutputOptions output{};
+};
 
 /// One `asipctl forget`.
 class Forgetter {
@@ -224,8 +235,8 @@ class Forgetter {
     int status_ = program::kExitOk;
 };
 
-}  // namespace
-
+/// `asipctl forget`: boards that are gone leave every registry, and their retained topics are emptied.
+/// kExitFailure when one is unknown or alive, or when a pattern means none.
 int run_forget(const ForgetOptions& options, Environment& environment) {
     if (options.leftovers && !options.boards.empty())
         return environment.fail_with({program::kExitUsage, "name boards, or write --leftovers"});
@@ -247,8 +258,6 @@ int run_forget(const ForgetOptions& options, Environment& environment) {
     }
     return Forgetter(options, std::move(targets), environment).run();
 }
-
-namespace {
 
 Run declare_forget(Declaration& verb) {
     auto options = std::make_shared<ForgetOptions>();

@@ -23,8 +23,6 @@
 namespace asip::cli {
 namespace {
 
-using namespace std::chrono_literals;
-
 /// Of fields, in an error.
 constexpr std::size_t kMaxNamed = 32;
 
@@ -56,8 +54,7 @@ class Getter {
           what_(std::move(what)),
           session_(environment),
           source_(environment, session_),
-          records_(options.output, options.watch ? RecordPrinter::Count::kStream : RecordPrinter::Count::kOne,
-                   environment.out) {}
+          records_(options.output, RecordPrinter::Count::kOne, environment.out) {}
 
     int run() {
         if (const auto connected = session_.connect(); !connected)
@@ -68,13 +65,8 @@ class Getter {
         const auto reports = session_.subscribe(topic, [this](const mqtt::Message& message) {
             if (!message.retain) take(message.payload, "reported");
         });
-        // A watcher sees the present value first, where it can be asked for.
-        const auto first = options_.watch ? ask() : get();
-        if (!first) return environment_.fail_with(first.error());
-        if (options_.watch) demand();
-        while (options_.watch && session_.run_until([] { return false; }, Clock::now() + 1h)) {
-        }
-        return program::kExitOk;
+        const auto got = get();
+        return got ? program::kExitOk : environment_.fail_with(got.error());
     }
 
   private:
@@ -97,7 +89,7 @@ class Getter {
     /// Pins, and what is only set: the agent knows how they stand. What sensors measure is asked of the
     /// board.
     bool is_kept_by_agent() {
-        if (options_.watch || !board_.description) return false;
+        if (!board_.description) return false;
         const auto all =
             property::properties_of(*board_.description, [this](const model::ServiceInfo& service) {
                 return bus::model_of(service, environment_.models());
@@ -189,7 +181,7 @@ class Getter {
     }
 
     void take(const std::string& payload, const char* how) {
-        if (printed_ && !options_.watch) return;
+        if (printed_) return;
         const auto document = model::parse_json(payload, {.max_bytes = 1U << 20U, .max_depth = 32});
         if (!document || !document->is_object()) return;
         if (!model_) {
@@ -275,8 +267,6 @@ Run declare_get(Declaration& verb) {
         "is an event, a field of it, or its number",
         Declaration::Needed::kNo);
     declare_selector(verb, options->selector);
-    verb.flag("-w,--watch", options->watch,
-              "Continue and print each value that the board reports, until Ctrl-C");
     verb.flag("--raw", options->raw, "Without the unit");
     verb.output(options->output, {Output::kText},
                 {"board", "service", "property", "name", "event", "value", "unit", "time", "how", "unknown",

@@ -11,7 +11,6 @@ namespace asip::cli {
 struct GetOptions {
     std::string target;  ///< BOARD[/SERVICE[/FIELD]]; empty: every board
     SelectorText selector{};
-    bool watch = false;
     bool raw = false;  ///< without units
     OutputOptions output{};
 };

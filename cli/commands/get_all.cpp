@@ -147,10 +147,6 @@ int run_get_all(const GetOptions& options, Environment& environment) {
     if (!labels) return environment.fail_with(labels.error());
     auto target = parse_target(options.target.empty() ? "*" : options.target, true);
     if (!target) return environment.fail_with(target.error());
-    if (options.watch)
-        return environment.fail_with(
-            {program::kExitUsage,
-             "--watch goes with one service; of a whole board: asipctl subscribe " + target->board});
     return AllValues(options, std::move(*target), std::move(*labels), environment).run();
 }
 

@@ -1,23 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands/label.hpp"
-
 #include <list>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/json_reader.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/ask/side_by_side.hpp"
+#include "cli/commands/label_words.hpp"
 #include "cli/commands/pin.hpp"
+#include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/flash/lent_port.hpp"
+#include "cli/output.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
+
+struct LabelOptions {
+    std::string target;
+    std::vector<std::string> words;  ///< as model::add_assignment() takes them
+    SelectorText selector{};
+    OutputOptions output{};
+};
 
 /// An agent announces at most once a second what changed.
 constexpr std::chrono::milliseconds kAnnounceTime{2500};
@@ -26,65 +37,6 @@ model::Labels labels_of(const nlohmann::json& object) {
     std::string fault;
     text::JsonReader reader(object, "", fault);
     return model::read_labels(reader);
-}
-
-void add_rows(Table& table, const std::string& board, const model::Labels& labels) {
-    for (const auto& [key, value] : labels.labels)
-        table.add({board, key, value});
-    for (const auto& [service, name] : labels.services)
-        table.add({board + "/" + service, "name", name});
-    for (const auto& [pin, name] : labels.pins)
-        table.add({board, "pin." + std::to_string(pin), name});
-    for (const auto& [id, meaning] : labels.meanings) {
-        const auto members = model::to_json(meaning);
-        for (const auto& [key, value] : members.items())
-            table.add({board + "/" + id, key, value.is_string() ? value.get<std::string>() : value.dump()});
-    }
-}
-
-/// BOARD/SERVICE/..., taken apart: the id of a property is everything behind the board. Empty: `text` is a
-/// board, or a service of one.
-std::string property_in(std::string& text) {
-    const auto board = text.find('/');
-    if (board == std::string::npos || text.find('/', board + 1) == std::string::npos) return {};
-    auto id = text.substr(board + 1);
-    text.resize(board);
-    return id;
-}
-
-/// Words that give a meaning to the property `id` go into `change`; fails at one that is none.
-Expected<void> add_meanings(model::LabelChange& change, const std::string& id,
-                            const std::vector<std::string>& words) {
-    for (const auto& word : words) {
-        const auto added = model::add_meaning(change.meanings, id, word);
-        if (!added) return fail(added.error());
-        if (!*added)
-            return fail(
-                word +
-                ": of a property these can be given: class, inverted, debounce, unit, line, icon, hidden; "
-                "names are given to pins, asipctl label BOARD pin.A0=NAME, and services");
-    }
-    return {};
-}
-
-/// Friendly names of pins that are written as find_pin() takes them: `pin.A0=light`; nothing removes a name.
-using PinNames = std::map<std::string, std::optional<std::string>>;
-
-/// Takes those words that name a pin otherwise than by its number.
-PinNames take_pin_names(std::vector<std::string>& words) {
-    static constexpr std::string_view kPin = "pin.";
-    PinNames names;
-    std::erase_if(words, [&names](const std::string& word) {
-        const auto equals = word.find('=');
-        const bool removes = equals == std::string::npos && word.ends_with('-');
-        if (!word.starts_with(kPin) || (equals == std::string::npos && !removes)) return false;
-        const auto end = removes ? word.size() - 1 : equals;
-        auto pin = word.substr(kPin.size(), end - kPin.size());
-        if (pin.find_first_not_of("0123456789") == std::string::npos) return false;
-        names[std::move(pin)] = removes ? std::nullopt : std::optional(word.substr(equals + 1));
-        return true;
-    });
-    return names;
 }
 
 /// One `asipctl label`: shows labels, or asks the agents of the boards to change them.
@@ -320,8 +272,7 @@ void find_target(LabelOptions& options) {
     if (options.target.empty()) options.target = "*";
 }
 
-}  // namespace
-
+/// `asipctl label`: shows labels and friendly names, or asks the agents of the boards to change them.
 int run_label(LabelOptions options, Environment& environment) {
     const auto selector = parse_selector(options.selector);
     if (!selector) return environment.fail_with(selector.error());
@@ -345,8 +296,6 @@ int run_label(LabelOptions options, Environment& environment) {
             return environment.fail_with({program::kExitUsage, added.error()});
     return Labeller(options, *target, *selector, std::move(change), std::move(pin_names), environment).run();
 }
-
-namespace {
 
 Run declare_label(Declaration& verb) {
     auto options = std::make_shared<LabelOptions>();

@@ -9,7 +9,6 @@
 
 #include "asip/text/duration.hpp"
 #include "cli/ask/board_source.hpp"
-#include "cli/commands/watch.hpp"
 #include "cli/declaration.hpp"
 #include "cli/flash/no_asip.hpp"
 #include "cli/text/state_text.hpp"
@@ -261,7 +260,6 @@ int run_list(const ListOptions& given, Environment& environment) {
     if (!selector) return environment.fail_with(selector.error());
     ListOptions options = given;
     options.query.labels = std::move(*selector);
-    if (options.watch) return run_watch(options, environment);
     BusSession session(environment);
     BoardSource source(environment, session);
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
@@ -286,7 +284,6 @@ Run declare_list(Declaration& verb) {
     verb.option("--sort", "name|state|chip|sketch|kind|announced", options->sort,
                 "What the list is sorted by");
     verb.flag("-r,--reverse", options->reverse, "Sort the other way round");
-    verb.flag("-w,--watch", options->watch, "Continue and show what changes, until Ctrl-C");
     verb.output(options->output, {Output::kTable, Output::kWide, Output::kName}, kListFields);
     return [options](Environment& environment) { return run_list(*options, environment); };
 }
@@ -302,8 +299,7 @@ Verb list_verb() {
             "  asipctl list -l room=lab,!old -o wide\n"
             "  asipctl list --state lost -o name\n"
             "  asipctl list --sort announced\n"
-            "  asipctl list --format '{board} {chip}'\n"
-            "  asipctl list -w -o jsonl | jq .board",
+            "  asipctl list --format '{board} {chip}'",
             declare_list};
 }
 

@@ -20,13 +20,12 @@ struct ListOptions {
     SelectorText selector{};
     std::string sort = "name";  ///< name, state, chip, sketch, kind or announced
     bool reverse = false;
-    bool watch = false;
     OutputOptions output{Output::kTable, {}};
 
     bool services() const { return what == "services"; }
 };
 
-/// `asipctl list`: boards or services, once or until Ctrl-C.
+/// `asipctl list`: boards or services.
 int run_list(const ListOptions& options, Environment& environment);
 
 /// The columns of one kind of list, and a row of it.

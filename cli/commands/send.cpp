@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands/send.hpp"
-
+#include <chrono>
 #include <deque>
 #include <istream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "asip/model/json.hpp"
 #include "asip/text/file_text.hpp"
@@ -13,9 +15,25 @@
 #include "cli/ask/group_command.hpp"
 #include "cli/ask/hold.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
+#include "cli/output.hpp"
 
 namespace asip::cli {
 namespace {
+
+struct SendOptions {
+    std::string target;              ///< may be empty with from_input
+    std::vector<std::string> words;  ///< command and arguments
+    SelectorText selector{};         ///< to all boards with these labels that the target matches
+    std::string raw;                 ///< a request line for the board itself, instead of words
+    bool from_input = false;         ///< one command a line of standard input
+    bool no_wait = false;            ///< do not wait for answers
+    std::size_t in_flight = 16;      ///< commands of standard input that may be unanswered at a time
+    std::optional<std::chrono::milliseconds> hold{};    ///< undo it when it is not renewed for so long
+    std::optional<std::chrono::milliseconds> during{};  ///< with hold: end after so long; none: at Ctrl-C
+    OutputOptions output{};
+};
 
 /// One `asipctl send`: finds boards once, sends, and reports answers in the order of the commands.
 class Sender {
@@ -166,8 +184,8 @@ class Sender {
     int status_ = program::kExitOk;
 };
 
-}  // namespace
-
+/// `asipctl send`: one command, or those of standard input in order; the status is that of the first that
+/// failed. A target with wildcards, or a selector: the same command to many boards.
 int run_send(const SendOptions& options, Environment& environment) {
     if (options.target.empty() && !options.from_input) {
         return environment.fail_with(
@@ -191,8 +209,6 @@ int run_send(const SendOptions& options, Environment& environment) {
         return environment.fail_with({program::kExitUsage, "--for goes with --hold"});
     return Sender(options, environment).run(many ? std::optional(*labels) : std::nullopt);
 }
-
-namespace {
 
 Run declare_send(Declaration& verb) {
     auto options = std::make_shared<SendOptions>();

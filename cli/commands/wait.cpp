@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands/wait.hpp"
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
+#include <string>
 
 #include "asip/catalogue/bus_view.hpp"
 #include "asip/model/board_state.hpp"
@@ -12,12 +11,20 @@
 #include "asip/text/wall_time.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
+#include "cli/environment.hpp"
 #include "cli/events/context_event.hpp"
 #include "cli/find/target.hpp"
+#include "cli/output.hpp"
 #include "cli/text/state_text.hpp"
 
 namespace asip::cli {
 namespace {
+
+struct WaitOptions {
+    std::string target;           ///< BOARD or BOARD/SERVICE
+    std::string what = "online";  ///< a state of the board, or the name of an event
+    OutputOptions output{};
+};
 
 /// Watches one board until what is waited for has come.
 class Waiter {
@@ -120,15 +127,13 @@ class Waiter {
     bus::Demander::Want want_{};
 };
 
-}  // namespace
-
+/// `asipctl wait`: returns kExitOk once the board is in the state (at once when it is already), or once the
+/// event was reported; kExitNoAnswer when it did not come within the context's timeout.
 int run_wait(const WaitOptions& options, Environment& environment) {
     auto target = parse_target(options.target);
     if (!target) return environment.fail_with(target.error());
     return Waiter(options, environment, std::move(*target)).run();
 }
-
-namespace {
 
 Run declare_wait(Declaration& verb) {
     auto options = std::make_shared<WaitOptions>();

@@ -13,8 +13,6 @@
 #include "asip/text/wall_time.hpp"
 #include "cli/flash/no_asip.hpp"
 #include "cli/text/state_text.hpp"
-#include "cli/text/table.hpp"
-#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
@@ -26,16 +24,6 @@ using namespace std::chrono_literals;
 constexpr std::chrono::duration<double> kSlowAcknowledgement = 30ms;
 constexpr std::chrono::duration<double> kClockTolerance = 2s;
 constexpr std::size_t kNamed = 5;
-
-Finding fine(std::string what) {
-    return {Finding::Level::kFine, std::move(what), {}};
-}
-Finding note(std::string what, std::string advice) {
-    return {Finding::Level::kNote, std::move(what), std::move(advice)};
-}
-Finding problem(std::string what, std::string advice) {
-    return {Finding::Level::kProblem, std::move(what), std::move(advice)};
-}
 
 std::string some_of(const std::vector<std::string>& all) {
     std::string text;
@@ -284,36 +272,6 @@ Findings check_clocks(const Observations& seen) {
     return {};
 }
 
-Findings check_machine(const Machine& machine) {
-    Findings result;
-    for (const auto& port : machine.ports) {
-        if (port.may_use) {
-            result.push_back(fine("port " + port.path + " may be used"));
-            continue;
-        }
-        const bool group = !port.group.empty() && port.group != "root";
-        result.push_back(
-            problem("no right on the port " + port.path,
-                    group ? "sudo usermod -aG " + port.group + " $USER, then log in again"
-                          : "install the udev rule: packaging/udev/70-asip.rules to /etc/udev/rules.d/"));
-    }
-    if (machine.brltty) {
-        result.push_back(
-            note("brltty is installed here: it takes serial converters that look like a Braille display "
-                 "(CH340, CP210x, "
-                 "FTDI), so that their port vanishes or is in use",
-                 "without a Braille display: sudo apt remove brltty; with one: sudo ln -s /dev/null "
-                 "/etc/udev/rules.d/85-brltty.rules (the name as in /usr/lib/udev/rules.d)"));
-    }
-    if (machine.modem_manager && !machine.udev_rule) {
-        result.push_back(
-            problem("ModemManager runs here and sends AT commands to each board that is plugged in",
-                    "install packaging/udev/70-asip.rules to /etc/udev/rules.d/, then: sudo udevadm control "
-                    "--reload"));
-    }
-    return result;
-}
-
 Findings check_bridges(const Observations& seen) {
     std::vector<std::string> boards;
     for (const auto& [board, ping] : seen.pings)
@@ -375,40 +333,6 @@ Findings check_all(const Observations& seen) {
     auto local = check_machine(seen.machine);
     std::move(local.begin(), local.end(), std::back_inserter(result));
     return result;
-}
-
-bool has_problem(const Findings& findings) {
-    return std::any_of(findings.begin(), findings.end(),
-                       [](const Finding& finding) { return finding.level == Finding::Level::kProblem; });
-}
-
-std::string findings_text(const Findings& findings, bool colour) {
-    std::string text;
-    for (const auto& finding : findings) {
-        switch (finding.level) {
-            case Finding::Level::kFine:
-                text += painted("ok      ", Colour::kGreen, colour);
-                break;
-            case Finding::Level::kNote:
-                text += painted("note    ", Colour::kYellow, colour);
-                break;
-            case Finding::Level::kProblem:
-                text += painted("problem ", Colour::kRed, colour);
-                break;
-        }
-        text += " " + for_terminal(finding.what) + "\n";
-        if (!finding.advice.empty()) text += "         -> " + for_terminal(finding.advice) + "\n";
-    }
-    return text;
-}
-
-nlohmann::json finding_json(const Finding& finding) {
-    const auto* level = finding.level == Finding::Level::kFine   ? "ok"
-                        : finding.level == Finding::Level::kNote ? "note"
-                                                                 : "problem";
-    nlohmann::json object{{"level", level}, {"what", finding.what}};
-    if (!finding.advice.empty()) object["advice"] = finding.advice;
-    return object;
 }
 
 }  // namespace asip::cli

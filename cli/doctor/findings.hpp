@@ -2,7 +2,6 @@
 #pragma once
 #include <chrono>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,19 +11,10 @@
 #include "asip/bus/request/reply.hpp"
 #include "asip/bus/topics.hpp"
 #include "cli/ask/retained.hpp"
+#include "cli/doctor/finding.hpp"
 #include "cli/doctor/machine.hpp"
 
 namespace asip::cli {
-
-/// What is wrong (or fine), and what to do about it.
-struct Finding {
-    enum class Level { kFine, kNote, kProblem };
-    Level level = Level::kFine;
-    std::string what;
-    std::string advice;  ///< empty for what is fine
-    friend bool operator==(const Finding&, const Finding&) = default;
-};
-using Findings = std::vector<Finding>;
 
 /// What one board answered to a request that only it can answer.
 struct PingResult {
@@ -70,15 +60,8 @@ Findings check_retained(const Observations& seen);
 Findings check_names(const Observations& seen);
 Findings check_conflicts(const Observations& seen);
 Findings check_clocks(const Observations& seen);
-Findings check_machine(const Machine& machine);
 
 /// All of them, in that order.
 Findings check_all(const Observations& seen);
-
-bool has_problem(const Findings& findings);
-/// One line each, advice below it.
-std::string findings_text(const Findings& findings, bool colour);
-/// `level` (ok, note or problem), `what`, and `advice` where there is any.
-nlohmann::json finding_json(const Finding& finding);
 
 }  // namespace asip::cli

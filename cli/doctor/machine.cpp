@@ -78,4 +78,34 @@ Machine look_at_machine(const fs::path& root) {
     return result;
 }
 
+Findings check_machine(const Machine& machine) {
+    Findings result;
+    for (const auto& port : machine.ports) {
+        if (port.may_use) {
+            result.push_back(fine("port " + port.path + " may be used"));
+            continue;
+        }
+        const bool group = !port.group.empty() && port.group != "root";
+        result.push_back(
+            problem("no right on the port " + port.path,
+                    group ? "sudo usermod -aG " + port.group + " $USER, then log in again"
+                          : "install the udev rule: packaging/udev/70-asip.rules to /etc/udev/rules.d/"));
+    }
+    if (machine.brltty) {
+        result.push_back(
+            note("brltty is installed here: it takes serial converters that look like a Braille display "
+                 "(CH340, CP210x, "
+                 "FTDI), so that their port vanishes or is in use",
+                 "without a Braille display: sudo apt remove brltty; with one: sudo ln -s /dev/null "
+                 "/etc/udev/rules.d/85-brltty.rules (the name as in /usr/lib/udev/rules.d)"));
+    }
+    if (machine.modem_manager && !machine.udev_rule) {
+        result.push_back(
+            problem("ModemManager runs here and sends AT commands to each board that is plugged in",
+                    "install packaging/udev/70-asip.rules to /etc/udev/rules.d/, then: sudo udevadm control "
+                    "--reload"));
+    }
+    return result;
+}
+
 }  // namespace asip::cli

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/doctor/finding.hpp"
+
 namespace asip::cli {
 
 struct SerialPort {
@@ -22,5 +24,7 @@ struct Machine {
 
 /// Looks below `root` (`/`; another one for tests): dev, proc, etc and usr/lib.
 Machine look_at_machine(const std::filesystem::path& root = "/");
+
+Findings check_machine(const Machine& machine);
 
 }  // namespace asip::cli

@@ -164,18 +164,6 @@ TEST_F(BusTest, UnknownBoard_EndsWithStatus4AndTheNearestName) {
     EXPECT_EQ(asipctl({"show", "kitchen/serov"}).status, 1);
 }
 
-TEST_F(BusTest, WatchedList_ShowsWhatChanges) {
-    announce("uno1");
-    ChildProcess watch(program({"list", "-w", "--from-bus"}), environment());
-    ASSERT_TRUE(watch.wait_for_output("^uno1 +online"));
-    announce("uno1", "lost");
-    EXPECT_TRUE(watch.wait_for_output("^uno1 +lost"));
-    announce("uno2");
-    EXPECT_TRUE(watch.wait_for_output("^uno2 +online"));
-    watch.signal(SIGINT);
-    EXPECT_EQ(watch.wait_exit(), 0);
-}
-
 TEST_F(BusTest, Subscribe_PrintsDecodedValuesAndEndsByCount) {
     announce("uno1");
     ChildProcess subscribe(
@@ -318,7 +306,7 @@ TEST(Doctor, BrokerWithoutTcpNodelay_IsNoticed) {
 /// Waits until a program that can print nothing more has ended.
 TEST_F(BusTest, ReaderThatHasGone_EndsWhateverRuns) {
     announce("uno1");
-    for (const auto* command : {"subscribe uno1", "list -w --from-bus", "ping uno1 -n 0"}) {
+    for (const auto* command : {"subscribe uno1", "ping uno1 -n 0"}) {
         ChildProcess pipe(
             {"bash", "-c", std::string(ASIP_PROGRAMS "/asipctl ") + command + " | head -c 1 > /dev/null"},
             environment());

@@ -85,7 +85,7 @@ std::string hostile_description() {
 bool is_endless(const std::vector<std::string>& words) {
     const std::set<std::string> follow{"subscribe"};
     const auto has = [&words](const char* word) { return std::count(words.begin(), words.end(), word) != 0; };
-    return follow.contains(words.front()) || has("--watch") || has("--logs");
+    return follow.contains(words.front()) || has("--logs");
 }
 
 /// What answers each request with the same hostile text.
@@ -218,8 +218,7 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
           {"get", "evil/K"},
           {"get", "evil/distance"},
           {"get", "*/distance"},
-          {"get", "evil/K", "--raw"},
-          {"get", "evil/K", "--watch"}}},
+          {"get", "evil/K", "--raw"}}},
         {"subscribe",
          {{"subscribe", "evil"},
           {"subscribe", "evil", "-o", "jsonl"},

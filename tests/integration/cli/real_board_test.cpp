@@ -193,13 +193,10 @@ TEST_P(RealBoardTest, WithARegistry_StatesAndForgettingAreItsJudgement) {
     EXPECT_EQ(list.errors, "");
     EXPECT_EQ(asipctl({"doctor"}).status, 0) << asipctl({"doctor"}).output;
     EXPECT_EQ(asipctl({"forget", "desk"}).status, 1) << "it is alive";
-    ChildProcess watch(program({"list", "-w"}), environment());
-    ASSERT_TRUE(watch.wait_for_output("^desk +online"));
     agent_.reset();  // killed: its will speaks
-    EXPECT_TRUE(watch.wait_for_output("^desk +lost"));
+    EXPECT_EQ(asipctl({"wait", "desk", "--for", "lost", "--timeout", "20s"}).status, 0);
     const auto forget = asipctl({"forget", "desk"});
     EXPECT_EQ(forget.status, 0) << forget.errors;
-    EXPECT_TRUE(watch.wait_for_output("^desk +forgotten"));
     EXPECT_EQ(asipctl({"list", "-o", "name"}).output, "");
 }
 

@@ -29,22 +29,6 @@ class ValuesTest : public BusTest {
     TempDir folder_;
 };
 
-TEST_F(ValuesTest, GetWatched_PrintsThePresentValueThenEachReport) {
-    announce("uno1");
-    ChildProcess get(program({"get", "uno1/distance/1", "-w", "--raw"}), environment());
-    const auto request = probe_.wait_for("asip/uno1/distance/in");
-    ASSERT_TRUE(request) << get.errors();
-    answer(*request, R"({"status":"ok","proof":"answer","answer":{"distance":[42,118]}})");
-    ASSERT_TRUE(get.wait_for_output("^118$")) << "without its unit";
-    probe_.publish("asip/uno1/distance/out", R"({"distance":[1,2]})");
-    probe_.publish("asip/uno1/distance/out", R"({"distance":[1]})");
-    probe_.publish("asip/uno1/distance/out", R"({"distance":[1,3]})");
-    EXPECT_TRUE(get.wait_for_output("^3$"));
-    get.signal(SIGINT);
-    EXPECT_EQ(get.wait_exit(), 0);
-    EXPECT_EQ(get.output(), "118\n2\n3\n");
-}
-
 TEST_F(ValuesTest, Subscribe_ShowsUnitsAndOneField) {
     announce("uno1");
     ChildProcess whole(program({"subscribe", "uno1", "-n", "1"}), environment());

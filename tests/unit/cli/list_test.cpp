@@ -8,7 +8,6 @@
 
 #include "cli/commands/ping.hpp"
 #include "cli/commands/show.hpp"
-#include "cli/commands/watch.hpp"
 #include "cli/terminal.hpp"
 #include "tests/unit/cli/boards.hpp"
 
@@ -120,22 +119,6 @@ TEST(ListServices, CountPeriodAndNames_AreShown) {
     EXPECT_THAT(services_text(services, Output::kTable, 0, false),
                 HasSubstr("uno1   distance  distance  Distance           2  100 ms  online\n"));
     EXPECT_THAT(services_text(services, Output::kName, 0, false), HasSubstr("uno1/servo\n"));
-}
-
-TEST(ChangePrinter, OnlyWhatDiffers_IsPrintedAgain) {
-    ListOptions options;
-    ChangePrinter printer(options, 0, false);
-    EXPECT_THAT(printer.changed(uno1()), HasSubstr("BOARD"));
-    auto later = uno1();
-    later.age = 7;
-    later.seq = 9;
-    EXPECT_EQ(printer.changed(later), "");
-    later.state = later.reported = "lost";
-    const auto row = printer.changed(later);
-    EXPECT_THAT(row, HasSubstr("lost"));
-    EXPECT_THAT(row, Not(HasSubstr("BOARD")));
-    EXPECT_THAT(printer.gone("uno1"), HasSubstr("forgotten"));
-    EXPECT_EQ(printer.gone("uno1"), "");
 }
 
 TEST(ShowBoard, DescribedBoard_ShowsChipPinsServicesAndUnits) {
