@@ -84,18 +84,6 @@ TEST_F(LiteralClients, OverTcp_AreUnderstoodAsBy04) {
     }
 }
 
-TEST_F(LiteralClients, OverTcpAByteAtATime_AreTheSame) {
-    for (const auto& row : literal_rows("tcp")) {
-        if (row.executes.size() > 3) continue;  // the others take as long again and show no more
-        LiteralSocket client(port_);
-        for (const char byte : row.bytes()) {
-            client.send(std::string(1, byte));
-            std::this_thread::sleep_for(2ms);
-        }
-        EXPECT_TRUE(hears(row.executes)) << row.name();
-    }
-}
-
 TEST_F(LiteralClients, TwoAtOnce_AreNotMixed) {
     LiteralSocket one(port_), other(port_);
     one.send("M,m,1,1");
