@@ -41,24 +41,21 @@ BoardFile read_board(JsonReader reader, const std::filesystem::path& file) {
     std::vector<std::string> boards;
     for (const auto& kind : BoardKind::all())
         boards.push_back(kind.name);
-    boards.emplace_back(kPico);
-    const bool is_pico = board.board == kPico;
     const auto* kind = BoardKind::find(board.board);
-    if (kind == nullptr && !is_pico) {
+    if (kind == nullptr) {
         reader.fault("board", fmt::format("there is no board \"{}\"{}; one of {}", board.board,
                                           text::did_you_mean(board.board, boards), fmt::join(boards, ", ")));
         return result;
     }
     if (reader.required("image") != nullptr) board.image = beside(file, reader.text("image"));
     board.eeprom = beside(file, reader.text("eeprom"));
-    board.frequency = static_cast<std::uint32_t>(
-        reader.number("frequency", is_pico ? kPicoHertz : 16e6, 1e6, is_pico ? kPicoHertz : 20e6));
-    if (reader.has("uart") && !is_pico)
+    board.frequency = static_cast<std::uint32_t>(reader.number("frequency", 16e6, 1e6, 20e6));
+    if (reader.has("uart"))
         board.uart = static_cast<char>('0' + static_cast<int>(reader.number("uart", 0, 0, 3)));
     result.link = beside(file, reader.text("link"));
     if (reader.has("tcp")) result.tcp_port = static_cast<int>(reader.number("tcp", 0, 0, 65535));
     result.reset_on_open = reader.flag("reset_on_open");
-    if (!is_pico) result.world = beside(file, reader.text("world"));
+    result.world = beside(file, reader.text("world"));
     if (!result.world.empty()) {
         auto world = world::load_world(result.world);
         if (!world) reader.fault("world", world.error());
@@ -67,7 +64,7 @@ BoardFile read_board(JsonReader reader, const std::filesystem::path& file) {
     for (auto& part : reader.list("parts"))
         board.parts.push_back(read_part(part));
     reader.refuse_others();
-    if (!reader.ok() || is_pico) return result;
+    if (!reader.ok()) return result;
     const auto planned = plan_parts(board, *kind);
     if (!planned) reader.fault_at(planned.error());
     return result;

@@ -22,14 +22,10 @@ struct PartConfig {
     std::string name{};
 };
 
-/// The board that is run by asip-sim alone, in an emulator of its own: none for Board::create().
-inline constexpr const char* kPico = "pico";
-constexpr std::uint32_t kPicoHertz = 12'000'000;
-
 /// A board: image, chip, parts. Built in code by tests, read from a JSON file by asip-sim.
 struct BoardConfig {
     std::string name = "board";
-    std::string board = "uno";    ///< "uno", "mega", "leonardo", ..., or kPico
+    std::string board = "uno";    ///< "uno", "mega", "leonardo", ...
     std::filesystem::path image;  ///< .elf or Intel .hex
     std::vector<PartConfig> parts;
     /// Where its rover drives, shared with the boards of other rovers; null: nowhere.

@@ -8,7 +8,6 @@
 #include "sim/parts/numbers.hpp"
 #include "sim/parts/servo_pulse.hpp"
 #include "sim/parts/wheel_encoder.hpp"
-#include "sim/png.hpp"
 #include "sim/wiring/part_reader.hpp"
 #include "sim/world/picture.hpp"
 
@@ -172,7 +171,7 @@ class RoverPart final : public Part {
 
     Expected<void> draw(const std::string& file) const {
         if (file.empty()) return fail("picture needs a file: picture rover lap.svg");
-        if (file.ends_with(".png")) return save_as_png(world::picture(world_), file);
+        if (!file.ends_with(".svg")) return fail(file + ": a picture is SVG, call it so: lap.svg");
         std::ofstream stream(file, std::ios::binary | std::ios::trunc);
         stream << world::picture(world_);
         stream.close();
@@ -226,8 +225,7 @@ constexpr std::array kRoverVerbs{
     PartVerb{"place", "X Y HEADING", "put a rover down: millimetres, degrees counter-clockwise"},
     PartVerb{"block", "X Y RADIUS", "put a round obstacle into the world of a rover: millimetres"},
     PartVerb{"clear", "", "take all obstacles out of the world of a rover"},
-    PartVerb{"picture", "FILE",
-             "draw the world of a rover and the ways of all in it, as SVG or (lap.png) PNG"}};
+    PartVerb{"picture", "FILE", "draw the world of a rover and the ways of all in it, as SVG"}};
 
 }  // namespace
 

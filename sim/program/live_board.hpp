@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "asip/time.hpp"
+#include "sim/board.hpp"
 #include "sim/board_file.hpp"
 #include "sim/program/pty.hpp"
 #include "sim/program/reporter.hpp"
@@ -26,26 +27,25 @@ class LiveBoard {
   public:
     /// The reporter outlives it. Opens the ports and reports them.
     static Expected<std::unique_ptr<LiveBoard>> create(BoardFile file, Reporter& reporter);
-    virtual ~LiveBoard() = default;
     LiveBoard(const LiveBoard&) = delete;
     LiveBoard& operator=(const LiveBoard&) = delete;
 
     const std::string& name() const { return file_.board.name; }
 
-    virtual std::vector<std::string> part_names() const = 0;
+    std::vector<std::string> part_names() const;
 
     /// Carries bytes between the ports and the board and lets it run up to `now`, but not for long.
-    virtual Pace tick(Time now) = 0;
+    Pace tick(Time now);
 
     /// What becomes readable when the host has something for the board.
-    virtual void add_waits(std::vector<pollfd>& waits) const = 0;
+    void add_waits(std::vector<pollfd>& waits) const;
 
     /// "press button1", "reset", "unplug", "replug", "list"; the answer's lines, or what was wrong.
-    virtual Expected<std::string> command(std::string_view verb, std::string_view part,
-                                          std::string_view argument, Time now) = 0;
+    Expected<std::string> command(std::string_view verb, std::string_view part, std::string_view argument,
+                                  Time now);
 
-  protected:
-    LiveBoard(BoardFile file, Reporter& reporter) : file_(std::move(file)), reporter_(reporter) {}
+  private:
+    LiveBoard(BoardFile file, Reporter& reporter, std::unique_ptr<Board> board);
 
     Expected<void> open_pty();
     /// All of them, and reports them.
@@ -54,17 +54,35 @@ class LiveBoard {
     void send_to_ports();
     /// "/dev/pts/3 link", or "unplugged".
     std::string shown_port() const;
-    virtual SimTime board_time() const = 0;
     void happened(std::string_view event, const nlohmann::ordered_json& details);
+
+    Expected<std::string> plug(bool in, Time now);
+    std::string list() const;
+
+    bool has_room() const;
+    void receive_from_ports(bool pty_readable);
+    Pty::Events notice_opening();
+    void follow_host_rate();
+    bool run_towards(Time now);
+    void report_losses(Time now);
 
     BoardFile file_;
     Reporter& reporter_;
+    std::unique_ptr<Board> board_;
     Pty pty_;
     PortLink link_;
     TcpPort tcp_;
     bool plugged_ = true;
     bool pty_in_use_ = false;
     std::string to_host_;
+    Time busy_until_{};
+
+    Time started_{};  // the moment at which the board's time was started_at_
+    SimTime started_at_{0};
+    Time next_housekeeping_{};
+    SimTime skipped_{0};  // what it lagged behind and gave up
+    LineErrors reported_;
+    bool reported_dead_ = false;
 };
 
 }  // namespace asip::sim

@@ -56,7 +56,6 @@ Expected<std::vector<BoardFile>> load_boards(const Options& options) {
             file.board.name = std::filesystem::path(path).stem().string();
             file.board.image = path;
             file.board.board = options.board;
-            if (options.board == kPico) file.board.frequency = kPicoHertz;
         } else {
             auto loaded = load_board_file(path);
             if (!loaded) return fail(loaded.error());

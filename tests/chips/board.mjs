@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Pico in the emulator for tests that speak to it line by line. All time is simulated.
 import { readFileSync } from 'node:fs'
-import { Pico } from '../../sim/pico/chip.mjs'
-import { ADVICE, findEmulator } from '../../sim/pico/emulator.mjs'
+import { Pico } from './pico/chip.mjs'
+import { ADVICE, findEmulator } from './pico/emulator.mjs'
 
 const { ASIP_RP2040JS, ASIP_IMAGES } = process.env
 const emulator = findEmulator([ASIP_RP2040JS])

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { test } from 'node:test'
-import { command, wire } from '../../sim/pico/parts.mjs'
+import { command, wire } from './pico/parts.mjs'
 import { Board, ms } from './board.mjs'
 
 const CHIPS = [

@@ -12,7 +12,7 @@ namespace truth {
 
 namespace test = asip::test;
 
-LiveBoard::LiveBoard(std::string name, const std::string& board, const std::string& image, bool checksums,
+LiveBoard::LiveBoard(std::string name, const std::string& pico, const std::string& image, bool checksums,
                      const std::string& broker_url, std::uint64_t seed)
     : name_(std::move(name)),
       checksums_(checksums),
@@ -23,12 +23,13 @@ LiveBoard::LiveBoard(std::string name, const std::string& board, const std::stri
     for (const int pin : kPins)
         parts +=
             fmt::format(R"({}{{"kind":"led","name":"p{}","pin":{}}})", parts.empty() ? "" : ",", pin, pin);
-    const auto file = folder_.write(
-        "board.json", fmt::format(R"({{"name":"{}","board":"{}","image":"{}/{}.elf","tcp":{},"parts":[{}]}})",
-                                  name_, board, ASIP_IMAGES, image, board_port, parts));
+    const auto board = fmt::format(R"({{"image":"{}/{}.elf","tcp":{},"parts":[{}]}})", ASIP_IMAGES, image,
+                                   board_port, parts);
     simulator_ = std::make_unique<test::ChildProcess>(
-        std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket", "--json"});
-    if (!simulator_->wait_for_output("tcp")) throw std::runtime_error("asip-sim: " + simulator_->errors());
+        pico.empty() ? std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", folder_.write("board.json", board),
+                                                "--no-socket", "--json"}
+                     : std::vector<std::string>{"node", pico, board});
+    if (!simulator_->wait_for_output("tcp")) throw std::runtime_error("simulator: " + simulator_->errors());
     line_ = std::make_unique<LineProxy>(folder_.file("line"), board_port, seed);
     start_agent();
 }

@@ -18,7 +18,8 @@ constexpr int kPins[] = {3, 5, 6, 9, 10, 11};
 /// brings it onto the bus.
 class LiveBoard {
   public:
-    LiveBoard(std::string name, const std::string& board, const std::string& image, bool checksums,
+    /// `pico`: the script that runs it; empty: an Uno in asip-sim.
+    LiveBoard(std::string name, const std::string& pico, const std::string& image, bool checksums,
               const std::string& broker_url, std::uint64_t seed);
 
     const std::string& name() const { return name_; }

@@ -35,8 +35,9 @@ int main(int argc, char** argv) {
     app.add_option("--rounds", rounds, "How many rounds")->capture_default_str();
     app.add_option("--seconds", seconds, "Instead: rounds until then");
     app.add_option("--active", active, "Seconds of commands in a round")->capture_default_str();
-    bool pico = false;
-    app.add_flag("--pico", pico, "The board with our firmware is a Pico, in its emulator (NODE_PATH)");
+    std::string pico;
+    app.add_option("--pico", pico,
+                   "The board with our firmware is a Pico, which this script runs (ASIP_RP2040JS)");
     CLI11_PARSE(app, argc, argv);
     truth::Counts counts;
     const auto end = truth::now_ms() + static_cast<std::int64_t>(seconds * 1000);

@@ -19,12 +19,13 @@ constexpr const char* kReplies = "asip/reply/truth";
 
 }  // namespace
 
-Round::Round(std::uint64_t seed, Counts& counts, bool pico) : seed_(seed), counts_(counts), dice_(seed) {
+Round::Round(std::uint64_t seed, Counts& counts, const std::string& pico)
+    : seed_(seed), counts_(counts), dice_(seed) {
     ++counts_.rounds;
-    boards_.push_back(std::make_unique<LiveBoard>(
-        "ours", pico ? "pico" : "uno", pico ? "asip_pico" : "asip_uno", true, broker_.url(), dice_.draw()));
+    boards_.push_back(std::make_unique<LiveBoard>("ours", pico, pico.empty() ? "asip_uno" : "asip_pico", true,
+                                                  broker_.url(), dice_.draw()));
     boards_.push_back(
-        std::make_unique<LiveBoard>("plain", "uno", "asip_uno_04", false, broker_.url(), dice_.draw()));
+        std::make_unique<LiveBoard>("plain", "", "asip_uno_04", false, broker_.url(), dice_.draw()));
     set_up();
 }
 

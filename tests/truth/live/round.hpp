@@ -57,8 +57,8 @@ struct Downtime {
 
 class Round {
   public:
-    /// The board with our firmware is an Uno or a Pico.
-    Round(std::uint64_t seed, Counts& counts, bool pico);
+    /// The board with our firmware is an Uno, or a Pico that the script `pico` runs.
+    Round(std::uint64_t seed, Counts& counts, const std::string& pico);
     void run(std::int64_t active_ms);
 
   private:
