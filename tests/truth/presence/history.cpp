@@ -25,14 +25,9 @@ constexpr Duration kQuiet = 5s;
 constexpr Duration kPromisedOfBroker = 3s;  // all is right again, after the broker was away
 constexpr Duration kStep = 500ms;
 
-// Every third history begins with a clock that went back.
-bool has_clock_behind(std::uint64_t seed) {
-    return seed % 3 == 2;
-}
-
-Setting draw_setting(Dice& dice, bool clock_behind) {
+Setting draw_setting(Dice& dice, bool changes_hands) {
     Setting setting;
-    setting.in_order = !dice.chance(clock_behind ? 0.5 : 0.3);
+    setting.in_order = !dice.chance(changes_hands ? 0.5 : 0.3);
     setting.says_state = !setting.in_order || dice.chance(0.75);
     setting.lease = static_cast<int>(dice.chance(0.8) ? dice.between(3, 10) : dice.between(11, 40));
     dice.chance(0.2);  // stays, so that the seeds of earlier failures play the same histories
@@ -44,8 +39,8 @@ class History {
     History(std::uint64_t seed, bool with_trace, const std::string& watched,
             std::vector<std::string>* recorded)
         : dice_(seed),
-          clock_behind_(has_clock_behind(seed)),
-          setting_(draw_setting(dice_, clock_behind_)),
+          clock_of_second_(clock_of_second(seed)),
+          setting_(draw_setting(dice_, clock_of_second_.has_value())),
           with_trace_(with_trace),
           recorded_(recorded),
           broker_(dice_, setting_.in_order) {
@@ -78,7 +73,7 @@ class History {
 
     End run() {
         // Many short ones find more than few long ones; what needs many actions is rare.
-        if (clock_behind_) clock_goes_back();
+        if (clock_of_second_) change_hands(*clock_of_second_);
         const auto actions = dice_.chance(0.05) ? dice_.between(5, 12) : dice_.between(1, 4);
         for (std::int64_t i = 0; i < actions && end_.failure.empty(); ++i) {
             act();
@@ -159,31 +154,36 @@ class History {
                                                               : Clock::kLater;
         end_.counts.starts.add({clock, before, !setting_.in_order, takeover});
     }
-    /// A board gets an agent whose clock is behind that of the one before it: a machine without a clock, or
-    /// with an empty battery. What became of the one before is different each time; it may come back.
-    void clock_goes_back() {
+    /// A board gets another agent, whose clock is ahead of that of the one before it, or behind it: a machine
+    /// without a clock, or with an empty battery. `kFirst`: before the first one has described itself. What
+    /// became of the one before is different each time; it may come back.
+    void change_hands(Clock clock) {
+        const bool described = clock != Clock::kFirst;
         const auto number = dice_.below(agents_.size());
         auto& first = *agents_[number];
         auto& second = *agents_[number ^ 1];
         const auto skew = dice_.between(0, 2000);
-        start(first, skew, dice_.chance(0.3));
+        start(first, skew, described && dice_.chance(0.3));
         const Time began = now_;
-        pass(std::chrono::milliseconds(dice_.between(1400, 5000)));
-        const auto fate = dice_.below(6);
-        if (fate == 0) {
+        pass(std::chrono::milliseconds(described ? dice_.between(1400, 5000) : dice_.between(1, 1200)));
+        const auto fate = described ? dice_.below(clock == Clock::kBehind ? 6 : 10) : 1 + dice_.below(3);
+        if (fate % 8 == 0) {
             note("its agent ends");
             dice_.chance(0.5) ? first.stop(now_) : first.kill(now_);
         } else if (fate > 1) {
             note("its agent is cut off");
             first.cut_off(now_);
         }
-        if (fate > 2) pass(std::chrono::seconds(setting_.lease));
-        pass(std::chrono::milliseconds(dice_.between(1, 2500)));
-        if (fate > 2 && dice_.chance(0.6))
+        const bool waits = fate > 2 && fate != 6;  // else its lease runs
+        if (waits && described) pass(std::chrono::seconds(setting_.lease));
+        pass(std::chrono::milliseconds(dice_.between(1, described ? 2500 : 90)));
+        if (waits && fate < 6 && (!described || dice_.chance(0.6)))
             while (first.waits_for_will())
                 pass(1s);
         const auto passed = std::chrono::duration_cast<std::chrono::seconds>(now_ - began).count();
-        start(second, skew - passed - dice_.between(1, 3000), dice_.chance(0.5));
+        const bool behind = clock == Clock::kBehind;
+        start(second, skew + (behind ? -passed - dice_.between(1, 3000) : dice_.between(1, 3000)),
+              dice_.chance(0.5));
         if (!first.is_cut_off() || dice_.chance(0.4)) return;
         pass(some_time());
         note("the agent before it is back");
@@ -325,7 +325,7 @@ class History {
     }
 
     Dice dice_;
-    bool clock_behind_;
+    std::optional<Clock> clock_of_second_;
     Setting setting_;
     bool with_trace_;
     std::vector<std::string>* recorded_;

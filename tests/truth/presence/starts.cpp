@@ -14,8 +14,15 @@ constexpr const char* kBeforeTexts[] = {"one that ended", "a living one", "one c
 
 }  // namespace
 
+std::optional<Clock> clock_of_second(std::uint64_t seed) {
+    if (seed % 3 == 2) return Clock::kBehind;
+    const auto rest = seed % 27;
+    if (rest == 9 || rest == 18 || rest == 19) return std::nullopt;
+    return seed % 9 == 7 || seed % 18 == 6 ? Clock::kFirst : Clock::kLater;
+}
+
 std::size_t Starts::place(const StartKind& kind) {
-    return (static_cast<std::size_t>(kind.clock) * kBefore + static_cast<std::size_t>(kind.before)) * 4 +
+    return (static_cast<std::size_t>(kind.clock) * kBefore + static_cast<std::size_t>(kind.before)) * kKinds +
            (kind.bridged ? 2 : 0) + (kind.takeover ? 1 : 0);
 }
 
@@ -30,7 +37,8 @@ std::vector<std::string> Starts::lines() const {
                                                " behind", "one broker", "takeover", "bridged", "takeover")};
     for (std::size_t clock = 0; clock < kClocks; ++clock) {
         for (std::size_t before = 0; before < kBefore; ++before) {
-            const auto* counts = &counts_[(clock * kBefore + before) * 4];
+            const auto* counts = &counts_[(clock * kBefore + before) * kKinds];
+            if (!can_be(clock, before)) continue;
             lines.push_back(fmt::format("{:<15} {:<29}{:>10}{:>10}{:>10}{:>10}", kClockTexts[clock],
                                         kBeforeTexts[before], counts[0], counts[1], counts[2], counts[3]));
         }
@@ -38,9 +46,17 @@ std::vector<std::string> Starts::lines() const {
     return lines;
 }
 
-std::uint64_t Starts::rarest_behind() const {
-    return *std::min_element(counts_.begin() + static_cast<std::ptrdiff_t>(place({Clock::kBehind})),
-                             counts_.end());
+bool Starts::can_be(std::size_t clock, std::size_t before) {
+    return clock != static_cast<std::size_t>(Clock::kFirst) ||
+           before != static_cast<std::size_t>(Before::kLeaseRuns);
+}
+
+std::uint64_t Starts::rarest() const {
+    auto rarest = UINT64_MAX;
+    for (std::size_t place = 0; place < counts_.size(); ++place)
+        if (can_be(place / kKinds / kBefore, place / kKinds % kBefore))
+            rarest = std::min(rarest, counts_[place]);
+    return rarest;
 }
 
 }  // namespace truth::presence
