@@ -114,7 +114,7 @@ def in_class(reader, commands, text):
     reader.sees("(?i)<!doctype html", "bash -c 'exec 3<>/dev/tcp/127.0.0.1/8080; printf \"GET / HTTP/1.0\\r\\nHost: 127.0.0.1\\r\\n\\r\\n\" >&3; cat <&3'")
     tokens = []
     for command in commands:
-        shown = reader.types(command)
+        shown = reader.types(command.replace("student-2", "student-1"))  # one board stands for both
         if "asip-gateway token" in command:
             tokens.append(shown.split()[0])
             assert "Type it at Sign in" in shown, shown
