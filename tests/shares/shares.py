@@ -45,6 +45,7 @@ OWN_QUEUE = ("BOARD/in operator costly", "BOARD/SERVICE/in operator costly")
 class SharedBus(SecuredBus):
     users = (("board", "desk", "lamp", "crook"), ("registry",), ("gateway",), ("home-assistant",), ("operator", "ann", "olga"),
              ("viewer", "bob", "eve"))
+    sources = (("lamp", "crook"),)
 
     def __init__(self, boards):
         self.count = boards
@@ -57,6 +58,10 @@ class SharedBus(SecuredBus):
         eventually(lambda: self.get("/api/status")["mirror"]["boards"] >= self.count + 2, "all boards in the gateway", 600)
         for name in ("lab", "hall"):
             eventually(lambda: name in json.dumps(self.get("/api/dashboards")) or self.make_dashboard(name), "a dashboard", 60)
+        link = {"name": "l1", "from": "crook/io/2", "when": "follows", "to": "io", "command": {"write": [13, 1]}}
+        asker = OverMqtt(self, "ann", "link", "lamp", "asip/lamp/$link/ann/c1", set=link)
+        eventually(lambda: asker.ask() == "ok", "a link to the board that floods", 60)
+        asker.client.disconnect()
 
     def make_dashboard(self, name):
         widget = {"id": "w1", "kind": "slider", "board": "desk", "property": "servo/0/angle"}

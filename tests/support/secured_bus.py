@@ -11,6 +11,8 @@ from bus import BIN, Bus, can_connect, eventually
 class SecuredBus(Bus):
     users = (("board", "desk", "lamp"), ("registry",), ("gateway",))
     """Who is on it beside the administrator: roles and names."""
+    sources = ()
+    """Boards whose agents hear other ones, and these."""
 
     def secure(self, *words):
         return subprocess.run([str(BIN / "asipctl"), "secure", "--dir", str(self.work / "bus"), *words], check=True,
@@ -29,6 +31,8 @@ class SecuredBus(Bus):
         self.secure("init", "--yes", "--host", "127.0.0.1", "--port", str(self.broker_port))
         for role_and_names in self.users:
             self.secure("add", *role_and_names)
+        for board_and_sources in self.sources:
+            self.secure("link", *board_and_sources)
         config = self.work / "bus" / "mosquitto.conf"
         if os.geteuid() == 0:
             # It would become another user, for whom this folder is closed.
