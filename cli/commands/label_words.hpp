@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/bus/request/label_request.hpp"
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/expected.hpp"
 #include "cli/text/table.hpp"
 

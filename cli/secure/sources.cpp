@@ -3,6 +3,7 @@
 
 #include "asip/links/shown.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/ask/retained.hpp"
 #include "cli/secure/actions.hpp"
 #include "cli/secure/folder.hpp"
 #include "cli/secure/reload.hpp"
