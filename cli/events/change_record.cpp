@@ -24,11 +24,14 @@ Table change_table() {
 
 namespace {
 
-// "anna: servo {"write":[0,90]}, 12 times; queue-full"
+// "anna: servo {"write":[0,90]}, 12 times; queue-full"; "io {"write":[5,1]}, by link warm, because
+// desk/temperature was 30.5"
 std::string command_words(const bus::HistoryItem& command) {
-    std::string words = command.by + ":";
+    const bool link = command.by.starts_with("link ");
+    std::string words = link ? std::string() : command.by + ":";
     for (const auto& part : {command.service, command.request})
-        if (!part.empty()) words += " " + part;
+        if (!part.empty()) words += (words.empty() ? "" : " ") + part;
+    if (link) words += ", by " + command.by;
     if (command.count > 1) words += ", " + std::to_string(command.count) + " times";
     return command.reason.empty() ? words : words + "; " + command.reason;
 }

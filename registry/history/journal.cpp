@@ -22,6 +22,7 @@ bus::HistoryItem row(std::string_view board, text::WallTime at, std::string_view
 }
 
 constexpr std::size_t kMaxNoteBytes = 1024;
+constexpr std::size_t kMaxWhoBytes = 256;   // a link says why, too
 constexpr std::size_t kMaxTextBytes = 128;  // of a request or reason
 constexpr std::size_t kMerged = 64;         // rows in which a command like this one is looked for
 
@@ -30,7 +31,7 @@ bool one_of(std::string_view word, std::initializer_list<std::string_view> words
 }
 
 bool is_command(const bus::HistoryItem& item) {
-    return !item.by.empty() && item.by.size() <= bus::kMaxByBytes &&
+    return !item.by.empty() && item.by.size() <= kMaxWhoBytes &&
            one_of(item.what, {"command", "stop", "undone"}) &&
            one_of(item.status, {"ok", "sent", "error", "timeout", "refused"}) &&
            (item.service.empty() || model::valid_name(item.service)) &&
@@ -42,9 +43,14 @@ std::string_view without_arguments(std::string_view request) {
     return request.substr(0, request.find_first_of(":,"));
 }
 
+// `link warm` of `link warm, because desk/temperature was 30.5`.
+std::string_view without_cause(std::string_view by) {
+    return by.substr(0, by.find(", because "));
+}
+
 bool alike(const bus::HistoryItem& a, const bus::HistoryItem& b) {
-    return a.board == b.board && a.what == b.what && a.by == b.by && a.service == b.service &&
-           a.status == b.status && a.reason == b.reason &&
+    return a.board == b.board && a.what == b.what && without_cause(a.by) == without_cause(b.by) &&
+           a.service == b.service && a.status == b.status && a.reason == b.reason &&
            without_arguments(a.request) == without_arguments(b.request);
 }
 
@@ -125,6 +131,7 @@ void Journal::command(std::string_view board, std::string_view payload, text::Wa
     const auto same = std::find_if(rows.rbegin(), end, [&](const auto& row) { return alike(row, item); });
     if (same == end) return rows.push_back(std::move(item));
     same->request = std::move(item.request);  // the last one counts
+    same->by = std::move(item.by);
     same->count = std::max(same->count, 1) + 1;
 }
 

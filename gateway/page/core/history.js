@@ -15,7 +15,8 @@ export function row_of(item, models = new Map()) {
   if (item.by) {
     const asked = item.request === undefined ? "" : asked_text(item.request, item.service, models);
     row.raw = [item.by, item.service, item.request].filter(Boolean).join(" ");
-    row.text = [[`${who_text(item.by)}:`, commands[item.what] ?? item.what, asked].filter(Boolean).join(" "), item.reason && words(item.reason).toLowerCase()].filter(Boolean).join(", ");
+    const link = item.by.startsWith("link "); // says why, too
+    row.text = [[!link && `${who_text(item.by)}:`, commands[item.what] ?? item.what, asked].filter(Boolean).join(" "), link && `by ${item.by}`, item.reason && words(item.reason).toLowerCase()].filter(Boolean).join(", ");
   } else {
     const was = item.was && item.was !== item.state && `was ${item.was}`;
     row.text = [happenings[item.what] ?? item.what, was, reason_text(item.reason) || (item.was && !was && "resumed")].filter(Boolean).join(", ");

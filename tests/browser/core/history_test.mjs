@@ -16,6 +16,10 @@ test("a command is who, what and how it ended", () => {
   assert.equal(command(1, undefined, { by: "home-assistant", what: "stop" }).text, "Home Assistant: stopped it");
 });
 
+test("a link is named behind what it did, with its cause", () => {
+  assert.equal(command(1, '{"write":[5,1]}', { by: "link warm, because desk/temperature was 30.5", service: "io" }).text, "Pins, write 5, 1, by link warm, because desk/temperature was 30.5");
+});
+
 test("a board that was stopped, and is resumed, says so", () => {
   const now = { board: "desk", at: at(1), what: "state", state: "online", was: "online" };
   assert.equal(row_of({ ...now, reason: "latched" }).text, "STOPPED until it is resumed");

@@ -106,6 +106,8 @@ class Links : public testing::Test {
 };
 
 TEST_F(Links, ButtonSwitchesALampOfAnotherAgent_AndNoRestartDoes) {
+    const ChildProcess registry(
+        {ASIP_PROGRAMS "/asip-registry", "--broker", broker.url(), "--history", state.file("history.db")});
     auto of_desk = start("desk", desk.port());
     auto of_lamp = start("lamp", lamp.port());
     wire_up();
@@ -122,6 +124,11 @@ TEST_F(Links, ButtonSwitchesALampOfAnotherAgent_AndNoRestartDoes) {
                    std::string::npos;
     });
     EXPECT_TRUE(note);
+    EXPECT_TRUE(wait_until([&] {
+        return asipctl({"events", "lamp", "--last", "20"})
+                   .output.find(", by link desk-io-2-io-13, because desk/io/2 had a press") !=
+               std::string::npos;
+    })) << "the history";
 
     const auto changes = lamp.changes().size();
     const auto back = [&](const std::string& board) {

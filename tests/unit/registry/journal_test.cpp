@@ -134,6 +134,20 @@ TEST(Journal, CommandsThatDifferInTheirArgumentsAlone_AreOneRowWithTheLastAndThe
     EXPECT_EQ(rows[3].request, "D,0");
 }
 
+TEST(Journal, CommandsOfALink_AreOneRowWithTheLastCause_HoweverLongTheirNames) {
+    const Journal journal({{"uno1", kOnline}});
+    Journal::Rows rows;
+    const auto cause = [](int i) {
+        return "link greenhouse-temperature-0-celsius-io-5, because greenhouse/temperature/0 was " +
+               std::to_string(i);
+    };
+    for (int i = 0; i < 30; ++i)
+        journal.command("uno1", command_note("W,0," + std::to_string(i), cause(i)), wall(5000), rows);
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].by, cause(29));
+    EXPECT_EQ(rows[0].count, 30);
+}
+
 TEST(Journal, WhatIsNoCommand_LeavesNoRow) {
     const Journal journal({{"uno1", kOnline}});
     Journal::Rows rows;
@@ -141,7 +155,7 @@ TEST(Journal, WhatIsNoCommand_LeavesNoRow) {
     journal.command("uno2", good, wall(1), rows);  // an unknown board
     for (const std::string& bad :
          {std::string(), std::string("[]"), std::string("{"), good + " " + good,
-          std::string(5000, ' ') + good, command_note("W", ""), command_note("W", std::string(65, 'a')),
+          std::string(5000, ' ') + good, command_note("W", ""), command_note("W", std::string(257, 'a')),
           command_note(std::string(129, 'W')), command_note("W", "anna", "fine"),
           std::string(R"({"what":"added","by":"anna","status":"ok"})"),
           std::string(R"({"what":"command","by":"anna","status":"ok","service":"a/b"})"),
