@@ -64,9 +64,8 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     Board* known = slot == NameTable::kNone ? nullptr : &board(slot);
 
     DescriptionMembers members;
-    if (!read_description(a.payload, guesses_for(known), members) || !valid_session(members.session)) {
+    if (!read_description(a.payload, guesses_for(known), members) || !valid_session(members.session))
         return Refusal::kMalformed;
-    }
     if (members.board != a.board) return Refusal::kWrongBoard;
     const bool same_labels = known != nullptr && known->described && known->extra() == members.extra;
     if (!same_labels && read_labels(members.labels, members.names) == nullptr) return Refusal::kMalformed;
@@ -76,12 +75,10 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     if (!resolve_parts(members, known, firmware, pins, services)) return Refusal::kMalformed;
 
     const bool added = known == nullptr;
-    if (added) {
-        slot = make(a.board, now);
-        if (slot == NameTable::kNone) {
-            drop_unused(firmware, pins, services);
-            return Refusal::kTooMany;
-        }
+    if (added) slot = make(a.board, now);
+    if (slot == NameTable::kNone) {
+        drop_unused(firmware, pins, services);
+        return Refusal::kTooMany;
     }
     Board& b = board(slot);
     const bool new_session = b.session != members.session || !b.described;

@@ -169,11 +169,5 @@ std::array<std::size_t, kStates> Catalogue::boards_by_state(const View& view) co
 void Catalogue::settle() {
     impl_->settle();
 }
-std::string Catalogue::check() const {
-    return impl_->check();
-}
-std::string Catalogue::fingerprint() const {
-    return impl_->fingerprint();
-}
 
 }  // namespace asip::catalogue

@@ -214,16 +214,10 @@ class Catalogue {
     /// asks.
     void settle();
 
-    /// First fault found when everything is checked against everything else; empty if there is none. For
-    /// tests: slow.
-    std::string check() const;
-    /// Everything that does not depend on time, sorted: two catalogues hold the same if these texts are
-    /// equal.
-    std::string fingerprint() const;
-
     class Impl;
 
   private:
+    friend struct CatalogueCheck;  // tests compare what it holds
     std::unique_ptr<Impl> impl_;
 };
 

@@ -109,8 +109,6 @@ class Catalogue::Impl {
     /// `services`: the names of its services. The texts are those of the catalogue.
     bus::BriefBoard brief_board(const Board& b, Instant now, std::string_view services) const;
     bus::ServiceItem service_item(const Board& b, const Service& service) const;
-    std::string check() const;
-    std::string fingerprint() const;
 
     Options options_;
     KindTable kinds_;
@@ -124,6 +122,7 @@ class Catalogue::Impl {
     std::uint32_t slots_ = 0;  // ever made
 
   private:
+    friend struct CatalogueCheck;
     static constexpr std::uint32_t kPage = 256;
     using Events = std::vector<Event>;
 

@@ -48,6 +48,32 @@ std::string summary(std::string_view json, const char* first, const char* second
     return text + more;
 }
 
+/// As its parts are known now.
+std::string description_of(const Board& b, Instant now) {
+    std::string text = "{\"board\":\"" + b.name + "\",\"session\":\"" + b.session +
+                       "\",\"seq\":" + std::to_string(b.seq) +
+                       ",\"lease\":" + std::to_string(b.lease_seconds);
+    const auto member = [&text](std::string_view name, std::string_view value) {
+        if (!value.empty()) text.append(",\"").append(name).append("\":").append(value);
+    };
+    if (b.firmware != nullptr) member("firmware", b.firmware->text);
+    member("link", b.link());
+    member("agent", b.agent());
+    if (b.pins != nullptr) member("pins", b.pins->text);
+    if (b.services != nullptr) member("services", b.services->text);
+    if (!b.extra().empty()) text.append(",").append(b.extra());
+    if (b.says_state) {
+        const auto since = b.reported_since == Time{} ? now.time : b.reported_since;
+        text.append(R"(,"state":{"is":")").append(model::to_text(b.reported)).append(R"(","reason":")");
+        text.append(model::to_text(b.reported_reason)).append(R"(","age":)");
+        bus::append_json_seconds(text,
+                                 std::max(0.0, std::chrono::duration<double>(now.time - since).count()));
+        text += '}';
+    }
+    text += '}';
+    return text;
+}
+
 }  // namespace
 
 bus::ServiceItem Catalogue::Impl::service_item(const Board& b, const Service& service) const {
@@ -122,29 +148,7 @@ bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool ful
         for (const Service& service : b.services->services)
             item.services.push_back(service_item(b, service));
     }
-    if (full && b.described) {
-        std::string& text = item.description;
-        text = "{\"board\":\"" + b.name + "\",\"session\":\"" + b.session +
-               "\",\"seq\":" + std::to_string(b.seq) + ",\"lease\":" + std::to_string(b.lease_seconds);
-        const auto member = [&text](std::string_view name, std::string_view value) {
-            if (!value.empty()) text.append(",\"").append(name).append("\":").append(value);
-        };
-        if (b.firmware != nullptr) member("firmware", b.firmware->text);
-        member("link", b.link());
-        member("agent", b.agent());
-        if (b.pins != nullptr) member("pins", b.pins->text);
-        if (b.services != nullptr) member("services", b.services->text);
-        if (!b.extra().empty()) text.append(",").append(b.extra());
-        if (b.says_state) {
-            const auto since = b.reported_since == Time{} ? now.time : b.reported_since;
-            text.append(R"(,"state":{"is":")").append(model::to_text(b.reported)).append(R"(","reason":")");
-            text.append(model::to_text(b.reported_reason)).append(R"(","age":)");
-            bus::append_json_seconds(text,
-                                     std::max(0.0, std::chrono::duration<double>(now.time - since).count()));
-            text += '}';
-        }
-        text += '}';
-    }
+    if (full && b.described) item.description = description_of(b, now);
     return item;
 }
 

@@ -43,22 +43,15 @@ Expected<mqtt::Options> mqtt_options(const Address& address, const Options& opti
 }
 
 Error error_of(const bus::Reply& reply) {
-    switch (reply.status) {
-        case bus::Reply::Status::kError:
-            return {Error::Kind::kBoard, reply.code, bus::why_of(reply)};
-        case bus::Reply::Status::kRefused:
-            if (reply.reason == bus::kRefusedInvalid) {
-                return {Error::Kind::kInvalid, 0, bus::why_of(reply)};
-            }
-            if (reply.reason == bus::kRefusedBoardNotThere) {
-                return {Error::Kind::kUnreachable, 0, bus::why_of(reply)};
-            }
-            return {Error::Kind::kRefused, 0, bus::why_of(reply)};
-        default:
-            return {
-                reply.reason == bus::kTimeoutConnection ? Error::Kind::kUnreachable : Error::Kind::kTimeout,
-                0, bus::why_of(reply)};
-    }
+    using Kind = Error::Kind;
+    const auto& reason = reply.reason;
+    auto kind = reason == bus::kTimeoutConnection ? Kind::kUnreachable : Kind::kTimeout;
+    if (reply.status == bus::Reply::Status::kRefused)
+        kind = reason == bus::kRefusedInvalid         ? Kind::kInvalid
+               : reason == bus::kRefusedBoardNotThere ? Kind::kUnreachable
+                                                      : Kind::kRefused;
+    if (reply.status == bus::Reply::Status::kError) kind = Kind::kBoard;
+    return {kind, reply.code, bus::why_of(reply)};
 }
 
 /// Lets the client say what it has to say, disconnect, and end, whatever becomes of the broker. It lives in
@@ -87,9 +80,7 @@ BusTransport::~BusTransport() {
 
 Awaitable<void> BusTransport::open(Listener& listener) {
     listener_ = &listener;
-    if (const auto made = make_client(); !made) {
-        co_return failure(Error::Kind::kInvalid, made.error());
-    }
+    if (const auto made = make_client(); !made) co_return failure(Error::Kind::kInvalid, made.error());
     calls_.begin(kOpening);
     client_->start();
     const auto done = co_await calls_.wait(kOpening, options_.open_timeout, "");

@@ -2,6 +2,8 @@
 #include "asip/property/service_properties.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstdlib>
 
 namespace asip::property {
 
@@ -68,6 +70,33 @@ void make_settable(Property& property, const Field& argument, const FieldHints& 
         property.kind = Kind::kNumber;
         property.choices.clear();
     }
+}
+
+std::optional<Call> stop_call(const std::string& service, const model::ServiceModel& model) {
+    if (model.safe.size() != 1 || model.safe[0].size() < 3) return std::nullopt;
+    const auto& line = model.safe[0];
+    const auto* command = model.command_with_tag(line[2]);
+    if (command == nullptr) return std::nullopt;
+    Call call{service, command->name, {}};
+    for (std::size_t at = line.find(',', 2); at != std::string::npos; at = line.find(',', at + 1)) {
+        char* end = nullptr;
+        const double value = std::strtod(line.c_str() + at + 1, &end);
+        if (end == line.c_str() + at + 1) return std::nullopt;
+        call.arguments.emplace_back(value);
+    }
+    if (call.arguments.size() != model::given_arguments(*command).size()) return std::nullopt;
+    return call;
+}
+
+std::string words_of(std::string_view name) {
+    std::string text(name);
+    std::replace_if(text.begin(), text.end(), [](char c) { return c == '-' || c == '_' || c == '.'; }, ' ');
+    return text;
+}
+
+std::string capital(std::string text) {
+    if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return text;
 }
 
 }  // namespace asip::property

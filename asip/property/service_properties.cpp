@@ -2,8 +2,6 @@
 #include "asip/property/service_properties.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -23,16 +21,11 @@ constexpr double kLargestSmallRange = 16;    // of an element's number: then the
 constexpr int kMaxElements = 64;
 constexpr const char* kLightName = "light";
 
-/// "stop-all" -> "stop all"
-std::string words_of(std::string_view name) {
-    std::string text(name);
-    std::replace_if(text.begin(), text.end(), [](char c) { return c == '-' || c == '_' || c == '.'; }, ' ');
-    return text;
-}
-
-std::string capital(std::string text) {
-    if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-    return text;
+/// Where a report has a field, of one element where it has several.
+std::string pointer_of(const EventModel& event, const std::string& field, std::optional<int> element) {
+    auto pointer = "/" + event.name;
+    if (event.shape == EventShape::kPerElement) pointer += "/" + std::to_string(element.value_or(0));
+    return event.shape == EventShape::kOnce || event.fields.size() > 1 ? pointer + "/" + field : pointer;
 }
 
 bool is_light(const Field& argument, const model::FieldHints& hints) {
@@ -147,11 +140,10 @@ class ServiceProperties {
 
     // --- what is read
 
-    void add_field(const EventModel& event, const Field& field, const std::string& pointer,
-                   std::optional<int> element) {
+    void add_field(const EventModel& event, const Field& field, std::optional<int> element) {
         const auto hints = hints_.field(event, field.name);
         Property property;
-        property.read = Place{service_.name, pointer, hints.sum};
+        property.read = Place{service_.name, pointer_of(event, field.name, element), hints.sum};
         property.advanced = hints.advanced;
         describe_number(property, field, hints);
         if (field.type == ValueType::kText) property.max_length = field.max_length.value_or(kUsualTextBytes);
@@ -167,19 +159,12 @@ class ServiceProperties {
     void add_event(const EventModel& event) {
         for (const auto& field : event.fields) {
             if (shown_.contains({event.name, field.name})) continue;
-            const auto root = "/" + event.name;
             if (event.shape == EventShape::kPerElement) {
                 const auto count = elements(nullptr);
                 for (int element = 0; element < count; ++element)
-                    add_field(event, field,
-                              root + "/" + std::to_string(element) +
-                                  (event.fields.size() > 1 ? "/" + field.name : std::string()),
-                              element);
-            } else if (event.shape == EventShape::kOnce ||
-                       (event.shape == EventShape::kPlain && event.fields.size() > 1)) {
-                add_field(event, field, root + "/" + field.name, std::nullopt);
-            } else if (event.shape == EventShape::kPlain) {
-                add_field(event, field, root, std::nullopt);
+                    add_field(event, field, element);
+            } else if (event.shape == EventShape::kOnce || event.shape == EventShape::kPlain) {
+                add_field(event, field, std::nullopt);
             }
         }
     }
@@ -260,14 +245,7 @@ class ServiceProperties {
     void show_by(Property& property, const model::ModelHints::Shown& shown, std::optional<int> element) {
         const auto* event = model_.event_named(shown.event);
         if (event == nullptr) return;
-        std::string pointer = "/" + event->name;
-        if (event->shape == EventShape::kPerElement) {
-            pointer += "/" + std::to_string(element.value_or(0));
-            if (event->fields.size() > 1) pointer += "/" + shown.field;
-        } else if (event->shape == EventShape::kOnce || event->fields.size() > 1) {
-            pointer += "/" + shown.field;
-        }
-        property.read = Place{service_.name, pointer};
+        property.read = Place{service_.name, pointer_of(*event, shown.field, element)};
         shown_.insert({shown.event, shown.field});
     }
 
@@ -276,7 +254,8 @@ class ServiceProperties {
     void find_undoing() {
         for (const auto& command : model_.commands)
             if (command.safe && command.safe->command != command.name) undoes_.insert(command.safe->command);
-        if (const auto stop = stop_call(); stop && stop->arguments.empty()) undoes_.insert(stop->command);
+        if (const auto stop = stop_call(service_.name, model_); stop && stop->arguments.empty())
+            undoes_.insert(stop->command);
     }
 
     /// Of commands that the model says set values of others; and of those without arguments, behind which
@@ -289,15 +268,11 @@ class ServiceProperties {
             for (auto& property : result_) {
                 if (property.setters.empty()) continue;
                 const auto part = parts_.find(property.id);
-                if (forgets && !is_press_of(property, command))
+                if (forgets && !(property.write && property.write->command == command.name))
                     property.setters.push_back({command.name, std::nullopt, 0, std::nullopt});
                 if (sets != nullptr) add_set(property, part->second, command, *sets);
             }
         }
-    }
-
-    static bool is_press_of(const Property& property, const CommandModel& command) {
-        return property.write && property.write->command == command.name;
     }
 
     void add_set(Property& property, const Part& part, const CommandModel& command,
@@ -315,25 +290,8 @@ class ServiceProperties {
         }
     }
 
-    /// What brings the whole service to its safe state, where that is one command: "T,P,0,0".
-    std::optional<Call> stop_call() const {
-        if (model_.safe.size() != 1 || model_.safe[0].size() < 3) return std::nullopt;
-        const auto& line = model_.safe[0];
-        const auto* command = model_.command_with_tag(line[2]);
-        if (command == nullptr) return std::nullopt;
-        Call call{service_.name, command->name, {}};
-        for (std::size_t at = line.find(',', 2); at != std::string::npos; at = line.find(',', at + 1)) {
-            char* end = nullptr;
-            const double value = std::strtod(line.c_str() + at + 1, &end);
-            if (end == line.c_str() + at + 1) return std::nullopt;
-            call.arguments.emplace_back(value);
-        }
-        if (call.arguments.size() != model::given_arguments(*command).size()) return std::nullopt;
-        return call;
-    }
-
     void add_stop() {
-        auto call = stop_call();
+        auto call = stop_call(service_.name, model_);
         if (!call) return;
         Property button;
         button.kind = Kind::kButton;

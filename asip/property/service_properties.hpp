@@ -27,6 +27,13 @@ std::vector<std::pair<std::string, double>> two_values(const model::Field& field
 /// Whether its words are all that a field can be.
 bool names_say_all(const model::Field& field);
 
+/// What brings a whole service to its safe state, where that is one command: "T,P,0,0".
+std::optional<Call> stop_call(const std::string& service, const model::ServiceModel& model);
+
+/// "stop-all" -> "stop all"
+std::string words_of(std::string_view name);
+std::string capital(std::string text);
+
 void describe_number(Property& property, const model::Field& field, const model::FieldHints& hints);
 /// A switch, a choice, or a number.
 void make_settable(Property& property, const model::Field& argument, const model::FieldHints& hints);

@@ -28,6 +28,10 @@ std::string encode_brief(json& envelope, const BriefRows& boards) {
     return text;
 }
 
+void append_json(std::string& text, const std::string& model) {
+    text += model;
+}
+
 template <class Item>
 std::string encode_items(const json& envelope, const std::vector<Item>& items) {
     std::string text = model::dump_json(envelope);
@@ -36,18 +40,6 @@ std::string encode_items(const json& envelope, const std::vector<Item>& items) {
     for (const Item& item : items) {
         if (&item != &items.front()) text += ',';
         append_json(text, item);
-    }
-    text += "]}";
-    return text;
-}
-
-std::string encode_models(const json& envelope, const std::vector<std::string>& models) {
-    std::string text = model::dump_json(envelope);
-    text.pop_back();
-    text += ",\"items\":[";
-    for (const std::string& each : models) {
-        if (&each != &models.front()) text += ',';
-        text += each;
     }
     text += "]}";
     return text;
@@ -77,7 +69,7 @@ std::string encode(const Answer& answer) {
     if (answer.brief) return encode_brief(object, *answer.brief);
     if (!answer.services.empty()) return encode_items(object, answer.services);
     if (!answer.history.empty()) return encode_items(object, answer.history);
-    if (!answer.models.empty()) return encode_models(object, answer.models);
+    if (!answer.models.empty()) return encode_items(object, answer.models);
     return encode_items(object, answer.boards);
 }
 

@@ -10,6 +10,7 @@
 
 #include "asip/catalogue/catalogue.hpp"
 #include "asip/text/wall_time.hpp"
+#include "tests/support/catalogue_check.hpp"
 
 namespace {
 
@@ -49,7 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if ((flags & 64) != 0) catalogue.resume(now);
         if ((flags & 128) != 0) catalogue.settle();
         catalogue.apply(message, now);
-        require(catalogue.check().empty());
+        require(catalogue::CatalogueCheck::check(catalogue).empty());
     }
     bus::Query query;
     query.full = true;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "catalogue_bench.hpp"
+#include "tests/support/catalogue_check.hpp"
 
 namespace asip::catalogue {
 namespace {
@@ -21,12 +22,12 @@ class BadMessageTest : public testing::TestWithParam<Bad> {};
 TEST_P(BadMessageTest, IsRefusedWithItsReason_ChangesNothing_AndTheNextGoodOneWorks) {
     Catalogue catalogue;
     catalogue.apply(description("uno1").view(), at(0s));
-    const std::string before = catalogue.fingerprint();
+    const std::string before = CatalogueCheck::fingerprint(catalogue);
     const auto applied = catalogue.apply(GetParam().message.view(), at(1s));
     EXPECT_EQ(applied.refused, GetParam().refusal);
     EXPECT_THAT(applied.events, IsEmpty());
-    EXPECT_EQ(catalogue.fingerprint(), before);
-    EXPECT_EQ(catalogue.check(), "");
+    EXPECT_EQ(CatalogueCheck::fingerprint(catalogue), before);
+    EXPECT_EQ(CatalogueCheck::check(catalogue), "");
     EXPECT_EQ(catalogue.stats().refused[static_cast<std::size_t>(GetParam().refusal)], 1u);
     EXPECT_FALSE(catalogue.apply(description("uno1", {.seq = 2}).view(), at(2s)).refused);
     EXPECT_FALSE(catalogue.apply(description("uno2").view(), at(2s)).refused);

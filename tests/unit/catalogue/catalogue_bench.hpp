@@ -8,6 +8,7 @@
 
 #include "asip/catalogue/catalogue.hpp"
 #include "bus_messages.hpp"
+#include "tests/support/catalogue_check.hpp"
 
 namespace asip::catalogue {
 
@@ -16,12 +17,12 @@ class CatalogueTest : public testing::Test {
     std::vector<Event::Kind> give(const OwnedMessage& message, Duration when = 0s) {
         auto applied = catalogue.apply(message.view(), at(when));
         refused = applied.refused;
-        EXPECT_EQ(catalogue.check(), "");
+        EXPECT_EQ(CatalogueCheck::check(catalogue), "");
         return kinds(applied.events);
     }
     std::vector<Event::Kind> expire(Duration when) {
         auto events = catalogue.expire(at(when));
-        EXPECT_EQ(catalogue.check(), "");
+        EXPECT_EQ(CatalogueCheck::check(catalogue), "");
         return kinds(events);
     }
     static std::vector<Event::Kind> kinds(const std::vector<Event>& events) {

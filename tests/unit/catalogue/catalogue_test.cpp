@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "catalogue_bench.hpp"
+#include "tests/support/catalogue_check.hpp"
 
 namespace asip::catalogue {
 namespace {
@@ -160,7 +161,7 @@ TEST_F(CatalogueTest, Forget_OnlyWhatIsNotAlive) {
     EXPECT_THAT(catalogue.forgettable("*"), ElementsAre("uno1"));
     EXPECT_THAT(kinds(*catalogue.forget("uno1", at(2s))), ElementsAre(Kind::kForgotten));
     EXPECT_EQ(catalogue.size(), 0u);
-    EXPECT_EQ(catalogue.check(), "");
+    EXPECT_EQ(CatalogueCheck::check(catalogue), "");
 }
 
 TEST_F(CatalogueTest, EmptiedStateTopic_ForgetsADeadBoardButNotALivingOne) {
@@ -207,7 +208,7 @@ TEST_F(CatalogueTest, Full_RefusesNewBoardsAndKeepsTheOld) {
     EXPECT_EQ(small.apply(state("uno3", "online").view(), at(0s)).refused, Refusal::kTooMany);
     EXPECT_EQ(small.apply(board_name("uno4").view(), at(0s)).refused, Refusal::kTooMany);
     EXPECT_EQ(small.size(), 1u);
-    EXPECT_EQ(small.check(), "");
+    EXPECT_EQ(CatalogueCheck::check(small), "");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/catalogue_check.hpp"
 #include "tests/unit/catalogue/bus_messages.hpp"
 
 namespace asip::catalogue {
@@ -65,7 +66,7 @@ TEST_F(LabelledCatalogue, Change_IsAnEventAndTheNewLabelsChoose) {
     announce("lamp", 2, R"("labels":{"room":"attic"})");
     chosen("room", &total);
     EXPECT_EQ(total, 1u);
-    EXPECT_EQ(catalogue.check(), "");
+    EXPECT_EQ(CatalogueCheck::check(catalogue), "");
 }
 
 TEST_F(LabelledCatalogue, BoardKnownByItsNames_HasNoLabels) {
@@ -82,7 +83,7 @@ TEST_F(LabelledCatalogue, WhatIsNotLabels_RefusesTheDescription) {
         EXPECT_EQ(announce("desk", 2, more).refused, Refusal::kMalformed) << more;
     }
     EXPECT_THAT(chosen("room=lab"), ElementsAre("desk"));
-    EXPECT_EQ(catalogue.check(), "");
+    EXPECT_EQ(CatalogueCheck::check(catalogue), "");
 }
 
 }  // namespace
