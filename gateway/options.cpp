@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
-#include <limits>
 
 #include "asip/bus/topics.hpp"
 #include "asip/program/exit_status.hpp"
@@ -46,9 +45,8 @@ struct Raw {
     program::LogOptions log;
     std::vector<std::string> http{"127.0.0.1:8080"}, hosts, origins;
     std::string cert, key, tokens, anonymous = "none", loopback, base_path, services;
-    std::string forget_after = "7d", idle = "75s", header = "10s", body = "30s", value_age = "10m";
+    std::string forget_after = "7d", idle = "75s", header = "10s", body = "30s";
     bool trusted_proxy = false, no_page = false, no_metrics = false;
-    std::size_t value_bytes = 32u << 20;
     http::ServerLimits limits;
     GatewayOptions gateway;
     ExportOptions exports;
@@ -75,21 +73,11 @@ void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--http-key", raw.key, "TLS: private key, PEM"));
 }
 
-/// A terabyte, or what a 32-bit machine can address.
-constexpr std::size_t kLargestBuffer = std::size_t{1}
-                                       << (std::numeric_limits<std::size_t>::digits > 40 ? 40 : 31);
-
 void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
     const auto add = [&](CLI::Option* option) {
         settings.setting(option)->capture_default_str()->group("Limits");
     };
     auto& limits = raw.limits;
-    add(app.add_option("--max-header-bytes", limits.request.header_bytes,
-                       "Longest head of a request: its first line and its headers; beyond: 431"));
-    add(app.add_option("--max-body-bytes", limits.request.body_bytes,
-                       "Longest body of a request; beyond: 413"));
-    add(app.add_option("--max-message-bytes", limits.message_bytes,
-                       "Longest message that a client may send over a WebSocket; beyond: it is closed"));
     add(app.add_option("--max-connections", limits.connections,
                        "Most connections that are open at once; beyond: 503"));
     add(app.add_option(
@@ -106,21 +94,13 @@ void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
         "--max-streams", raw.gateway.streams_per_client,
         "Most streams, WebSockets and waits for a value that one client has open at once; beyond: "
         "429. A client is a token, or an address without one"));
-    add(app.add_option("--max-subscriptions", raw.gateway.subscriptions,
-                       "Most subscriptions over one WebSocket at once"));
     add(app.add_option("--max-client-bytes", raw.gateway.client_bytes,
                        "Most memory for all that is kept for one client: its subscriptions, what waits to be "
                        "read by it, and its commands of the last minute; beyond: 429")
-            ->check(CLI::Range(std::size_t{256} << 10, kLargestBuffer)));
-    add(app.add_option("--stream-bytes", limits.stream_bytes,
-                       "Most bytes of a stream that are handed to its connection at once")
-            ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 20)));
+            ->check(CLI::Range(std::size_t{256} << 10, std::size_t{1} << 31)));
     add(app.add_option("--commands-per-second", raw.gateway.commands_per_second,
                        "Most commands of one client a second, twice as many at once; beyond: 429")
             ->check(CLI::Range(0.1, 1e6)));
-    add(app.add_option("--value-bytes", raw.value_bytes,
-                       "Most memory for recent values of all services together; the oldest go first"));
-    add(app.add_option("--value-age", raw.value_age, "How long recent values are kept (90s, 15m, 12h)"));
 }
 
 void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
@@ -157,24 +137,36 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                       "wot-mqtt-read-only",
                       "export-hz",
                       "loopback",
-                      "max-header-bytes",
-                      "max-body-bytes",
-                      "max-message-bytes",
                       "max-connections",
                       "max-connections-per-address",
                       "header-time",
                       "body-time",
                       "idle-time",
                       "max-streams",
-                      "max-subscriptions",
                       "max-client-bytes",
-                      "stream-bytes",
                       "commands-per-second",
-                      "value-bytes",
-                      "value-age",
                       "mqtt-version",
                       "credentials-dir",
                       "log-format"});
+}
+
+CLI::App* declare_token(CLI::App& app, TokenRequest& token) {
+    auto* command = app.add_subcommand("token", "Make a token: prints it once, keeps its hash in the file");
+    command->add_option("role", token.role, "viewer, operator, operator+raw, admin or kiosk")->required();
+    command->add_option("name", token.name, "Whose it is: for the log and the history")->required();
+    command->add_option("--tokens", token.file, "The file of tokens; made where there is none")
+        ->envname("ASIP_TOKENS")
+        ->required();
+    command->add_option("--until", token.until, "How long it is valid: 12h, 30d");
+    command->add_option("--boards", token.boards, "Patterns of the boards that it shows")->delimiter(',');
+    command->add_option("--services", token.services, "Patterns of the services that it shows")
+        ->delimiter(',');
+    command->add_option("--frames", token.frames, "Origins whose pages may show a kiosk's")->delimiter(',');
+    command->add_option("--dashboard", token.dashboard,
+                        "A kiosk's: it shows this dashboard and nothing else");
+    command->add_flag("--control", token.control,
+                      "With --dashboard: its switches, sliders and stops may be used, too");
+    return command;
 }
 
 CLI::App* declare_switch(CLI::App& app, ExportSwitch& request) {
@@ -247,6 +239,60 @@ Expected<void> check_access(ProgramOptions& options, const std::string& anonymou
     return {};
 }
 
+namespace {
+
+/// Fails with a sentence.
+Expected<void> take_options(Raw& raw, const CLI::App& app, ProgramOptions& options) {
+    options.gateway = raw.gateway;
+    options.limits = raw.limits;
+    options.addresses = raw.http;
+    options.tokens = raw.tokens;
+    options.services = raw.services;
+    options.http_cert = raw.cert;
+    options.http_key = raw.key;
+    if (raw.cert.empty() != raw.key.empty()) return fail("--http-cert and --http-key belong together");
+    std::string error;
+    if (!read_time(raw.forget_after, options.gateway.forget_after, error, "forget-after") ||
+        !read_time(raw.idle, options.limits.idle_time, error, "idle-time") ||
+        !read_time(raw.header, options.limits.head_time, error, "header-time") ||
+        !read_time(raw.body, options.limits.body_time, error, "body-time")) {
+        return fail(error);
+    }
+    options.gateway.page = !raw.no_page;
+    options.gateway.metrics = !raw.no_metrics;
+    if (!raw.base_path.empty() &&
+        (raw.base_path.front() != '/' || raw.base_path.find('/', 1) != std::string::npos ||
+         raw.base_path.size() < 2))
+        return fail("--base-path: must be one level, such as /asip");
+    options.gateway.base_path = raw.base_path;
+    const bool unix_only = std::all_of(raw.http.begin(), raw.http.end(), [](const std::string& address) {
+        return address.starts_with("unix:");
+    });
+    if (const auto access = check_access(options, raw.anonymous, raw.loopback,
+                                         raw.trusted_proxy || !raw.base_path.empty() || unix_only);
+        !access) {
+        return fail(access.error());
+    }
+    auto& hosts = options.gateway.gate.hosts;
+    hosts = raw.hosts;
+    for (auto& host : hosts)
+        host = local_name(host);
+    hosts.push_back("localhost");
+    hosts.push_back(local_name(program::host_name()));
+    hosts.push_back(local_name(program::host_name()) + ".local");
+    options.gateway.gate.allowed_origins = raw.origins;
+    auto mqtt = program::mqtt_options(raw.broker, "asip-gateway");
+    if (!mqtt) return fail(mqtt.error());
+    options.mqtt = std::move(*mqtt);
+    options.gateway.topic_root = raw.broker.topic_root;
+    options.gateway.broker = options.mqtt.brokers.front().describe();
+    options.gateway.user = options.mqtt.user;
+    options.gateway.client = options.mqtt.client_id;
+    return make_exports(raw.exports, app, options);
+}
+
+}  // namespace
+
 Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     CLI::App app{kAbout};
     app.footer(kExamples);
@@ -254,23 +300,7 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     Raw raw;
     declare(app, settings, raw);
     TokenRequest token;
-    auto* make_token =
-        app.add_subcommand("token", "Make a token: prints it once, keeps its hash in the file");
-    make_token->add_option("role", token.role, "viewer, operator, operator+raw, admin or kiosk")->required();
-    make_token->add_option("name", token.name, "Whose it is: for the log and the history")->required();
-    make_token->add_option("--tokens", token.file, "The file of tokens; made where there is none")
-        ->envname("ASIP_TOKENS")
-        ->required();
-    make_token->add_option("--until", token.until, "How long it is valid: 12h, 30d");
-    make_token->add_option("--boards", token.boards, "Patterns of the boards that it shows")->delimiter(',');
-    make_token->add_option("--services", token.services, "Patterns of the services that it shows")
-        ->delimiter(',');
-    make_token->add_option("--frames", token.frames, "Origins whose pages may show a kiosk's")
-        ->delimiter(',');
-    make_token->add_option("--dashboard", token.dashboard,
-                           "A kiosk's: it shows this dashboard and nothing else");
-    make_token->add_flag("--control", token.control,
-                         "With --dashboard: its switches, sliders and stops may be used, too");
+    auto* make_token = declare_token(app, token);
     ExportSwitch export_switch;
     auto* exporting = declare_switch(app, export_switch);
     std::string dialect;
@@ -291,55 +321,7 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
         result.export_switch = std::make_unique<ExportSwitch>(std::move(export_switch));
         return result;
     }
-    auto& options = result.run;
-    options.gateway = raw.gateway;
-    options.limits = raw.limits;
-    options.addresses = raw.http;
-    options.tokens = raw.tokens;
-    options.services = raw.services;
-    options.http_cert = raw.cert;
-    options.http_key = raw.key;
-    if (raw.cert.empty() != raw.key.empty()) return usage("--http-cert and --http-key belong together");
-    std::string error;
-    if (!read_time(raw.forget_after, options.gateway.forget_after, error, "forget-after") ||
-        !read_time(raw.idle, options.limits.idle_time, error, "idle-time") ||
-        !read_time(raw.header, options.limits.head_time, error, "header-time") ||
-        !read_time(raw.body, options.limits.body_time, error, "body-time") ||
-        !read_time(raw.value_age, options.gateway.values.age, error, "value-age")) {
-        return usage(error);
-    }
-    options.gateway.values.bytes = raw.value_bytes;
-    options.gateway.page = !raw.no_page;
-    options.gateway.metrics = !raw.no_metrics;
-    if (!raw.base_path.empty() &&
-        (raw.base_path.front() != '/' || raw.base_path.find('/', 1) != std::string::npos ||
-         raw.base_path.size() < 2))
-        return usage("--base-path: must be one level, such as /asip");
-    options.gateway.base_path = raw.base_path;
-    const bool unix_only = std::all_of(raw.http.begin(), raw.http.end(), [](const std::string& address) {
-        return address.starts_with("unix:");
-    });
-    if (const auto access = check_access(options, raw.anonymous, raw.loopback,
-                                         raw.trusted_proxy || !raw.base_path.empty() || unix_only);
-        !access) {
-        return usage(access.error());
-    }
-    auto& hosts = options.gateway.gate.hosts;
-    hosts = raw.hosts;
-    for (auto& host : hosts)
-        host = local_name(host);
-    hosts.push_back("localhost");
-    hosts.push_back(local_name(program::host_name()));
-    hosts.push_back(local_name(program::host_name()) + ".local");
-    options.gateway.gate.allowed_origins = raw.origins;
-    auto mqtt = program::mqtt_options(raw.broker, "asip-gateway");
-    if (!mqtt) return usage(mqtt.error());
-    options.mqtt = std::move(*mqtt);
-    options.gateway.topic_root = raw.broker.topic_root;
-    options.gateway.broker = options.mqtt.brokers.front().describe();
-    options.gateway.user = options.mqtt.user;
-    options.gateway.client = options.mqtt.client_id;
-    if (auto made = make_exports(raw.exports, app, options); !made) return usage(made.error());
+    if (const auto taken = take_options(raw, app, result.run); !taken) return usage(taken.error());
     return result;
 }
 

@@ -7,6 +7,7 @@
 #include "asip/model/json.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
+#include "gateway/api/routes.hpp"
 #include "gateway/auth/secret.hpp"
 
 namespace asip::gateway::api {
@@ -17,6 +18,9 @@ namespace {
 
 constexpr const char* kOneAsker = "private, no-cache";
 constexpr const char* kVary = "Authorization, Cookie";
+constexpr std::size_t kSessionDigits = 16;
+constexpr std::size_t kMaxSessionNames = 1000;
+constexpr std::size_t kMaxSessionBytes = 64;
 
 }  // namespace
 
@@ -163,6 +167,28 @@ Expected<double> number_parameter(const Call& call, std::string_view name, doubl
 Expected<std::int64_t> whole_parameter(const Call& call, std::string_view name, std::int64_t fallback,
                                        std::int64_t min, std::int64_t max) {
     return parameter(call, name, fallback, min, max, "whole number");
+}
+
+const std::string& session_name(Gateway& gateway, const std::string& who) {
+    auto& names = gateway.session_names();
+    if (const auto found = names.find(who); found != names.end()) return found->second;
+    if (names.size() >= kMaxSessionNames) names.clear();
+    return names[who] = hash_of(who).substr(0, kSessionDigits);
+}
+
+bool valid_session(std::string_view name) {
+    return name.size() <= kMaxSessionBytes;
+}
+
+bool session_is_valid(const Call& call) {
+    if (valid_session(call.request.header("asip-session"))) return true;
+    send_problem(call, 400, "Asip-Session: " + kSessionForm);
+    return false;
+}
+
+std::string session_of(const Call& call) {
+    return session_name(call.gateway,
+                        call.client() + "\n" + std::string(call.request.header("asip-session")));
 }
 
 }  // namespace asip::gateway::api

@@ -8,25 +8,13 @@
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/api/routes.hpp"
-#include "gateway/auth/secret.hpp"
 
 namespace asip::gateway::api {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kSessionDigits = 16;
-constexpr std::size_t kMaxSessionNames = 1000;
-constexpr std::size_t kMaxSessionBytes = 64;
 constexpr std::size_t kMaxRawLines = 64;
-
-// A session is a level of a topic: what a client calls it could be anything.
-const std::string& session_name(Gateway& gateway, const std::string& who) {
-    auto& names = gateway.session_names();
-    if (const auto found = names.find(who); found != names.end()) return found->second;
-    if (names.size() >= kMaxSessionNames) names.clear();
-    return names[who] = hash_of(who).substr(0, kSessionDigits);
-}
 
 bool valid_key(std::string_view key) {
     return key.size() <= Commands::kMaxIdBytes && std::all_of(key.begin(), key.end(), [](char c) {
@@ -40,21 +28,6 @@ std::string reply_text(const CommandRecord& record) {
 }
 
 }  // namespace
-
-bool valid_session(std::string_view name) {
-    return name.size() <= kMaxSessionBytes;
-}
-
-bool session_is_valid(const Call& call) {
-    if (valid_session(call.request.header("asip-session"))) return true;
-    send_problem(call, 400, "Asip-Session: " + kSessionForm);
-    return false;
-}
-
-std::string session_of(const Call& call) {
-    return session_name(call.gateway,
-                        call.client() + "\n" + std::string(call.request.header("asip-session")));
-}
 
 http::Response response_for(const CommandRecord& record, const std::string& base_path) {
     const auto& reply = *record.reply;
@@ -133,6 +106,8 @@ std::optional<Commands::Start> start_of(Call& call) {
     return start;
 }
 
+namespace {
+
 void send(Call& call, std::string target, std::string topic, const json& payload) {
     auto start = start_of(call);
     if (!start) return;
@@ -143,6 +118,8 @@ void send(Call& call, std::string target, std::string topic, const json& payload
                          [reply = call.reply, base = call.gateway.options().base_path](
                              const CommandRecord& record) { reply.send(response_for(record, base)); });
 }
+
+}  // namespace
 
 void post_command(Call& call) {
     if (!bus_is_there(call)) return;
@@ -200,33 +177,26 @@ bool has_agent(const Call& call, const bus::BoardItem& board) {
 
 namespace {
 
+/// What the members may hold is the agent's to say: it has the last word in any case. `usual`: members that
+/// the request has where the body has none of that name.
+void send_to_agent(Call& call, bool (*is_one)(const json&), const char* form, json usual = json::object()) {
+    if (!bus_is_there(call)) return;
+    const auto board = board_of(call);
+    if (!board) return;
+    const auto body = body_of(call.request);
+    if (!body) return send_problem(call, 400, body.error());
+    if (!is_one(*body)) return send_problem(call, 400, form);
+    if (!has_agent(call, *board)) return;
+    usual.update(*body);
+    send(call, board->board, call.gateway.mirror().topics().board_in(board->board), usual);
+}
+
 bool is_label_change(const json& body) {
     if (!body.is_object() || body.empty()) return false;
     for (const auto& [name, member] : body.items())
         if ((name != "labels" && name != "names" && name != "meanings") || !member.is_object()) return false;
     return true;
 }
-
-}  // namespace
-
-// What the members may hold is the agent's to say: it has the last word in any case.
-void post_labels(Call& call) {
-    if (!bus_is_there(call)) return;
-    const auto board = board_of(call);
-    if (!board) return;
-    auto body = body_of(call.request);
-    if (!body) return send_problem(call, 400, body.error());
-    if (!is_label_change(*body)) {
-        return send_problem(call, 400,
-                            "the body must be {\"labels\":{\"room\":\"lab\"}}, "
-                            "{\"names\":{\"pins\":{\"13\":\"status lamp\"}}}, "
-                            "{\"meanings\":{\"io/2\":{\"class\":\"door\"}}} or several of them");
-    }
-    if (!has_agent(call, *board)) return;
-    send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
-}
-
-namespace {
 
 bool is_load(const json& body) {
     if (!body.is_object()) return false;
@@ -239,21 +209,18 @@ bool is_load(const json& body) {
 
 }  // namespace
 
-// Which firmware there is, and whether it may be loaded, is the agent's to say.
+void post_labels(Call& call) {
+    send_to_agent(call, is_label_change,
+                  "the body must be {\"labels\":{\"room\":\"lab\"}}, "
+                  "{\"names\":{\"pins\":{\"13\":\"status lamp\"}}}, "
+                  "{\"meanings\":{\"io/2\":{\"class\":\"door\"}}} or several of them");
+}
+
 void post_load(Call& call) {
-    if (!bus_is_there(call)) return;
-    const auto board = board_of(call);
-    if (!board) return;
-    auto body = body_of(call.request);
-    if (!body) return send_problem(call, 400, body.error());
-    if (!is_load(*body))
-        return send_problem(call, 400,
-                            "the body must be {}, or have \"firmware\":\"AsipServices\", \"board\":\"mega\", "
-                            "\"force\":true");
-    if (!has_agent(call, *board)) return;
-    (*body)["port"] = "load";
-    if (!body->contains("firmware")) (*body)["firmware"] = "AsipServices";
-    send(call, board->board, call.gateway.mirror().topics().board_in(board->board), std::move(*body));
+    send_to_agent(call, is_load,
+                  "the body must be {}, or have \"firmware\":\"AsipServices\", \"board\":\"mega\", "
+                  "\"force\":true",
+                  {{"port", "load"}, {"firmware", "AsipServices"}});
 }
 
 void get_command(Call& call) {
@@ -280,22 +247,15 @@ void get_command(Call& call) {
 namespace {
 
 // What is renewed needs no answer: only if it is not held any more there is one.
-void renew(Gateway& gateway, const Principal& principal, const std::string& client,
-           const std::string& session, const std::string& target, const std::string& id, const json& request,
+void renew(Gateway& gateway, Commands::Start start, const json& request,
            const std::function<void(std::string)>& answer) {
     const auto& which = request["renew"];
-    const auto named = which.is_string() ? which.get<std::string>() : id;
+    const auto named = which.is_string() ? which.get<std::string>() : start.id;
     json payload{{"renew", true}};
-    if (!named.empty()) payload["renew"] = Commands::bus_id(session, named);
+    if (!named.empty()) payload["renew"] = Commands::bus_id(start.session, named);
     if (const auto hold = request.find("hold_ms"); hold != request.end()) payload["hold_ms"] = *hold;
-    const auto slash = target.find('/');
-    Commands::Start start;
-    start.session = session;
-    start.by = principal.rights.name;
-    start.target = target;
-    start.topic = gateway.mirror().topics().service_in(target.substr(0, slash), target.substr(slash + 1));
+    start.id.clear();
     start.payload = model::dump_json(payload);
-    start.client = client;
     start.renewal = true;
     gateway.command(std::move(start), [answer, named](const CommandRecord& record) {
         if (record.reply->succeeded()) return;
@@ -355,20 +315,20 @@ void websocket_command(Gateway& gateway, const Principal& principal, const std::
         return refuse("board-not-there", "board " + name + " is " + board->state);
     if (!gateway.command_rates().take(client, gateway.now().time))
         return refuse("too-many", "too many commands; try again in a moment");
-    if (is_renewal(gateway, *board, service_name, request))
-        return renew(gateway, principal, client, session_name(gateway, session), text, id, request, answer);
-    json payload = request;
-    // The gateway itself names the sender, and where the answer goes.
-    for (const char* member : {"command", "id", "deadline_ms", "by", "reply_to"})
-        payload.erase(member);
     Commands::Start start;
     start.session = session_name(gateway, session);
     start.id = id;
     start.by = principal.rights.name;
     start.target = text;
     start.topic = gateway.mirror().topics().service_in(name, service_name);
-    start.payload = model::dump_json(payload);
     start.client = client;
+    if (is_renewal(gateway, *board, service_name, request))
+        return renew(gateway, std::move(start), request, answer);
+    json payload = request;
+    // The gateway itself names the sender, and where the answer goes.
+    for (const char* member : {"command", "id", "deadline_ms", "by", "reply_to"})
+        payload.erase(member);
+    start.payload = model::dump_json(payload);
     if (const auto deadline = request.find("deadline_ms"); deadline != request.end()) {
         const auto ms = deadline->is_number_integer() ? deadline->get<std::int64_t>() : 0;
         if (ms < bus::kMinDeadline.count() || ms > bus::kMaxDeadline.count())

@@ -119,6 +119,8 @@ void log_in(Gateway& gateway, const http::Request& request, const http::Peer& pe
 
 std::string openapi_document(const std::vector<Route>& routes, const std::string& base_path);
 
+/// What a session of `who` is called in topics: what a client calls it could be anything.
+const std::string& session_name(Gateway& gateway, const std::string& who);
 /// Whether a client may call a session so: what it is called is kept.
 bool valid_session(std::string_view name);
 inline const std::string kSessionForm = "a name of at most 64 bytes";

@@ -130,6 +130,12 @@ class Dialect {
     static std::optional<Command> command_below(std::string_view begin, std::string_view topic);
 };
 
+Unexpected<std::string> not_taken(const Property& property, std::string_view payload);
+/// "90" or "90.0"; nothing: no number, or one with something behind it.
+std::optional<double> number_from(std::string_view text);
+/// A text for a document of so many properties, which seldom has to grow.
+std::string room_for(std::size_t properties);
+
 /// `text` with `mark` and two hexadecimal digits in place of each character that is not `plain`. Two texts
 /// never become one, as long as no text that stays as it is holds `mark`.
 template <class Plain>

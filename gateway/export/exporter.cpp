@@ -43,6 +43,11 @@ std::map<std::string, std::string> sessions_in(const Dialect::Retained& found, c
     return result;
 }
 
+std::string on_bus(const Dialect::Retained& found, const std::string& topic) {
+    const auto each = found.find(topic);
+    return each == found.end() ? std::string() : each->second;
+}
+
 Turn::Holder self_of(const Exporter::Options& options) {
     return {options.gateway, 0, options.host, {options.dialect->place()}};
 }
@@ -179,19 +184,15 @@ void Exporter::begin_scan(Time now) {
 void Exporter::take_retained(Record& record, Present present, const Dialect::Retained& found, bool same,
                              Time now) {
     const auto& name = present.board->board;
-    const auto on_bus = [&](const std::string& topic) {
-        const auto each = found.find(topic);
-        return each == found.end() ? std::string() : each->second;
-    };
-    record.document = on_bus(dialect().document_topic(name));
+    record.document = on_bus(found, dialect().document_topic(name));
     record.document_due = record.values_due = true;
-    record.state = on_bus(dialect().board_state(name));
+    record.state = on_bus(found, dialect().board_state(name));
     record.session = std::move(present.session);
     if (!record.board) take(record, present.board);
     record.targets.clear();
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         auto text = record.states[i].sent();
-        record.states[i].adopt(on_bus(state_topic(record, i)));
+        record.states[i].adopt(on_bus(found, state_topic(record, i)));
         const bool older = !same && !(text.empty() && record.states[i].sent().empty());
         if (older)
             text = i < record.board->properties.size()
@@ -204,6 +205,19 @@ void Exporter::take_retained(Record& record, Present present, const Dialect::Ret
         const auto target = dialect().target(name, record.board->properties[i]);
         if (auto each = found.find(target); each != found.end()) record.targets[target] = each->second;
     }
+}
+
+void Exporter::begin_to_show(const Dialect::Retained& found) {
+    if (!dialect().status().empty()) port_.subscribe(dialect().status());
+    if (!dialect().read_only()) port_.subscribe(dialect().commands());
+    for (const auto& filter : dialect().watched())
+        port_.watch(filter);
+    gateway_document_ = on_bus(found, dialect().gateway_document_topic());
+    standing_ = on_bus(found, dialect().standing_topic());
+    if (dialect().changing().empty())
+        show_gateway();
+    else
+        retain(dialect().gateway_state(), dialect().changing());
 }
 
 void Exporter::finish_scan(Time now) {
@@ -251,24 +265,10 @@ void Exporter::finish_scan(Time now) {
                               [&](const std::string& topic) { return !topic.ends_with(end); });
     phase_ = Phase::kActive;
     gateway_due_ = true;
-    if (options_.enabled) {
-        if (!dialect().status().empty()) port_.subscribe(dialect().status());
-        if (!dialect().read_only()) port_.subscribe(dialect().commands());
-        for (const auto& filter : dialect().watched())
-            port_.watch(filter);
-        const auto on_bus = [&found](const std::string& topic) {
-            const auto each = found.find(topic);
-            return each == found.end() ? std::string() : each->second;
-        };
-        gateway_document_ = on_bus(dialect().gateway_document_topic());
-        standing_ = on_bus(dialect().standing_topic());
-        if (dialect().changing().empty())
-            show_gateway();
-        else
-            retain(dialect().gateway_state(), dialect().changing());
-    } else {
+    if (options_.enabled)
+        begin_to_show(found);
+    else
         clear_.push_back(dialect().lease());  // last: until then the next start knows of the rest
-    }
     pump(now);
 }
 

@@ -138,6 +138,7 @@ class Exporter final : public Export {
 
     void begin_scan(Time now);
     void finish_scan(Time now);
+    void begin_to_show(const Dialect::Retained& found);
     void take_retained(Record& record, Present present, const Dialect::Retained& found, bool same, Time now);
     void show_gateway();
     void show_standing();

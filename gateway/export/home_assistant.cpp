@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <ranges>
 
 #include "asip/model/json.hpp"
-#include "asip/text/printable.hpp"
-#include "gateway/export/object_text.hpp"
+#include "asip/model/object_text.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -21,14 +19,6 @@ constexpr double kUsualStep = 0.01;
 constexpr double kLargest = 2147483647;
 constexpr std::size_t kMaxDocumentBytes = std::size_t{1} << 20;
 constexpr int kMaxDocumentDepth = 8;
-
-/// "90" or "90.0"; nothing: no number, or one with something behind it.
-std::optional<double> number_from(std::string_view text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
 
 std::string color_mode(const Property& light) {
     if (light.color) return "rgb";
@@ -47,10 +37,6 @@ json light_state(const Property& property, const json& value) {
         state["color"] = {{"r", 255}, {"g", 255}, {"b", 255}};
     }
     return state;
-}
-
-Unexpected<std::string> not_taken(const Property& property, std::string_view payload) {
-    return fail(property.name + " cannot be set to " + text::printable(payload, kShownBytes));
 }
 
 /// 0 to 255.
@@ -79,7 +65,6 @@ Expected<json> light_value(const Property& property, std::string_view payload) {
     return value;
 }
 
-/// Home Assistant puts the name of the device in front.
 constexpr const char* kEvent = "event";
 
 /// No other property has it: two hyphens stand in front of two hexadecimal digits in all other ids.
@@ -87,6 +72,7 @@ std::string event_id(const Property& property) {
     return property::plain_id(property.id) + "--event";
 }
 
+/// Home Assistant puts the name of the device in front.
 void add_name(ObjectText& component, const ExportedBoard& board, const Property& property) {
     const auto& device = board.name.empty() ? board.board : board.name;
     if (property.name == device)

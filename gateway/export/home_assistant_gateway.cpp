@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
+#include "asip/model/object_text.hpp"
 #include "gateway/export/dialect.hpp"
 #include "gateway/export/home_assistant.hpp"
-#include "gateway/export/object_text.hpp"
 
 namespace asip::gateway::exports {
 

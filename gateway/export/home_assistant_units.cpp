@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
+#include "asip/model/object_text.hpp"
 #include "gateway/export/home_assistant.hpp"
-#include "gateway/export/object_text.hpp"
 
 namespace asip::gateway::exports {
 namespace {

@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
-#include "asip/text/printable.hpp"
+#include "asip/model/object_text.hpp"
 #include "gateway/export/dialect.hpp"
 #include "gateway/export/home_assistant.hpp"
-#include "gateway/export/object_text.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -114,14 +112,6 @@ std::string light_text(const Property& property, const json& value) {
     return text;
 }
 
-std::optional<double> homie_number(std::string_view text) {
-    double value = 0;
-    const auto* end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc() || rest != end || !std::isfinite(value)) return std::nullopt;
-    return value;
-}
-
 /// "rgb,255,0,0"
 std::optional<std::array<double, kChannels>> color_from(std::string_view text) {
     constexpr std::string_view kBegin = "rgb,";
@@ -131,7 +121,7 @@ std::optional<std::array<double, kChannels>> color_from(std::string_view text) {
     for (int i = 0; i < kChannels; ++i) {
         const auto comma = text.find(',');
         if ((comma == std::string_view::npos) != (i == kChannels - 1)) return std::nullopt;
-        const auto part = homie_number(text.substr(0, comma));
+        const auto part = number_from(text.substr(0, comma));
         if (!part || *part < 0 || *part > kFullBrightness) return std::nullopt;
         parts[static_cast<std::size_t>(i)] = std::round(*part);
         text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
@@ -145,7 +135,7 @@ std::optional<json> light_from(const Property& property, std::string_view payloa
         return json{{"on", payload == "true"}};
     }
     if (!property.color) {
-        const auto level = homie_number(payload);
+        const auto level = number_from(payload);
         if (!level || *level < 0 || *level > kFullBrightness) return std::nullopt;
         return *level > 0 ? json{{"on", true}, {"brightness", json_number(std::round(*level))}}
                           : json{{"on", false}};
@@ -338,7 +328,7 @@ Expected<json> Homie::value_of(const Property& property, std::string_view payloa
                 if (payload == "true" || payload == "false") value = payload == "true";
                 break;
             case Kind::kNumber:
-                if (const auto wanted = homie_number(payload)) value = json_number(*wanted);
+                if (const auto wanted = number_from(payload)) value = json_number(*wanted);
                 break;
             case Kind::kButton:
                 if (payload == "press") value = json();
@@ -347,8 +337,7 @@ Expected<json> Homie::value_of(const Property& property, std::string_view payloa
                 value = payload == kEmptyText ? std::string() : std::string(payload);
         }
     }
-    if (!value || requests_for(property, *value).empty())
-        return fail(property.name + " cannot be set to " + text::printable(payload, kShownBytes));
+    if (!value || requests_for(property, *value).empty()) return not_taken(property, payload);
     return *value;
 }
 

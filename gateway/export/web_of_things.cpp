@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
-#include "asip/text/printable.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -133,57 +132,47 @@ std::string WebOfThings::board_of(const std::string& id) const {
     return id.starts_with(begin) ? id.substr(begin.size()) : id;
 }
 
-json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
-    json thing{
-        {"@context",
-         {kContext, {{"htv", "http://www.w3.org/2011/http#"}, {"mqv", "https://www.w3.org/2019/wot/mqtt#"}}}},
-        {"@type", "Thing"},
-        {"id", thing_id(board.board)},
-        {"title", board.name.empty() ? board.board : board.name},
-        {"base", forms.base}};
-    if (!board.chip.empty())
-        thing["description"] = board.sketch.empty() ? board.chip : board.sketch + " on " + board.chip;
-    describe_security(thing, forms);
+/// A property, or the action of a button.
+json WebOfThings::described(const ExportedBoard& board, const Property& property, const Forms& forms) const {
     const bool mqtt = !forms.broker.empty();
     const auto address = "things/" + board.board;
-    auto& properties = thing["properties"] = json::object();
-    auto actions = json::object();
-    for (const auto& property : board.properties) {
-        const auto id = property::plain_id(property.id);
-        const auto value_topic = state(board.board, property);
-        const bool set_by_mqtt = mqtt && property.settable() && !options_.read_only;
-        json described{{"title", property.name}};
-        if (!property.meaning.klass.empty()) described["description"] = property.meaning.klass;
-        if (property.kind == Kind::kButton) {
-            auto form = http_form(address + "/actions/" + id, "invokeaction");
-            // Without an input consumers would leave it out.
-            form["htv:headers"] = {{{"htv:fieldName", "Content-Type"}, {"htv:fieldValue", kJson}}};
-            described["forms"] = json::array();
-            if (forms.may_set) described["forms"].push_back(std::move(form));
-            if (set_by_mqtt)
-                described["forms"].push_back(mqtt_form(forms, value_topic + "/set", "invokeaction", true));
-            if (!described["forms"].empty()) actions[id] = std::move(described);
-            continue;
-        }
-        described.update(schema_of(property));
-        const auto place = address + "/properties/" + id;
-        const bool set_by_http = forms.may_set && property.settable();
-        described["observable"] = true;
-        described["readOnly"] = !set_by_http && !set_by_mqtt;
-        auto operations = json::array({"readproperty"});
-        if (set_by_http) operations.push_back("writeproperty");
-        described["forms"] = {http_form(place, std::move(operations)),
-                              stream_form(place + "/stream", {"observeproperty", "unobserveproperty"})};
-        if (mqtt) {
-            auto form = mqtt_form(forms, value_topic,
-                                  {"readproperty", "observeproperty", "unobserveproperty"}, false);
-            form["mqv:retain"] = true;
-            described["forms"].push_back(std::move(form));
-        }
-        if (set_by_mqtt)
-            described["forms"].push_back(mqtt_form(forms, value_topic + "/set", "writeproperty", true));
-        properties[id] = std::move(described);
+    const auto id = property::plain_id(property.id);
+    const auto value_topic = state(board.board, property);
+    const bool set_by_mqtt = mqtt && property.settable() && !options_.read_only;
+    json result{{"title", property.name}};
+    if (!property.meaning.klass.empty()) result["description"] = property.meaning.klass;
+    auto& all = result["forms"] = json::array();
+    if (property.kind == Kind::kButton) {
+        auto form = http_form(address + "/actions/" + id, "invokeaction");
+        // Without an input consumers would leave it out.
+        form["htv:headers"] = {{{"htv:fieldName", "Content-Type"}, {"htv:fieldValue", kJson}}};
+        if (forms.may_set) all.push_back(std::move(form));
+        if (set_by_mqtt) all.push_back(mqtt_form(forms, value_topic + "/set", "invokeaction", true));
+        return result;
     }
+    const bool set_by_http = forms.may_set && property.settable();
+    result.update(schema_of(property));
+    result["observable"] = true;
+    result["readOnly"] = !set_by_http && !set_by_mqtt;
+    const auto place = address + "/properties/" + id;
+    auto operations = json::array({"readproperty"});
+    if (set_by_http) operations.push_back("writeproperty");
+    all = {http_form(place, std::move(operations)),
+           stream_form(place + "/stream", {"observeproperty", "unobserveproperty"})};
+    if (mqtt) {
+        auto form =
+            mqtt_form(forms, value_topic, {"readproperty", "observeproperty", "unobserveproperty"}, false);
+        form["mqv:retain"] = true;
+        all.push_back(std::move(form));
+    }
+    if (set_by_mqtt) all.push_back(mqtt_form(forms, value_topic + "/set", "writeproperty", true));
+    return result;
+}
+
+void WebOfThings::describe_states(json& thing, const ExportedBoard& board, const Forms& forms) const {
+    const bool mqtt = !forms.broker.empty();
+    const auto address = "things/" + board.board;
+    auto& properties = thing["properties"];
     json state{
         {"title", "State of the board"},
         {"type", "string"},
@@ -210,6 +199,30 @@ json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
                                                  {"subscribeevent", "unsubscribeevent"}, false)})}};
     }
     properties[std::string(kBoardState)] = std::move(state);
+}
+
+json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
+    json thing{
+        {"@context",
+         {kContext, {{"htv", "http://www.w3.org/2011/http#"}, {"mqv", "https://www.w3.org/2019/wot/mqtt#"}}}},
+        {"@type", "Thing"},
+        {"id", thing_id(board.board)},
+        {"title", board.name.empty() ? board.board : board.name},
+        {"base", forms.base}};
+    if (!board.chip.empty())
+        thing["description"] = board.sketch.empty() ? board.chip : board.sketch + " on " + board.chip;
+    describe_security(thing, forms);
+    const auto address = "things/" + board.board;
+    auto& properties = thing["properties"] = json::object();
+    auto actions = json::object();
+    for (const auto& property : board.properties) {
+        const auto id = property::plain_id(property.id);
+        if (property.kind != Kind::kButton)
+            properties[id] = described(board, property, forms);
+        else if (auto action = described(board, property, forms); !action["forms"].empty())
+            actions[id] = std::move(action);
+    }
+    describe_states(thing, board, forms);
     thing["forms"] = json::array({http_form(address + "/properties", "readallproperties")});
     if (!actions.empty()) thing["actions"] = std::move(actions);
     return thing;
@@ -281,7 +294,7 @@ Expected<json> WebOfThings::value_of(const Property& property, std::string_view 
     }
     if (!property.settable()) return fail(property.name + " cannot be set");
     if ((!button && value.is_null()) || requests_for(property, value).empty())
-        return fail(property.name + " cannot be set to " + text::printable(payload, kShownBytes));
+        return not_taken(property, payload);
     return value;
 }
 

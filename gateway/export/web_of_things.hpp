@@ -75,6 +75,8 @@ class WebOfThings final : public Dialect {
     Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const override;
 
   private:
+    nlohmann::json described(const ExportedBoard& board, const Property& property, const Forms& forms) const;
+    void describe_states(nlohmann::json& thing, const ExportedBoard& board, const Forms& forms) const;
     std::string topic(std::string_view board, std::string_view name) const {
         return base() + "/" + std::string(board) + "/" + std::string(name);
     }

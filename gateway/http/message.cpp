@@ -176,78 +176,43 @@ bool accepts_gzip(const Request& request) {
 }
 
 std::string_view reason_phrase(int status) {
-    switch (status) {
-        case 101:
-            return "Switching Protocols";
-        case 200:
-            return "OK";
-        case 201:
-            return "Created";
-        case 202:
-            return "Accepted";
-        case 207:
-            return "Multi-Status";
-        case 204:
-            return "No Content";
-        case 303:
-            return "See Other";
-        case 304:
-            return "Not Modified";
-        case 308:
-            return "Permanent Redirect";
-        case 400:
-            return "Bad Request";
-        case 401:
-            return "Unauthorized";
-        case 403:
-            return "Forbidden";
-        case 404:
-            return "Not Found";
-        case 405:
-            return "Method Not Allowed";
-        case 406:
-            return "Not Acceptable";
-        case 408:
-            return "Request Timeout";
-        case 409:
-            return "Conflict";
-        case 411:
-            return "Length Required";
-        case 412:
-            return "Precondition Failed";
-        case 413:
-            return "Content Too Large";
-        case 414:
-            return "URI Too Long";
-        case 415:
-            return "Unsupported Media Type";
-        case 421:
-            return "Misdirected Request";
-        case 422:
-            return "Unprocessable Content";
-        case 426:
-            return "Upgrade Required";
-        case 428:
-            return "Precondition Required";
-        case 429:
-            return "Too Many Requests";
-        case 431:
-            return "Request Header Fields Too Large";
-        case 500:
-            return "Internal Server Error";
-        case 501:
-            return "Not Implemented";
-        case 502:
-            return "Bad Gateway";
-        case 503:
-            return "Service Unavailable";
-        case 504:
-            return "Gateway Timeout";
-        case 505:
-            return "HTTP Version Not Supported";
-        default:
-            return "Unknown";
-    }
+    constexpr std::pair<int, std::string_view> kReasons[] = {{101, "Switching Protocols"},
+                                                             {200, "OK"},
+                                                             {201, "Created"},
+                                                             {202, "Accepted"},
+                                                             {207, "Multi-Status"},
+                                                             {204, "No Content"},
+                                                             {303, "See Other"},
+                                                             {304, "Not Modified"},
+                                                             {308, "Permanent Redirect"},
+                                                             {400, "Bad Request"},
+                                                             {401, "Unauthorized"},
+                                                             {403, "Forbidden"},
+                                                             {404, "Not Found"},
+                                                             {405, "Method Not Allowed"},
+                                                             {406, "Not Acceptable"},
+                                                             {408, "Request Timeout"},
+                                                             {409, "Conflict"},
+                                                             {411, "Length Required"},
+                                                             {412, "Precondition Failed"},
+                                                             {413, "Content Too Large"},
+                                                             {414, "URI Too Long"},
+                                                             {415, "Unsupported Media Type"},
+                                                             {421, "Misdirected Request"},
+                                                             {422, "Unprocessable Content"},
+                                                             {426, "Upgrade Required"},
+                                                             {428, "Precondition Required"},
+                                                             {429, "Too Many Requests"},
+                                                             {431, "Request Header Fields Too Large"},
+                                                             {500, "Internal Server Error"},
+                                                             {501, "Not Implemented"},
+                                                             {502, "Bad Gateway"},
+                                                             {503, "Service Unavailable"},
+                                                             {504, "Gateway Timeout"},
+                                                             {505, "HTTP Version Not Supported"}};
+    for (const auto& [each, phrase] : kReasons)
+        if (each == status) return phrase;
+    return "Unknown";
 }
 
 std::string head_text(const Response& response, bool keep_alive, bool chunked) {

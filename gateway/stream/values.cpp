@@ -166,8 +166,6 @@ const std::string& ServiceValues::text(const Point& point) const {
     return cached_;
 }
 
-Values::Values(std::string epoch, ValueLimits limits) : epoch_(std::move(epoch)), limits_(limits) {}
-
 Values::~Values() {
     for (auto* feed : feeds_)
         feed->values_ = nullptr;
@@ -321,10 +319,6 @@ void Values::forget(std::string_view board) {
     }
 }
 
-const ServiceValues* Values::find(std::string_view board, std::string_view service) const {
-    return known(board, service);
-}
-
 ServiceValues* Values::known(std::string_view board, std::string_view service) const {
     const auto found = boards_.find(board);
     return found == boards_.end() ? nullptr : found->second.find(service);
@@ -336,23 +330,20 @@ void Values::add(ValueFeed& feed) {
         if (auto* service = known(feed.board_, feed.service_)) feed.appeared(*service);
         return;
     }
-    for (auto& [board, of_board] : boards_) {
-        for (auto& service : of_board.services)
+    for (auto& [board, of] : boards_)
+        for (auto& service : of.services)
             feed.appeared(*service);
-    }
 }
 
 void Values::remove(ValueFeed& feed) {
-    feeds_.erase(std::remove(feeds_.begin(), feeds_.end(), &feed), feeds_.end());
-    const auto release = [&](ServiceValues& service) { std::erase(service.listeners, &feed); };
+    std::erase(feeds_, &feed);
     if (feed.exact()) {
-        if (auto* service = known(feed.board_, feed.service_)) release(*service);
+        if (auto* service = known(feed.board_, feed.service_)) std::erase(service->listeners, &feed);
         return;
     }
-    for (auto& [board, of_board] : boards_) {
+    for (auto& [board, of_board] : boards_)
         for (auto& service : of_board.services)
-            release(*service);
-    }
+            std::erase(service->listeners, &feed);
 }
 
 }  // namespace asip::gateway

@@ -146,7 +146,7 @@ inline constexpr std::size_t kShortValue = 256;
 /// is counted in bytes, with what surrounds it.
 class Values {
   public:
-    explicit Values(std::string epoch, ValueLimits limits = {});
+    explicit Values(std::string epoch, ValueLimits limits = {}) : epoch_(std::move(epoch)), limits_(limits) {}
     ~Values();
     Values(const Values&) = delete;
     Values& operator=(const Values&) = delete;
@@ -163,7 +163,9 @@ class Values {
     /// Drops points that are older than they may be. Call now and then.
     void expire(const Instant& now);
     /// Null: nothing was heard from it. Valid until its board is forgotten.
-    const ServiceValues* find(std::string_view board, std::string_view service) const;
+    const ServiceValues* find(std::string_view board, std::string_view service) const {
+        return known(board, service);
+    }
 
     std::size_t services() const { return services_; }
     /// Of recent values, with their order of arrival.
