@@ -95,7 +95,11 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       statistics_timer_(io_),
       safe_timer_(io_),
       check_timer_(io_),
-      stops_timer_(io_) {
+      stops_timer_(io_),
+      shares_(bus::Shares::processor_time, [this] { share_turn(); }),
+      source_shares_(
+          shares_, [this](const mqtt::Message& message) { take(SourceMessage{message}); },
+          [](const std::string&) {}) {
     host_.agents.insert(this);
 }
 

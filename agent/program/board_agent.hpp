@@ -23,6 +23,7 @@
 #include "agent/program/option_checks.hpp"
 #include "agent/program/stop_line.hpp"
 #include "agent/safety/stop_files.hpp"
+#include "asip/bus/board_shares.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/client.hpp"
@@ -132,6 +133,9 @@ class BoardAgent {
     void subscribe_to_sources();
     void tell_neighbours();
     void hear_neighbour(const BoardAgent& source);
+    /// What a source publishes is handled within its share, so that no source delays commands for the board.
+    void source_message(const mqtt::Message& message);
+    void share_turn();
 
     // Messages of the bus. Commands take turns: a few in each turn of the loop, and none while more arrive.
     void message_received(const mqtt::Message& message);
@@ -175,6 +179,8 @@ class BoardAgent {
     PortOutage outage_;
     mqtt::Backoff bus_patience_{std::chrono::minutes(1), std::chrono::minutes(5)};  // as a service
     std::optional<Time> armed_for_;
+    bus::Shares shares_;
+    bus::BoardShares source_shares_;
     std::set<std::string> sources_;  // what is subscribed to for links
     std::uint64_t sources_of_ = 0;   // Bridge::link_source_changes()
     std::uint64_t told_ = 0;         // Bridge::standing_changes()

@@ -85,6 +85,7 @@ void BoardAgent::wait_for_stops() {
             log_.warning("stops do not arrive: the board is not online until they do",
                          {{"why", why_no_stops_}});
         if (!announced_) return;
+        source_shares_.disconnected();
         bridge_.bus_disconnected(Clock::now());
         note_online();
         bus_.reset();
@@ -143,6 +144,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_subscribed = [this] { note_subscribed(); };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         announced_ = false;
+        source_shares_.disconnected();
         bridge_.bus_disconnected(Clock::now());
         arm_timer();
         note_online();
@@ -182,8 +184,8 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     if (std::holds_alternative<Resume>(*inbound) && bridge_.is_stopped())
         inbox_.stop([](const Inbound&) { return false; });
     if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
-    const bool in_turn = takes_turns(*inbound);
-    if (!in_turn) return take(*inbound);
+    if (std::holds_alternative<SourceMessage>(*inbound)) return source_message(message);
+    if (!takes_turns(*inbound)) return take(*inbound);
     const auto due = inbox_.arrive(std::move(*inbound));
     ask_for_turn();
     if (due) take(*due);
@@ -262,6 +264,7 @@ void BoardAgent::report_counters() {
     counters_timer_.async_wait([this](boost::system::error_code error) {
         if (error || ended()) return;
         if (bus_) reports_.look_for_drops(bus_->counters());
+        source_shares_.tick(Clock::now());
         report_counters();
     });
 }

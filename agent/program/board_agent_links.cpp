@@ -41,6 +41,17 @@ void BoardAgent::subscribe_to_sources() {
     sources_ = std::move(wanted);
 }
 
+void BoardAgent::source_message(const mqtt::Message& message) {
+    if (const auto topic = topics_.parse(message.topic))
+        source_shares_.message(topic->board, message, Clock::now());
+}
+
+void BoardAgent::share_turn() {
+    boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
+        if (!alive.expired() && !ended() && shares_.run()) share_turn();
+    });
+}
+
 /// They hear it in a turn of their own.
 void BoardAgent::tell_neighbours() {
     if (bus_ && bridge_.name_claimed()) subscribe_to_sources();
