@@ -150,14 +150,17 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
                                                     : "a " + role + " may only read"));
 }
 
-// Commands are logged with what became of them.
+// Commands are logged with what became of them. What anybody may send at will leaves no line, and other
+// changes of a client no more lines than it may send commands.
 void log_change(const Call& call) {
     const auto& method = call.request.method;
     if (method != "POST" && method != "DELETE" && method != "PUT") return;
     const auto serve = call.route.serve;
     if (serve == post_command || serve == post_raw || serve == post_labels || serve == post_renew ||
-        serve == post_action || serve == post_widget)
+        serve == post_action || serve == post_widget || serve == put_property || serve == put_board_values)
         return;
+    if (call.route.need == Need::kNothing || call.route.need == Need::kRead) return;
+    if (!call.gateway.command_rates().take(call.client(), call.now().time)) return;
     log::info("request", {{"by", call.principal.rights.name},
                           {"from", call.peer.address},
                           {"method", call.request.method},

@@ -26,6 +26,19 @@ TEST_F(GatewayAttack, ForeignHost_Is421) {
     EXPECT_EQ(get(port(), "/api/boards", {{"Host", "127.0.0.1"}}).status, 200);
 }
 
+TEST_F(GatewayAttack, RequestsThatChangeNothing_LeaveNoLineInTheLog) {
+    for (int i = 0; i < 10; ++i) {
+        EXPECT_EQ(request(port(), "DELETE", "/api/session", "").status, 204);
+        post(port(), "/api/codes", "{}");
+        EXPECT_EQ(request(port(), "PUT", "/api/boards/nothing/values", R"({"io/13":true})").status, 404);
+        EXPECT_EQ(request(port(), "PUT", "/things/nothing/properties/x", "1").status, 404);
+    }
+    EXPECT_EQ(request(port(), "DELETE", "/api/dashboards/nothing", "").status, 404);
+    ASSERT_TRUE(gateway_.process().wait_for_errors("target=/api/dashboards/nothing"));
+    for (const char* target : {"/api/session", "/api/codes", "/api/boards/nothing/values", "/things/nothing"})
+        EXPECT_THAT(gateway_.process().errors(), testing::Not(HasSubstr(target)));
+}
+
 TEST_F(GatewayAttack, PageOfAnotherOrigin_SendsNothing) {
     announce("uno1");
     const std::string command = "/api/boards/uno1/services/servo/commands/write";
