@@ -74,7 +74,10 @@ Outcome<void> secure_link(const SecureOptions& options, SecureReport& report) {
 void clear_links(const Environment& admin, BusSession& session, const std::string& user,
                  const std::string& folder, SecureReport& report) {
     const auto retained = read_retained(admin, session, {admin.topics.links("+")});
-    if (!retained) return;
+    if (!retained)
+        return report.next("the links that " + user + " set are not known: " + retained.error().text +
+                               ". When the broker answers, repeat",
+                           "asipctl secure revoke " + user + " --dir " + folder);
     std::set<std::string> boards;
     for (const auto& message : *retained)
         if (const auto topic = admin.topics.parse(message.topic))

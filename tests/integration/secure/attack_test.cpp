@@ -249,5 +249,25 @@ TEST_F(AttackedBus, DeniedMessage_LeavesTheConnectionOpen) {
     }
 }
 
+TEST_F(AttackedBus, RevokedOperator_ItsLinksEndAndThoseOfOthersGoOn) {
+    const Words reload{"--reload-pid", std::to_string(broker_->pid())};
+    ASSERT_EQ(secure(Words{"add", "operator", "zoe"} + reload).status, 0);
+    ASSERT_TRUE(wait_until([&] { return asipctl("zoe", {"pin", "uno", "2", "pullup"}).status == 0; }));
+    for (const std::string user : {"ann", "zoe"})
+        EXPECT_TRUE(wait_until([&] {
+            return asipctl(user, {"link", "uno/io/2", "uno/io", "--send", R"({"write":[13,1]})", "--name",
+                                  "of-" + user})
+                       .status == 0;
+        })) << user;
+    const auto links = [this] { return asipctl("bob", {"link", "list"}).output; };
+    EXPECT_TRUE(wait_until([&] { return links().find("of-zoe") != std::string::npos; })) << links();
+    EXPECT_NE(asipctl("zoe", {"link", "remove", "of-ann"}).status, 0);
+    EXPECT_NE(asipctl("bob", {"link", "remove", "of-ann"}).status, 0) << "a viewer";
+    const auto revoked = secure(Words{"revoke", "zoe"} + reload);
+    EXPECT_THAT(revoked.output, HasSubstr("the links that zoe set at uno")) << revoked.errors;
+    EXPECT_TRUE(wait_until([&] { return links().find("of-zoe") == std::string::npos; })) << links();
+    EXPECT_THAT(links(), HasSubstr("of-ann"));
+}
+
 }  // namespace
 }  // namespace asip::test

@@ -99,6 +99,33 @@ TEST_F(KeptBus, Revoked_LeavesNothingInTheBroker) {
     EXPECT_EQ(retained(), Words{"asip/servicebus/uno2/$state"});
 }
 
+TEST_F(KeptBus, LinkedAgent_HearsItsSourceAloneUntilItIsUnlinkedOrTheSourceRevoked) {
+    ASSERT_EQ(secure(Words{"add", "board", "uno3"} + reload()).status, 0);
+    const Words heard{"asip/servicebus/uno2/$state", "asip/servicebus/uno2/$properties", "asip/uno2/$values",
+                      "asip/uno2/io/out"};
+    const auto hears = [&](const std::string& topic) { return may_read("uno1", topic); };
+    const auto link = [&](const char* verb) { return secure(Words{verb, "uno1", "uno2"} + reload()).status; };
+    EXPECT_FALSE(hears(heard.front()));
+    ASSERT_EQ(link("link"), 0);
+    for (const auto& topic : heard)
+        EXPECT_TRUE(wait_until([&] { return hears(topic); })) << topic;
+    for (const char* topic : {"asip/uno2/in", "asip/uno2/$stop", "asip/uno2/$link/ann/c",
+                              "asip/reply/uno2/$self/c", "asip/uno3/io/out", "asip/servicebus/uno3/$state"})
+        EXPECT_FALSE(hears(topic)) << topic;
+    EXPECT_FALSE(may_read("uno2", "asip/uno1/io/out")) << "a source hears nothing";
+    EXPECT_TRUE(may_publish("uno1", "asip/servicebus/uno2/$demand/uno1/c"));
+    for (const char* topic : {"asip/servicebus/uno2/$demand/ann/c", "asip/uno2/in", "asip/uno2/io/out",
+                              "asip/servicebus/uno3/$demand/uno1/c"})
+        EXPECT_FALSE(may_publish("uno1", topic)) << topic;
+    ASSERT_EQ(link("unlink"), 0);
+    EXPECT_TRUE(wait_until([&] { return !hears(heard.back()); }));
+    ASSERT_EQ(link("link"), 0);
+    ASSERT_EQ(secure(Words{"revoke", "uno2"} + reload()).status, 0);
+    ASSERT_EQ(secure(Words{"add", "board", "uno2"} + reload()).status, 0);
+    EXPECT_TRUE(wait_until([&] { return may_publish("uno2", "asip/uno2/io/out"); }));
+    EXPECT_FALSE(hears(heard.back())) << "another board of that name";
+}
+
 /// No topic says whose a command is. It would be executed again by whatever subscribes to it.
 TEST_F(KeptBus, RevokedOperator_ItsRetainedCommandsAreNamedAndPruneKnowsThem) {
     ASSERT_EQ(secure(Words{"add", "operator", "eve"} + reload()).status, 0);
