@@ -101,6 +101,7 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
 
 void Bridge::not_watched(Time since, Time now) {
     board_.session.not_watched(since, now);
+    links_.not_watched(since, now);
 }
 
 void Bridge::receive(std::string_view bytes, Time now, Effects& out) {

@@ -82,7 +82,8 @@ void LinkBook::hear(const links::Sources::Tolds& told, Time now) {
     using Kind = links::Told::Kind;
     for (const auto& each : told) {
         if (each.kind == Kind::kValue) rules_.source(each.board, each.id, each.value, now);
-        if (each.kind == Kind::kAct) rules_.act(each.board, each.id, each.act, now);
+        if (each.kind == Kind::kAct && !(old_until_ && now < *old_until_))
+            rules_.act(each.board, each.id, each.act, now);
         if (each.kind != Kind::kPresent) continue;
         rules_.present(each.board, each.is, now);
         show_soon(now + kBetweenShown);

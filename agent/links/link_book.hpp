@@ -31,6 +31,9 @@ class LinkBook {
     /// wait.
     static constexpr std::size_t kMaxUnwritten = links::kMaxLinks;
 
+    static constexpr Duration kOldPress = std::chrono::seconds(2);
+    static constexpr Duration kCatchingUp = std::chrono::seconds(1);
+
     struct World {
         const Board& board;
         const BoardValues& values;
@@ -58,6 +61,11 @@ class LinkBook {
     void take(const mqtt::Message& message, Time now) { hear(sources_.take(message, now), now); }
     void connected(Time now);
     void disconnected(Time now) { hear(sources_.disconnected(), now); }
+
+    /// The process did not run since then: what was pressed meanwhile, and waited, does nothing.
+    void not_watched(Time since, Time now) {
+        if (now - since >= kOldPress) old_until_ = now + kCatchingUp;
+    }
 
     // --- boards of this process, and this one
     void local(const std::vector<property::Property>& properties, const property::ValueDocument& values,
@@ -129,6 +137,7 @@ class LinkBook {
     std::size_t unwritten_ = 0;  // what links remember, on its way to the disk
     Allowance refusals_{20, 1};  // that are logged
     std::optional<Time> show_at_, shown_at_;
+    std::optional<Time> old_until_;  // what is heard was done while the process did not run
 };
 
 }  // namespace asip::agent
