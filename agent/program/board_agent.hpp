@@ -23,7 +23,7 @@
 #include "agent/program/option_checks.hpp"
 #include "agent/program/stop_line.hpp"
 #include "agent/safety/stop_files.hpp"
-#include "asip/bus/board_shares.hpp"
+#include "asip/bus/shares.hpp"
 #include "asip/link/kept_stream.hpp"
 #include "asip/mqtt/backoff.hpp"
 #include "asip/mqtt/client.hpp"

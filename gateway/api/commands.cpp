@@ -106,8 +106,6 @@ std::optional<Commands::Start> start_of(Call& call) {
     return start;
 }
 
-namespace {
-
 void send(Call& call, std::string target, std::string topic, const json& payload) {
     auto start = start_of(call);
     if (!start) return;
@@ -118,8 +116,6 @@ void send(Call& call, std::string target, std::string topic, const json& payload
                          [reply = call.reply, base = call.gateway.options().base_path](
                              const CommandRecord& record) { reply.send(response_for(record, base)); });
 }
-
-}  // namespace
 
 void post_command(Call& call) {
     if (!bus_is_there(call)) return;
