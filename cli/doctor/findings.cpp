@@ -315,10 +315,11 @@ Findings check_exports(const Observations& seen) {
         result.push_back(fine(std::to_string(dashboards) +
                               (dashboards == 1 ? " dashboard is" : " dashboards are") + " kept on the bus"));
     if (exports)
-        result.push_back(fine("a gateway shows " + std::to_string(boards) + " boards to Home Assistant"));
+        result.push_back(fine("a gateway shows " + std::to_string(boards) +
+                              (boards == 1 ? " board" : " boards") + " to Home Assistant"));
     if (exports || !seen.home_assistant) return result;
     result.push_back(note("Home Assistant uses this broker, and no gateway shows it boards",
-                          "start the gateway with --home-assistant (docs/home-assistant.md)"));
+                          "on the gateway's machine: sudo asip-gateway export home-assistant"));
     return result;
 }
 

@@ -342,11 +342,11 @@ TEST(Doctor, HomeAssistantWithoutAGatewayThatExports_IsReported) {
     EXPECT_THAT(check_exports(seen), IsEmpty());
     seen.home_assistant = true;
     ASSERT_EQ(check_exports(seen).size(), 1U);
-    EXPECT_THAT(check_exports(seen)[0].advice, HasSubstr("--home-assistant"));
+    EXPECT_THAT(check_exports(seen)[0].advice, HasSubstr("asip-gateway export home-assistant"));
     seen.retained = {{"asip/export/ha/$state", "offline"}, {"asip/export/ha/uno1/$state", "online"}};
     EXPECT_EQ(check_exports(seen)[0].level, Level::kNote);
     seen.retained[0].payload = "online";
-    EXPECT_EQ(check_exports(seen)[0].what, "a gateway shows 1 boards to Home Assistant");
+    EXPECT_EQ(check_exports(seen)[0].what, "a gateway shows 1 board to Home Assistant");
     EXPECT_EQ(check_exports(seen)[0].level, Level::kFine);
     seen.retained.push_back({"asip/export/dashboard/lab", "{}"});
     seen.retained.push_back({"asip/export/dashboard/hall", R"({"removed":true})"});
