@@ -15,8 +15,8 @@ namespace asip::program {
 /// One writer at a time for each file: it is written as PATH.new first. Fails with the file and the reason.
 Expected<void> keep_file(const std::filesystem::path& path, std::string_view text);
 
-/// Removes it; returns when that is on the disk. Where there is none, nothing is done. Fails with the file and
-/// the reason.
+/// Removes it; returns when that is on the disk. Where there is none, nothing is done. Fails with the file
+/// and the reason.
 Expected<void> drop_file(const std::filesystem::path& path);
 
 /// What keep_file() wrote; nothing where there is no such file. Of a longer one `max_bytes` and one more are

@@ -38,8 +38,7 @@ constexpr const char* kExamples =
 void declare_boards(CLI::App& app, Options& options) {
     app.add_option("BOARD", options.boards,
                    "Board files (.json), or firmware images (.elf, .hex) for bare boards");
-    app.add_option("--board", options.board,
-                   "Which board an image is for: uno, mega, leonardo, nano, 1284p")
+    app.add_option("--board", options.board, "Which board an image is for: uno, mega, leonardo, nano, 1284p")
         ->capture_default_str();
     app.add_option("--link", options.links, "Symbolic link to the port; repeat it for the next boards")
         ->expected(1)

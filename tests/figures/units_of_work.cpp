@@ -165,7 +165,7 @@ struct GatewayUnits : gateway::ApiTest {
 int main(int argc, char** argv) {
     worse = argc > 1 && std::string_view(argv[1]) == "--worse";
     asip::agent_units();
-    if (worse) return 0; // one figure that is refused is enough
+    if (worse) return 0;  // one figure that is refused is enough
     asip::registry_units();
     asip::GatewayUnits().TestBody();
 }

@@ -83,7 +83,8 @@ TEST(LabelRequest, ChangesAreReadBackAsTheyWereWritten) {
     const auto back = read_label_request(object);
     ASSERT_TRUE(back) << back.error();
     EXPECT_EQ(*back, change);
-    EXPECT_TRUE(is_label_request(nlohmann::json::parse(encode(model::LabelChange{}, {})))) << "asks for what there is";
+    EXPECT_TRUE(is_label_request(nlohmann::json::parse(encode(model::LabelChange{}, {}))))
+        << "asks for what there is";
 }
 
 TEST(LabelRequest, Misspelt_IsRefused) {
