@@ -30,9 +30,7 @@ Application::Application(RegistryOptions options)
       timer_(io_),
       topics_(options_.topic_root),
       shares_(bus::Shares::processor_time, [this] { share_turn(); }),
-      boards_(
-          shares_, [this](const mqtt::Message& received) { take(received); },
-          [this](const std::string& topic) { left_out(topic); }) {
+      boards_(shares_, [this](const mqtt::Message& received) { take(received); }, [](const std::string&) {}) {
     if (!options_.history.empty()) {
         history_ = std::make_unique<HistoryKeeper>(
             io_, History::Options{options_.history, options_.history_age, options_.history_bytes},
@@ -144,12 +142,6 @@ void Application::message(const mqtt::Message& received) {
     arrived_ = true;
     schedule_turn();
     boards_.message(topic->board, received, Clock::now());
-}
-
-/// A newer command of its board came before its turn.
-void Application::left_out(const std::string& topic) {
-    const auto parsed = topics_.parse(topic);
-    if (history_ && parsed && parsed->kind == bus::TopicKind::kCommands) history_->left_out();
 }
 
 // What else there is to do is done between two turns.

@@ -34,7 +34,6 @@ class Application {
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
     void take(const mqtt::Message& message);
-    void left_out(const std::string& topic);
     void share_turn();
     void schedule_tick();
     void schedule_turn();

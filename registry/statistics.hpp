@@ -16,7 +16,7 @@ class Statistics {
         std::uint64_t queries = 0;          ///< answered
         std::uint64_t events = 0;           ///< published
         std::uint64_t denied = 0;           ///< published and denied by the broker's access rules
-        std::uint64_t history_dropped = 0;  ///< changes that the file or the board's share had no time for
+        std::uint64_t history_dropped = 0;  ///< changes that the history file was too slow for
         std::string history_fault;          ///< why the history file cannot be used now
     };
 

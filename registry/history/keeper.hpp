@@ -53,8 +53,6 @@ class HistoryKeeper {
     void change(const Event& event, Instant now);
     /// What an agent published of a command, ROOT/servicebus/BOARD/$commands. Any bytes may be given.
     void command(std::string_view board, std::string_view payload, Instant now);
-    /// A command for which its board had no time left is dropped, and counted.
-    void left_out() { ++dropped_rows_; }
     /// Call a few times a second.
     void tick(const Catalogue& catalogue, Instant now);
 

@@ -120,29 +120,5 @@ TEST_F(RegistryWithHistory, FileCannotBeUsedForAWhile_TheReasonIsAnsweredAndNoth
     stop();
 }
 
-TEST_F(RegistryWithHistory, BoardBeyondItsShare_CommandsThatAreLeftOutAreCounted) {
-    start();
-    announce("uno1", "online");
-    const auto counted = [this] {
-        return probe_.last("asip/registry/r1/$stats").value_or("").find("history_dropped") !=
-               std::string::npos;
-    };
-    int seq = 1;
-    const std::string title(4000, 'x');
-    ASSERT_TRUE(wait_until([&] {
-        for (int i = 0; i < 200; ++i) {
-            auto description = description_text("uno1", "a", ++seq);
-            description.replace(description.find("A thing"), 7, title);
-            probe_.publish(announcement("uno1", description, 60));
-            probe_.publish("asip/servicebus/uno1/$commands", R"({"what":"command","by":"ann )" +
-                                                                 std::to_string(seq) +
-                                                                 R"(","request":"W,1","status":"ok"})");
-        }
-        return counted();
-    }));
-    EXPECT_TRUE(wait_until([&] { return rows_of("uno1") > 1; }));
-    stop();
-}
-
 }  // namespace
 }  // namespace asip::test
