@@ -13,7 +13,7 @@ install(TARGETS ${layers} asip_options asip_asio EXPORT asip-targets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
 # The headers of applications, and what these include. A test compiles each alone from the installed tree.
 foreach(header
-    client/awaitable client/blocking_board client/board client/error client/options client/stream client/subscription
+    client/awaitable client/blocking_board client/board client/error client/options client/stream
     client/transport expected protocol/pin time)
   get_filename_component(folder "asip/${header}" DIRECTORY)
   install(FILES "${PROJECT_SOURCE_DIR}/asip/${header}.hpp" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/${folder}" COMPONENT library)

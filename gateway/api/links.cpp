@@ -30,11 +30,12 @@ std::string source_board(const Call& call, const json& change) {
         return set->is_object() && set->contains("from") && (*set)["from"].is_string()
                    ? (*set)["from"].get<std::string>()
                    : std::string();
+    const json& name = change.begin().value();
     const auto& texts = call.gateway.mirror().links();
     const auto found = texts.find(call.board());
     if (found != texts.end())
         for (const auto& each : links::read_shown(call.board(), found->second))
-            if (each.link.name == change.begin().value()) return each.link.board + "/";
+            if (name == json(each.link.name)) return each.link.board + "/";
     return {};
 }
 

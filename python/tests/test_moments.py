@@ -20,6 +20,7 @@ LIST = {"version": 1, "board": "desk", "session": "s", "seq": 1, "properties": [
     {"id": "io/2", "name": "Pin 2", "service": "io", "kind": "binary", "type": "boolean", "access": "read", "choices": [["off", 1], ["on", 0]], "read": "/digital/2",
      "meaning": {"class": "button"}}]}
 VALUES = {"version": 1, "board": "desk", "session": "s", "seq": 2, "values": {"io/2": {"value": True, "how": "reported", "age": 0, "events": [[1, "press"]]}}}
+DESCRIBED = "asip/servicebus/desk/$description"
 DESCRIPTION = {"board": "desk", "session": "s", "seq": 1, "lease": 60, "state": {"is": "online", "age": 0},
                "services": [{"name": "servo", "model": "servo@1"}, {"name": "distance", "model": "distance@1"}, {"name": "io", "model": "io@1"}]}
 
@@ -52,7 +53,8 @@ class HandLink:
         self.sent.append((topic, payload))
 
     def subscribe(self, topic, _qos):
-        pass
+        if self.rig.serves and topic.endswith("/$description"):
+            threading.Thread(target=self.tell, args=(DESCRIBED, DESCRIPTION, True), daemon=True).start()
 
     def unsubscribe(self, topic):
         pass
@@ -81,7 +83,7 @@ class HandLink:
 
 class Rig:
     def __init__(self):
-        self.links, self.refuses, self.calls, self.errors = [], False, [], []
+        self.links, self.refuses, self.serves, self.calls, self.errors = [], False, False, [], []
         self.engine_faults = 0
         self.bus = Bus(Settings(source="a test"), timeout=0.4, by=None, link=lambda *args: HandLink(self, *args))
         self.engine = self.bus._engine
@@ -93,9 +95,10 @@ class Rig:
         return self.links[-1]
 
     def serve(self):
+        self.serves = True
         self.link.up()
         self.link.hello()
-        self.link.tell("asip/servicebus/desk/$description", DESCRIPTION)
+        self.link.tell(DESCRIBED, DESCRIPTION)
 
     def call(self, function):
         """In a thread of its own, as a program does it; its end is looked at later."""

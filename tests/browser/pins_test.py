@@ -86,7 +86,7 @@ class Pins(PageTest):
         self.browser.button("Stop all").click()
         eventually(lambda: "Stopped" in self.browser.text("header asip-stop"), "what the stop did")
         eventually(lambda: self.bus.part("desk/led") == "off", "the LED is off")
-        self.assertNotIn("set to on", self.pin("13").get_attribute("title"))
+        eventually(lambda: "set to on" not in self.pin("13").get_attribute("title"), "that it is not on any more")
         eventually(lambda: "stopped" in self.browser.text(".pin-panel asip-widget"), "that it is stopped")
         self.assertFalse(self.browser.shown(".pin-panel .toggle").is_enabled())
         self.browser.button("Resume all").click()

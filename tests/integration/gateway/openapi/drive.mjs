@@ -101,6 +101,9 @@ const calmed = async () => {
 };
 const make = (name, dashboard) => send("PUT", `/api/dashboards/${name}`, { body: dashboard, headers: { "If-Match": "*" } });
 
+const links = "/api/boards/uno1/links";
+const rule = (name) => ({ set: { name, from: "uno1/io/2", when: "toggles", to: "io/13" } });
+
 // How to bring each status about. What holds for all operations is made below.
 const cases = {
   up: {
@@ -127,6 +130,11 @@ const cases = {
       200: post("/api/boards/uno1/labels", { labels: { room: "lab" } }), 400: post("/api/boards/uno1/labels", { rooms: {} }), 404: post("/api/boards/none/labels", { labels: {} }),
       409: () => twice("/api/boards/uno1/labels", { labels: { room: "lab" } }, { labels: { room: "hall" } }, "label"),
       503: post("/api/boards/lost/labels", { labels: { room: "lab" } }), 504: post("/api/boards/mute/labels?deadline_ms=50", { labels: { room: "lab" } }),
+    },
+    getBoardLinks: { 200: get("/api/boards/uno1/links"), 404: get("/api/boards/none/links") },
+    changeBoardLink: {
+      200: post(links, rule("a")), 400: post(links, {}), 404: post("/api/boards/none/links", rule("a")), 409: () => twice(links, rule("b"), rule("c"), "link"),
+      503: post("/api/boards/lost/links", rule("a")), 504: post("/api/boards/mute/links?deadline_ms=50", rule("a")),
     },
     loadBoard: {
       400: post("/api/boards/uno1/load", { file: "x" }), 404: post("/api/boards/none/load"), 409: post("/api/boards/uno1/load"),
@@ -200,6 +208,7 @@ const cases = {
     sendCommand: { 429: () => flood(write, [0, 900 / 10]) },
     sendRaw: { 429: () => flood("/api/boards/uno1/raw", { lines: ["I,P,13,3"] }) },
     labelBoard: { 429: () => flood("/api/boards/uno1/labels", { labels: { room: "lab" } }) },
+    changeBoardLink: { 429: () => flood(links, rule("a")) },
     loadBoard: { 429: () => flood("/api/boards/uno1/load", { firmware: "AsipServices" }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
     useWidget: { 429: () => flood("/api/dashboards/lab/widgets/turn", { value: 90 }) },
@@ -234,6 +243,7 @@ const cases = {
     stopAll: { 503: post("/api/stop") },
     resumeBoard: { 503: post("/api/boards/uno1/resume") },
     resumeAll: { 503: post("/api/resume") },
+    getBoardLinks: { 503: get("/api/boards/uno1/links") },
     streamEvents: { 503: get("/api/events") },
     streamValues: { 503: get("/api/boards/uno1/services/distance/stream") },
     streamBoardValues: { 503: get("/api/boards/uno1/values/stream") },
