@@ -102,7 +102,7 @@ const calmed = async () => {
 const make = (name, dashboard) => send("PUT", `/api/dashboards/${name}`, { body: dashboard, headers: { "If-Match": "*" } });
 
 const links = "/api/boards/uno1/links";
-const rule = (name) => ({ set: { name, from: "uno1/io/2", when: "toggles", to: "io/13" } });
+const rule = (name) => ({ set: { name, from: "uno1/distance/0", when: "follows", to: "servo/0/angle" } });
 
 // How to bring each status about. What holds for all operations is made below.
 const cases = {
