@@ -22,6 +22,8 @@ using links::ShownLink;
 using nlohmann::json;
 
 constexpr std::chrono::milliseconds kShownWithin{2500};
+// A command may have made a pin the source a moment ago: its agent says so after half a second at most.
+constexpr std::chrono::milliseconds kToldWithin{1000};
 constexpr std::string_view kNotHeard = " is not heard";
 
 struct LinkOptions {
@@ -97,9 +99,21 @@ class Linker {
 
     Outcome<int> run() {
         if (const auto connected = session_.connect(); !connected) return tl::unexpected(connected.error());
+        if (const auto looked = look(); !looked) return tl::unexpected(looked.error());
+        const auto& what = options_.what;
+        if (what == "list") return list();
+        if (what == "remove" || what == "enable" || what == "disable") return change();
+        return make();
+    }
+
+  private:
+    /// Reads what agents say of links and properties.
+    Outcome<void> look() {
         const auto retained = read_retained(
             environment_, session_, {environment_.topics.links("+"), environment_.topics.properties("+")});
         if (!retained) return tl::unexpected(retained.error());
+        links_.clear();
+        properties_.clear();
         for (const auto& message : *retained) {
             const auto topic = environment_.topics.parse(message.topic);
             if (!topic) continue;
@@ -108,13 +122,9 @@ class Linker {
             if (auto list = property::parse_list(message.payload))
                 properties_[std::string(topic->board)] = std::move(list->properties);
         }
-        const auto& what = options_.what;
-        if (what == "list") return list();
-        if (what == "remove" || what == "enable" || what == "disable") return change();
-        return make();
+        return {};
     }
 
-  private:
     int list() {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"LINK"}, {"RULE", false, 20}, {"STATE"}, {"LAST", false, 20}});
@@ -189,13 +199,17 @@ class Linker {
         return std::move(*link);
     }
 
+    std::string fault_of_source(const Link& link) const {
+        const auto found = properties_.find(link.board);
+        return found == properties_.end() ? std::string() : links::source_fault(link, found->second);
+    }
+
     /// What the target's agent cannot know yet, or never.
     Outcome<void> check(const Link& link, const std::string& board) {
         for (const auto& name : {link.board, board})
             if (const auto found = source_.board(name); !found) return tl::unexpected(found.error());
-        if (const auto found = properties_.find(link.board); found != properties_.end())
-            if (const auto fault = links::source_fault(link, found->second); !fault.empty())
-                return failure(program::kExitFailure, fault);
+        if (const auto fault = fault_of_source(link); !fault.empty())
+            return failure(program::kExitFailure, fault);
         std::vector<links::Ends> ends;
         for (const auto& each : links_)
             if (each.board != board || each.link.name != link.name)
@@ -209,7 +223,12 @@ class Linker {
     Outcome<int> make() {
         if (options_.words.size() != 1) return usage("write asipctl link BOARD/PROPERTY BOARD/PROPERTY");
         const auto board = split(options_.words.front()).first;
-        const auto link = read(board);
+        auto link = read(board);
+        if (link && !fault_of_source(*link).empty()) {
+            session_.run_until([] { return false; }, Clock::now() + kToldWithin);
+            if (const auto looked = look(); !looked) return tl::unexpected(looked.error());
+            link = read(board);
+        }
         if (!link) return tl::unexpected(link.error());
         if (const auto good = check(*link, board); !good) return tl::unexpected(good.error());
         std::optional<std::string> fault;

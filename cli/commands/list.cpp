@@ -114,10 +114,15 @@ int show_all(const ListOptions& options, Environment& environment, BusSession& s
     if (options.services())
         return print_list(source.services(options.query), options, environment, session, "no service matches",
                           services_text);
-    constexpr auto* kNone = "no board matches";
+    const auto& query = options.query;
+    const bool all = (query.board.empty() || query.board == "*") && query.service.empty() &&
+                     query.kind.empty() && query.state.empty() && query.chip.empty() &&
+                     query.sketch.empty() && query.unit.empty() && query.capability.empty() &&
+                     query.labels.empty();
+    const char* const none = all ? "there is no board" : "no board matches";
     if (output.form == Output::kWide || !output.for_people())
-        return print_list(source.boards(options.query), options, environment, session, kNone, boards_text);
-    return print_brief(source.brief_boards(options.query), options, environment, session, kNone);
+        return print_list(source.boards(options.query), options, environment, session, none, boards_text);
+    return print_brief(source.brief_boards(options.query), options, environment, session, none);
 }
 
 const std::vector<std::string> kListFields{

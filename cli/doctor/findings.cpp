@@ -110,9 +110,9 @@ Findings check_broker(const Observations& seen) {
                     "do the access rules let us subscribe below " + seen.topics.root() + "/reply/ ?"));
     } else if (*seen.acknowledged > kSlowAcknowledgement) {
         result.push_back(
-            problem("a message takes " + text::duration_text(*seen.acknowledged) +
-                        " out and back; a slow network, or TCP_NODELAY is missing on the broker",
-                    "Mosquitto: add the line  set_tcp_nodelay true  to its configuration and restart it"));
+            note("a message takes " + text::duration_text(*seen.acknowledged) +
+                     " out and back; a slow network, or TCP_NODELAY is missing on the broker",
+                 "Mosquitto: add the line  set_tcp_nodelay true  to its configuration and restart it"));
     } else {
         result.push_back(
             fine("a message takes " + text::duration_text(*seen.acknowledged) + " out and back"));

@@ -11,7 +11,7 @@ namespace asip::cli {
 void SecureReport::did(const std::string& action, const std::string& what, const std::string& file) {
     changed_ = changed_ || (action != "kept" && action != "warning");
     if (options_.for_people()) {
-        out_ << fmt::format("{:<9}{}{}{}\n", action, what, file.empty() ? "" : ": ", file);
+        out_ << fmt::format("{:<8} {}{}{}\n", action, what, file.empty() ? "" : ": ", file);
     } else {
         records_.print({{"action", action}, {"what", what}, {"file", file}});
     }

@@ -68,10 +68,6 @@ class Links : public testing::Test {
             const auto done = asipctl(words);
             ASSERT_EQ(done.status, 0) << done.errors;
         }
-        ASSERT_TRUE(wait_until([&] {
-            const auto list = probe.last("asip/servicebus/lamp/$properties");
-            return list && list->find("io/13") != std::string::npos;
-        }));
     }
     testing::AssertionResult is(bool on) {
         const std::string wanted = on ? "on" : "off";

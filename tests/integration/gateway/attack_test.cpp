@@ -31,7 +31,8 @@ TEST_F(GatewayAttack, RequestsThatChangeNothing_LeaveNoLineInTheLog) {
         EXPECT_EQ(request(port(), "DELETE", "/api/session", "").status, 204);
         post(port(), "/api/codes", "{}");
         for (const char* target : {"/api/boards/nothing/values", "/things/nothing/properties/x"})
-            EXPECT_EQ(request(port(), "PUT", target, "{}", {{"Content-Type", "application/json"}}).status, 404);
+            EXPECT_EQ(request(port(), "PUT", target, "{}", {{"Content-Type", "application/json"}}).status,
+                      404);
     }
     EXPECT_EQ(request(port(), "DELETE", "/api/dashboards/nothing", "").status, 404);
     ASSERT_TRUE(gateway_.process().wait_for_errors("target=/api/dashboards/nothing"));
