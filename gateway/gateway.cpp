@@ -81,7 +81,8 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, catalogue::Unit
       gate_(options_.gate, std::move(secrets)),
       budget_(options_.client_bytes),
       streams_(options_.streams_per_client),
-      command_rates_(options_.commands_per_second) {
+      command_rates_(options_.commands_per_second),
+      log_rates_(options_.commands_per_second) {
     gate_.set_shared({[this](std::string_view hash) { return dashboards_.link_of(hash); },
                       [this](const Rights& rights) { return dashboards_.holds(rights); },
                       [this](const std::string& name) {
@@ -178,6 +179,7 @@ void Gateway::tick() {
     streams_.tick(present, gate_);
     gate_.logins().expire(present.time);
     command_rates_.expire(present.time);
+    log_rates_.expire(present.time);
     budget_.expire();
     finish_waits(true);
     for (auto each = questions_.begin(); each != questions_.end();) {

@@ -162,6 +162,7 @@ class Gateway {
     Budget& budget() { return budget_; }
     caller::Caller& caller() { return caller_; }
     Rates& command_rates() { return command_rates_; }
+    Rates& log_rates() { return log_rates_; }  ///< lines of the log about what a client changed
     /// What clients call their sessions -> a level of a topic. Kept since each command needs one; bounded in
     /// number by the one place that adds to it.
     std::unordered_map<std::string, std::string>& session_names() { return session_names_; }
@@ -219,6 +220,7 @@ class Gateway {
     Budget budget_;
     Streams streams_;
     Rates command_rates_;
+    Rates log_rates_;
     api::BoardTexts board_texts_;
     api::BoardModels board_models_{models_};
     api::Things things_{options_.things, models_};

@@ -70,7 +70,7 @@ std::string stable_path(const std::string& device, const std::string& folder, co
     const auto by_path = fs::path(folder) / "by-path";
     if (fs::path(device).parent_path() == by_path) return device;
     const auto usb = usb_port_of(device, sys);
-    // Of clones without a number of their own one alone has the link by its id, now this one, now that one.
+    // Clones without a number of their own share one link by id; now one of them has it, now another.
     if (!usb.vendor.empty() && !is_own_serial(usb.serial)) {
         const auto at = link_in(by_path, target);
         if (!at.empty()) return at;

@@ -99,21 +99,9 @@ class Linker {
 
     Outcome<int> run() {
         if (const auto connected = session_.connect(); !connected) return tl::unexpected(connected.error());
-        if (const auto looked = look(); !looked) return tl::unexpected(looked.error());
-        const auto& what = options_.what;
-        if (what == "list") return list();
-        if (what == "remove" || what == "enable" || what == "disable") return change();
-        return make();
-    }
-
-  private:
-    /// Reads what agents say of links and properties.
-    Outcome<void> look() {
         const auto retained = read_retained(
             environment_, session_, {environment_.topics.links("+"), environment_.topics.properties("+")});
         if (!retained) return tl::unexpected(retained.error());
-        links_.clear();
-        properties_.clear();
         for (const auto& message : *retained) {
             const auto topic = environment_.topics.parse(message.topic);
             if (!topic) continue;
@@ -122,9 +110,13 @@ class Linker {
             if (auto list = property::parse_list(message.payload))
                 properties_[std::string(topic->board)] = std::move(list->properties);
         }
-        return {};
+        const auto& what = options_.what;
+        if (what == "list") return list();
+        if (what == "remove" || what == "enable" || what == "disable") return change();
+        return make();
     }
 
+  private:
     int list() {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"LINK"}, {"RULE", false, 20}, {"STATE"}, {"LAST", false, 20}});
@@ -225,8 +217,12 @@ class Linker {
         const auto board = split(options_.words.front()).first;
         auto link = read(board);
         if (link && !fault_of_source(*link).empty()) {
-            session_.run_until([] { return false; }, Clock::now() + kToldWithin);
-            if (const auto looked = look(); !looked) return tl::unexpected(looked.error());
+            const auto told = session_.subscribe(
+                environment_.topics.properties(link->board), [&](const mqtt::Message& message) {
+                    if (auto list = property::parse_list(message.payload))
+                        properties_[link->board] = std::move(list->properties);
+                });
+            session_.run_until([&] { return fault_of_source(*link).empty(); }, Clock::now() + kToldWithin);
             link = read(board);
         }
         if (!link) return tl::unexpected(link.error());

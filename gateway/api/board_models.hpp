@@ -26,7 +26,7 @@ class BoardModels {
     /// `description` is called only where the board's was not read yet. Null: none describes the service.
     model::ModelPtr find(const bus::BoardItem& board, std::string_view service,
                          const Description& description);
-    /// Of what is kept, about.
+    /// How many bytes all that is kept takes, about.
     std::size_t bytes() const { return bytes_; }
 
   private:

@@ -160,7 +160,7 @@ void log_change(const Call& call) {
         serve == post_action || serve == post_widget || serve == put_property || serve == put_board_values)
         return;
     if (call.route.need == Need::kNothing || call.route.need == Need::kRead) return;
-    if (!call.gateway.command_rates().take(call.client(), call.now().time)) return;
+    if (!call.gateway.log_rates().take(call.client(), call.now().time)) return;
     log::info("request", {{"by", call.principal.rights.name},
                           {"from", call.peer.address},
                           {"method", call.request.method},

@@ -113,7 +113,7 @@ struct Forwarded {
     std::string address;  ///< an IP address; empty: it says none
     bool secure = false;  ///< the client speaks TLS to it
 };
-/// Of X-Forwarded-For and X-Forwarded-Proto, else of Forwarded (RFC 7239), the last element counts: that the
+/// The last element of X-Forwarded-For and X-Forwarded-Proto, else of Forwarded (RFC 7239), counts: that the
 /// proxy wrote itself; those before it may be anybody's. Only for requests that do come from a proxy.
 Forwarded forwarded_by(const http::Request& request);
 

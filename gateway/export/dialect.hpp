@@ -133,7 +133,7 @@ class Dialect {
 Unexpected<std::string> not_taken(const Property& property, std::string_view payload);
 /// "90" or "90.0"; nothing: no number, or one with something behind it.
 std::optional<double> number_from(std::string_view text);
-/// A text for a document of so many properties, which seldom has to grow.
+/// An empty text with room for a document of so many properties.
 std::string room_for(std::size_t properties);
 
 /// `text` with `mark` and two hexadecimal digits in place of each character that is not `plain`. Two texts

@@ -39,7 +39,7 @@ void Connection::start(asio::ssl::context* tls) {
     }
     shakes_hands(true);
     transport_.use_tls(*tls);
-    // A handshake costs a millisecond or two, and nobody has shown a token before it.
+    // A handshake costs a millisecond or two, and comes before any token.
     const TurnExecutor turns(asio::query(transport_.get_executor(), asio::execution::context),
                              shared_->shares, "address " + address_);
     transport_.tls()->async_handshake(

@@ -31,7 +31,7 @@ inline constexpr std::string_view kRefusedDenied = "denied";
 /// come.
 inline constexpr std::string_view kTimeoutDoubt = "doubt";
 inline constexpr std::string_view kTimeoutNoValue = "no-value";
-/// Of a command of several lines some were sent and others were not.
+/// Some lines of a command were sent and others were not.
 inline constexpr std::string_view kTimeoutPartly = "partly";
 /// The board was not there to confirm a stop.
 inline constexpr std::string_view kTimeoutBoardNotThere = "board-not-there";

@@ -14,7 +14,7 @@
 
 namespace asip::bus {
 
-/// A program's user of the broker as a level of topics: `$nobody` where it is empty or cannot be one.
+/// The level of topics that stands for a user of the broker: `$nobody` where the name is empty or no level.
 std::string user_level(std::string_view user);
 
 /// Where the answers to one program's requests come: ROOT/reply/USER/ASKED/CLIENT. USER is the program's user
@@ -27,20 +27,20 @@ class ReplyTopics {
     /// `user` becomes user_level(). `client`: one or more levels that are valid in a topic.
     ReplyTopics(const Topics& topics, std::string_view user, std::string_view client);
 
-    /// Of the answers to a part of the program's requests: CLIENT becomes CLIENT/`level`.
+    /// Topics for the answers to a part of the program's requests: CLIENT becomes CLIENT/`level`.
     ReplyTopics below(std::string_view level) const;
-    /// Of another client of the same program: CLIENT becomes CLIENT-`suffix`.
+    /// Topics of another client of the same program: CLIENT becomes CLIENT-`suffix`.
     ReplyTopics beside(std::string_view suffix) const;
 
     /// Subscribe to it before the first request: answers of everybody.
     std::string filter() const { return of("+"); }
     /// Where the answer to a request on `request_topic` comes.
     std::string to(std::string_view request_topic) const { return of(asked(request_topic)); }
-    /// Who is asked there: a board, or `registry`.
+    /// The member that is asked on this topic: a board, or `registry`.
     std::string_view asked(std::string_view request_topic) const;
     /// A topic that only the program itself writes and reads.
     std::string own() const { return of("$self"); }
-    /// Of all programs of this user: own() without CLIENT.
+    /// The topic of all programs of this user: own() without CLIENT.
     std::string own_of_all() const { return prefix_ + "$self"; }
     /// Whether the topic matches filter().
     bool have(std::string_view topic) const;

@@ -31,7 +31,7 @@ int replay(const std::vector<std::uint64_t>& seeds, const std::string& watched) 
     return good ? 0 : 1;
 }
 
-// Each kind of start, in so many histories: else they show little of it.
+// Each kind of start must come in so many histories.
 constexpr std::uint64_t kHistoriesOfEachStart = 100;
 constexpr std::uint64_t kEnoughToCount = 10'000;
 

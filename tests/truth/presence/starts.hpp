@@ -36,7 +36,7 @@ class Starts {
     Starts& operator+=(const Starts& other);
 
     std::vector<std::string> lines() const;
-    /// Of the kinds that there can be, the rarest one.
+    /// How often the rarest kind that there can be came.
     std::uint64_t rarest() const;
 
   private:
