@@ -98,7 +98,8 @@ bool Connection::duplicate_socket() {
 
 void Connection::arm() {
     if (phase_ == Phase::kDown || !socket_.is_open()) return;
-    if (!read_armed_) wait_for(asio::posix::stream_descriptor::wait_read, &Connection::read_armed_);
+    if (!read_armed_ && !comes_back_)
+        wait_for(asio::posix::stream_descriptor::wait_read, &Connection::read_armed_);
     if (!write_armed_ && (!tcp_connected_ || mosquitto_want_write(mosquitto_.get())))
         wait_for(asio::posix::stream_descriptor::wait_write, &Connection::write_armed_);
 }
@@ -175,8 +176,12 @@ void Connection::read_all() {
         if (packets_seen_ == before) return;
     }
     // What TLS has already decrypted no longer shows on the socket: come back without waiting for it.
-    if (broker_.tls && phase_ != Phase::kDown) {
-        asio::post(io_, [self = shared_from_this()] { self->serve(); });
+    // Once, and in place of waiting for it: turns that bring forth two each leave other work none.
+    if (broker_.tls && phase_ != Phase::kDown && !std::exchange(comes_back_, true)) {
+        asio::post(io_, [self = shared_from_this()] {
+            self->comes_back_ = false;
+            self->serve();
+        });
     }
 }
 

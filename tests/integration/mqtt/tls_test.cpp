@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <boost/asio/post.hpp>
 #include <cstdlib>
 #include <filesystem>
 
@@ -40,6 +41,35 @@ class EnvironmentVariable {
   private:
     const char* name_;
 };
+
+TEST(MqttTls, Flood_LeavesOtherWorkOfTheLoopItsTurns) {
+    MosquittoBroker broker({.tls = true,
+                            .log_type = "error",
+                            .extra_lines = {"max_queued_messages 0", "max_inflight_messages 0"}});
+    constexpr std::size_t kMessages = 1500;
+    Recorder bus(tls_options(broker));
+    std::size_t in_a_turn = 0, most = 0;
+    bus.at_message = [&](const mqtt::Message&) {
+        ++in_a_turn;
+        for (const auto until = Clock::now() + 300us; Clock::now() < until;) {
+        }  // a program that works
+    };
+    bus.client->subscribe("flood", {.qos = 1});
+    ASSERT_TRUE(bus.connect());
+    ASSERT_TRUE(bus.until([&] { return bus.subscribed_calls > 0; }));
+    BusProbe::Options plain;
+    plain.ca = broker.certificates().ca;
+    BusProbe flood(broker.port(), {}, plain);
+    for (std::size_t i = 0; i < kMessages; ++i)
+        flood.publish("flood", std::string(8000, 'x'));
+    const std::function<void()> other_work = [&] {
+        most = std::max(most, std::exchange(in_a_turn, 0));
+        if (bus.messages.size() < kMessages) boost::asio::post(bus.io, other_work);
+    };
+    boost::asio::post(bus.io, other_work);
+    EXPECT_TRUE(bus.until([&] { return bus.messages.size() >= kMessages; }));
+    EXPECT_LE(most, 64U);
+}
 
 TEST(MqttTls, SystemCertificateFile_IsTrustedWithoutCaOption) {
     MosquittoBroker broker({.tls = true});
