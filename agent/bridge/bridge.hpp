@@ -108,7 +108,7 @@ class Bridge {
     void bus_connected(Time now, const std::string& client_id, bool expires, Effects& out);
     /// The broker granted every subscription that commands come by.
     void bus_subscribed(Time now, Effects& out);
-    void bus_disconnected(Time now);
+    void bus_disconnected();
     /// The broker knows its users, and may have rules for them. Once the board is known.
     void leave_shared_topic() { announcer_->leave_shared_topic(); }
     /// Reads a message of the bus; nothing where it is not for this agent. Between read() and take() it may
@@ -150,9 +150,12 @@ class Bridge {
     // --- links (bridge_links.cpp)
     /// What became of Effects::keep_links.
     void link_kept(std::uint64_t ticket, const Expected<void>& result, Time now, Effects& out);
-    /// What they need beside control_subscriptions(); the agent does without, where the broker refuses it.
-    std::set<std::string> link_subscriptions() const;
-    std::uint64_t link_source_changes() const { return links_.source_changes(); }
+    /// What their sources publish comes over a connection of its own: no source delays a command.
+    std::set<std::string> source_subscriptions() const { return links_.filters(); }
+    /// Rises when these may be others.
+    std::uint64_t source_changes() const { return links_.filter_changes(); }
+    void sources_heard(bool heard, Time now);
+    void source_message(const mqtt::Message& message, Time now, Effects& out);
     /// How this board stands, for links of this process.
     struct Standing {
         const std::vector<property::Property>& properties;
@@ -187,9 +190,11 @@ class Bridge {
     std::vector<member::Announcer::Subscription> subscriptions() const;
     /// To be added once the name is claimed: until then another agent may be meant.
     std::vector<std::string> control_subscriptions() const;
-    /// As control_subscriptions(), but the agent does without it where the broker refuses it: what agents of
-    /// before left there is cleared.
-    std::string old_subscription() const { return board_.topics.service_set(name(), "+"); }
+    /// As control_subscriptions(), but the agent does without them where the broker refuses them: requests
+    /// for links, and what agents of before left, which is cleared.
+    std::vector<std::string> other_subscriptions() const {
+        return {board_.topics.link(name(), "+/+"), board_.topics.service_set(name(), "+")};
+    }
     const session::BoardSession& session() const { return board_.session; }
 
   private:
@@ -200,7 +205,6 @@ class Bridge {
     void on_message(const PortRequest& request, Time now, Effects& out);
     void on_message(const LabelRequest& request, Time now, Effects& out);
     void on_message(const LinkRequest& request, Time now, Effects& out);
-    void on_message(const SourceMessage& source, Time now, Effects& out);
     void on_message(const DemandMessage& demand, Time now, Effects& out);
     void on_message(const Leftover& left, Time now, Effects& out);
     void on_message(const Announcement& announcement, Time now, Effects& out);

@@ -60,9 +60,8 @@ void Bridge::bus_subscribed(Time now, Effects& out) {
     if (announcer_ && name_claimed_) announcer_->on_subscribed(now, out);
 }
 
-void Bridge::bus_disconnected(Time now) {
+void Bridge::bus_disconnected() {
     age_.connection_changed();
-    links_.disconnected(now);
     if (announcer_) announcer_->on_disconnected();
 }
 
@@ -70,9 +69,6 @@ void Bridge::bus_disconnected(Time now) {
 
 std::optional<Inbound> Bridge::read(const mqtt::Message& message, Time now) const {
     if (!announcer_ || leaving_) return std::nullopt;
-    if (links_.any())
-        if (const auto topic = board_.topics.parse(message.topic); topic && links_.concerns(topic->board))
-            return SourceMessage{message};
     return read_inbound(message,
                         {.topics = board_.topics,
                          .board = board_.name,

@@ -13,19 +13,18 @@ void Bridge::on_message(const LinkRequest& request, Time now, Effects& out) {
     if (links_.request(request, now, out)) labels_.hurry(now);
 }
 
-void Bridge::on_message(const SourceMessage& source, Time now, Effects&) {
-    links_.take(source.message, now);
+void Bridge::source_message(const mqtt::Message& message, Time now, Effects& out) {
+    links_.take(message, now);
+    run_links(now, out);
+}
+
+void Bridge::sources_heard(bool heard, Time now) {
+    heard ? links_.sources_connected(now) : links_.sources_disconnected(now);
 }
 
 void Bridge::link_kept(std::uint64_t ticket, const Expected<void>& result, Time now, Effects& out) {
     links_.kept(ticket, result, now, out);
     run_links(now, out);
-}
-
-std::set<std::string> Bridge::link_subscriptions() const {
-    auto filters = links_.filters();
-    filters.insert(board_.topics.link(name(), "+/+"));
-    return filters;
 }
 
 Bridge::Standing Bridge::standing(Time now) const {

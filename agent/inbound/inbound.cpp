@@ -165,7 +165,7 @@ bool sent_behind(const Stop& stop, const Inbound& message) {
 
 bool takes_turns(const Inbound& inbound) {
     return std::holds_alternative<Command>(inbound) || std::holds_alternative<PortRequest>(inbound) ||
-           std::holds_alternative<LabelRequest>(inbound);
+           std::holds_alternative<LabelRequest>(inbound) || std::holds_alternative<LinkRequest>(inbound);
 }
 
 std::size_t bytes_of(const Inbound& inbound) {

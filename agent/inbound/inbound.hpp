@@ -63,10 +63,6 @@ struct LabelRequest : BusRequest {
 struct LinkRequest : BusRequest {
     std::string user{};
 };
-/// What another board says, which is a source of links.
-struct SourceMessage {
-    mqtt::Message message;
-};
 /// A client tells how often it wants values. Not parsed yet: ReportPeriods does that.
 struct DemandMessage {
     std::string demander;  ///< USER/CLIENT
@@ -83,7 +79,7 @@ struct Announcement {
 };
 
 using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, LinkRequest,
-                             SourceMessage, DemandMessage, Leftover, Announcement>;
+                             DemandMessage, Leftover, Announcement>;
 
 /// The board and its agent, as far as they decide what a message is.
 struct Addressee {
@@ -102,8 +98,8 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
 const BusRequest* request_of(const Inbound& inbound);
 /// Whether the sender of `stop` sent `message` behind it, by the agent's clock in both.
 bool sent_behind(const Stop& stop, const Inbound& message);
-/// Whether such a message takes its turn behind earlier ones: commands, port requests and label requests.
-/// All other kinds are handled at once; a stop and a renewal must not wait.
+/// Whether such a message takes its turn behind earlier ones: commands, and requests for port, labels and
+/// links. All other kinds are handled at once; a stop and a renewal must not wait.
 bool takes_turns(const Inbound& inbound);
 /// Bytes of memory that it needs, about.
 std::size_t bytes_of(const Inbound& inbound);

@@ -66,15 +66,11 @@ bool LinkBook::something_to_show() const {
 
 std::set<std::string> LinkBook::filters() const {
     auto filters = sources_.filters();
-    const auto own = world_.board.topics.root() + "/" + world_.board.name + "/";
-    const auto announced = world_.board.topics.service_names(world_.board.name) + "/";
-    std::erase_if(filters,
-                  [&](const auto& each) { return each.starts_with(own) || each.starts_with(announced); });
+    filters.erase(world_.board.topics.description(world_.board.name));
     return filters;
 }
 
 void LinkBook::connected(Time now) {
-    sources_.connected(now);
     if (something_to_show() || shown_at_) show_at_ = now;
 }
 

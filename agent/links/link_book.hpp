@@ -52,15 +52,15 @@ class LinkBook {
     bool request(const LinkRequest& request, Time now, Effects& out);
     /// What became of Effects::keep_links.
     void kept(std::uint64_t ticket, const Expected<void>& result, Time now, Effects& out);
-    bool concerns(std::string_view source) const {
-        return source != world_.board.name && sources_.has(source);
-    }
     bool has_source(std::string_view board) const { return sources_.has(board); }
+    /// What the connection for sources subscribes to.
     std::set<std::string> filters() const;
-    std::uint64_t source_changes() const { return source_changes_; }
+    std::uint64_t filter_changes() const { return sources_.changes(); }
     void take(const mqtt::Message& message, Time now) { hear(sources_.take(message, now), now); }
+    void sources_connected(Time now) { sources_.connected(now); }
+    void sources_disconnected(Time now) { hear(sources_.disconnected(), now); }
+    /// What is shown is published again.
     void connected(Time now);
-    void disconnected(Time now) { hear(sources_.disconnected(), now); }
 
     /// The process did not run since then: what was pressed meanwhile, and waited, does nothing.
     void not_watched(Time since, Time now) {
@@ -133,7 +133,6 @@ class LinkBook {
     std::map<std::string, Open> open_;
     std::map<std::uint64_t, Asked> asked_;
     std::uint64_t ticket_ = 0;
-    std::uint64_t source_changes_ = 0;
     std::size_t unwritten_ = 0;  // what links remember, on its way to the disk
     Allowance refusals_{20, 1};  // that are logged
     std::optional<Time> show_at_, shown_at_;

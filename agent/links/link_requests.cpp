@@ -179,7 +179,6 @@ void LinkBook::put(KeptLink link, Time now) {
 }
 
 void LinkBook::use_sources(Time now) {
-    ++source_changes_;
     std::set<links::Sources::Id> sources;
     for (const auto& [name, entry] : rules_.links())
         sources.emplace(entry.link.board, entry.link.source);

@@ -98,7 +98,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       stops_timer_(io_),
       shares_(bus::Shares::processor_time, [this] { share_turn(); }),
       source_shares_(
-          shares_, [this](const mqtt::Message& message) { take(SourceMessage{message}); },
+          shares_, [this](const mqtt::Message& message) { hear_source(message); },
           [](const std::string&) {}) {
     host_.agents.insert(this);
 }

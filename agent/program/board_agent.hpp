@@ -128,13 +128,15 @@ class BoardAgent {
     void keep_labels(LabelsToKeep keep);
     void keep_stop(std::optional<model::StopInfo> stopped);
 
-    // Links (board_agent_links.cpp): boards of one process are sources for each other without a broker.
+    // Links (board_agent_links.cpp): boards of one process are sources for each other without a broker, other
+    // sources have a connection of their own. Each is heard within its share: none delays a command.
     void keep_links(std::vector<LinkToKeep> links);
     void subscribe_to_sources();
+    mqtt::Client::Handlers source_handlers();
+    void sources_heard(bool heard);
     void tell_neighbours();
-    void hear_neighbour(const BoardAgent& source);
-    /// What a source publishes is handled within its share, so that no source delays commands for the board.
-    void source_message(const mqtt::Message& message);
+    void hear_neighbour(const std::string& source);
+    void hear_source(const mqtt::Message& message);
     void share_turn();
 
     // Messages of the bus. Commands take turns: a few in each turn of the loop, and none while more arrive.
@@ -160,6 +162,7 @@ class BoardAgent {
     link::KeptStream link_;
     PointToPoint clients_;
     std::unique_ptr<mqtt::Client> bus_;
+    std::unique_ptr<mqtt::Client> source_bus_;  // once there is a link with a source elsewhere
     std::shared_ptr<StopLine> stop_line_;
     StopLine::Listening stops_;
     bool hears_stops_ = false;
@@ -182,9 +185,10 @@ class BoardAgent {
     bus::Shares shares_;
     bus::BoardShares source_shares_;
     std::set<std::string> sources_;  // what is subscribed to for links
-    std::uint64_t sources_of_ = 0;   // Bridge::link_source_changes()
+    std::uint64_t sources_of_ = 0;   // Bridge::source_changes()
     std::uint64_t told_ = 0;         // Bridge::standing_changes()
     std::set<std::string> heard_;    // neighbours
+    std::set<std::string> to_hear_;  // those of them that changed, until the next turn of the loop
     Life life_ = Life::kRunning;
     Presence presence_ = Presence::kAway;
     std::string why_no_broker_;

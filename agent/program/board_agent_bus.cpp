@@ -42,7 +42,6 @@ void BoardAgent::connect_bus() {
     bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), bus_handlers());
     for (auto& [filter, how] : bridge_.subscriptions())
         bus_->subscribe(std::move(filter), how);
-    sources_.clear();
     if (bridge_.name_claimed()) subscribe_to_commands();
     bus_->start();
 }
@@ -50,7 +49,8 @@ void BoardAgent::connect_bus() {
 void BoardAgent::subscribe_to_commands() {
     for (const auto& filter : bridge_.control_subscriptions())
         bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
-    bus_->subscribe(bridge_.old_subscription(), {.qos = 1, .no_local = true});
+    for (const auto& filter : bridge_.other_subscriptions())
+        bus_->subscribe(filter, {.qos = 1, .no_local = true});
     subscribe_to_sources();
     if (stops_) return;
     stops_ = stop_line_->listen(topics_.stop(bridge_.name()),
@@ -85,8 +85,7 @@ void BoardAgent::wait_for_stops() {
             log_.warning("stops do not arrive: the board is not online until they do",
                          {{"why", why_no_stops_}});
         if (!announced_) return;
-        source_shares_.disconnected();
-        bridge_.bus_disconnected(Clock::now());
+        bridge_.bus_disconnected();
         note_online();
         bus_.reset();
         connect_bus();
@@ -119,6 +118,9 @@ bool BoardAgent::look_for_credentials() {
         boost::asio::post(io_, [this] {
             if (ended()) return;
             bus_.reset();
+            if (source_bus_) sources_heard(false);
+            source_bus_.reset();
+            sources_of_ = 0;
             connect_bus();
         });
         return true;
@@ -144,8 +146,7 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     handlers.on_subscribed = [this] { note_subscribed(); };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
         announced_ = false;
-        source_shares_.disconnected();
-        bridge_.bus_disconnected(Clock::now());
+        bridge_.bus_disconnected();
         arm_timer();
         note_online();
         bus_failed(failure, true);
@@ -184,7 +185,6 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     if (std::holds_alternative<Resume>(*inbound) && bridge_.is_stopped())
         inbox_.stop([](const Inbound&) { return false; });
     if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
-    if (std::holds_alternative<SourceMessage>(*inbound)) return source_message(message);
     if (!takes_turns(*inbound)) return take(*inbound);
     const auto due = inbox_.arrive(std::move(*inbound));
     ask_for_turn();

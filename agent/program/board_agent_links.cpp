@@ -31,19 +31,55 @@ void BoardAgent::keep_links(std::vector<LinkToKeep> links) {
 }
 
 void BoardAgent::subscribe_to_sources() {
-    if (!sources_.empty() && sources_of_ == bridge_.link_source_changes()) return;
-    sources_of_ = bridge_.link_source_changes();
-    auto wanted = bridge_.link_subscriptions();
+    if (std::exchange(sources_of_, bridge_.source_changes()) == bridge_.source_changes()) return;
+    auto wanted = bridge_.source_subscriptions();
+    if (!source_bus_) {
+        if (wanted.empty()) return;
+        auto options = options_.mqtt;
+        options.client_id += options.client_id.empty() ? "" : "-sources";
+        options.own_topics.clear();
+        options.will.reset();
+        source_bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), source_handlers());
+        source_bus_->start();
+        sources_.clear();
+    }
     for (const auto& filter : wanted)
-        if (!sources_.contains(filter)) bus_->subscribe(filter, {.qos = 1, .no_local = true});
+        if (!sources_.contains(filter)) source_bus_->subscribe(filter, {.qos = 1});
     for (const auto& filter : sources_)
-        if (!wanted.contains(filter)) bus_->unsubscribe(filter);
+        if (!wanted.contains(filter)) source_bus_->unsubscribe(filter);
     sources_ = std::move(wanted);
 }
 
-void BoardAgent::source_message(const mqtt::Message& message) {
-    if (const auto topic = topics_.parse(message.topic))
-        source_shares_.message(topic->board, message, Clock::now());
+mqtt::Client::Handlers BoardAgent::source_handlers() {
+    mqtt::Client::Handlers handlers;
+    handlers.on_connected = [this](const mqtt::Connected&) { sources_heard(true); };
+    handlers.on_disconnected = [this](const mqtt::ConnectionFailure&) { sources_heard(false); };
+    handlers.on_message = [this](const mqtt::Message& message) {
+        note_running();
+        if (const auto topic = topics_.parse(message.topic); topic && !ended())
+            source_shares_.message(topic->board, message, Clock::now());
+    };
+    handlers.on_subscribe_refused = [this](const std::string& filter, const std::string& reason) {
+        reports_.subscription_refused(filter, reason);
+    };
+    return handlers;
+}
+
+void BoardAgent::sources_heard(bool heard) {
+    if (ended()) return;
+    if (!heard) source_shares_.disconnected();
+    bridge_.sources_heard(heard, Clock::now());
+    arm_timer();
+}
+
+void BoardAgent::hear_source(const mqtt::Message& message) {
+    const auto topic = topics_.parse(message.topic);
+    for (auto* other : host_.agents)
+        if (topic && other->bridge_.name() == topic->board)
+            return with_bridge([&](Time now, Effects& out) {
+                bridge_.source_stands(other->bridge_.standing(now), now, out);
+            });
+    with_bridge([&](Time now, Effects& out) { bridge_.source_message(message, now, out); });
 }
 
 void BoardAgent::share_turn() {
@@ -52,26 +88,29 @@ void BoardAgent::share_turn() {
     });
 }
 
-/// They hear it in a turn of their own.
 void BoardAgent::tell_neighbours() {
-    if (bus_ && bridge_.name_claimed()) subscribe_to_sources();
     std::erase_if(heard_, [this](const auto& each) { return !bridge_.has_source(each); });
     for (auto* other : host_.agents)
         if (bridge_.has_source(other->bridge_.name()) && heard_.insert(other->bridge_.name()).second)
-            hear_neighbour(*other);
+            hear_neighbour(other->bridge_.name());
+    if (bus_ && bridge_.name_claimed() && to_hear_.empty()) subscribe_to_sources();
     if (bridge_.name().empty() ||
         std::exchange(told_, bridge_.standing_changes()) == bridge_.standing_changes())
         return;
     for (auto* other : host_.agents)
         if (other->heard_.contains(bridge_.name()) && other->bridge_.has_source(bridge_.name()))
-            other->hear_neighbour(*this);
+            other->hear_neighbour(bridge_.name());
 }
 
-void BoardAgent::hear_neighbour(const BoardAgent& source) {
-    boost::asio::post(io_, [this, &source, mine = std::weak_ptr(alive_), its = std::weak_ptr(source.alive_)] {
-        if (mine.expired() || its.expired()) return;
-        with_bridge(
-            [&](Time now, Effects& out) { bridge_.source_stands(source.bridge_.standing(now), now, out); });
+/// In a turn of its own, however often the neighbour changes before.
+void BoardAgent::hear_neighbour(const std::string& source) {
+    if (!to_hear_.insert(source).second) return;
+    boost::asio::post(io_, [this, source, alive = std::weak_ptr(alive_)] {
+        if (alive.expired()) return;
+        to_hear_.erase(source);
+        mqtt::Message message;
+        message.topic = topics_.values(source);
+        source_shares_.message(source, message, Clock::now());
     });
 }
 

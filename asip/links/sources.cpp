@@ -36,6 +36,7 @@ Sources::Sources(const bus::Topics& topics, const std::string& user, const std::
 
 Sources::Tolds Sources::want(const std::set<Id>& sources, Time now) {
     Tolds told;
+    ++changes_;
     std::set<std::string> names;
     for (const auto& [name, id] : sources) {
         names.insert(name);
@@ -53,8 +54,9 @@ Sources::Tolds Sources::want(const std::set<Id>& sources, Time now) {
 std::set<std::string> Sources::filters() const {
     std::set<std::string> filters;
     for (const auto& [name, board] : boards_) {
-        filters.insert(
-            {topics_.state(name), topics_.description(name), topics_.properties(name), topics_.values(name)});
+        filters.insert(topics_.description(name));  // its demands
+        if (board.is_local) continue;
+        filters.insert({topics_.state(name), topics_.properties(name), topics_.values(name)});
         for (const auto& [id, known] : board.known)
             filters.insert(topics_.service_out(name, property::service_of(id)));
     }
@@ -226,8 +228,9 @@ Sources::Tolds Sources::local(const std::vector<Property>& properties, const pro
     const auto found = boards_.find(values.head.board);
     if (found == boards_.end()) return told;
     auto& [name, board] = *found;
-    if (!std::exchange(board.is_local, true) || board.head.session != values.head.session)
-        board.last_act = 0, board.based = false;
+    const bool was_local = std::exchange(board.is_local, true);
+    if (!was_local) ++changes_;
+    if (!was_local || board.head.session != values.head.session) board.last_act = 0, board.based = false;
     board.head = values.head;
     for (auto& [id, known] : board.known)
         known.reported.reset();
@@ -247,6 +250,7 @@ Sources::Tolds Sources::local_gone(const std::string& name) {
     if (found == boards_.end() || !found->second.is_local) return told;
     set_present(name, found->second, false, told);
     found->second.is_local = false;
+    ++changes_;
     found->second.head = {};
     return told;
 }

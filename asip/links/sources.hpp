@@ -47,11 +47,12 @@ class Sources {
             const Random& random);
 
     Tolds want(const std::set<Id>& sources, Time now);
-    bool empty() const { return boards_.empty(); }
     /// Boards that links have as sources.
     bool has(std::string_view board) const { return boards_.contains(board); }
-    /// What is to be subscribed to, at QoS 1.
+    /// What is to be subscribed to, at QoS 1. Of a board of this process only its description.
     std::set<std::string> filters() const;
+    /// Rises when filters() may be others.
+    std::uint64_t changes() const { return changes_; }
 
     // Each returns what is new by it, in order.
     Tolds take(const mqtt::Message& message, Time now);
@@ -108,6 +109,7 @@ class Sources {
     bus::Demander demander_;
     catalogue::BusView view_;
     Boards boards_;
+    std::uint64_t changes_ = 1;
 };
 
 }  // namespace asip::links

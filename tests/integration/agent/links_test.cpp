@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "tests/integration/agent/rig.hpp"
+#include "tests/support/tcp_relay.hpp"
 
 namespace asip::test {
 namespace {
@@ -49,10 +50,11 @@ class Board {
 
 class Links : public testing::Test {
   protected:
-    std::unique_ptr<ChildProcess> start(const std::string& board, const std::string& port) {
-        auto agent = std::make_unique<ChildProcess>(
-            std::vector<std::string>{ASIP_PROGRAMS "/asip-agent", "--serial", port, "--broker", broker.url(),
-                                     "--name", board, "--lease", "3", "--state-dir", state.file("state")});
+    std::unique_ptr<ChildProcess> start(const std::string& board, const std::string& port,
+                                        const std::string& by = {}) {
+        auto agent = std::make_unique<ChildProcess>(std::vector<std::string>{
+            ASIP_PROGRAMS "/asip-agent", "--serial", port, "--broker", by.empty() ? broker.url() : by,
+            "--name", board, "--lease", "3", "--state-dir", state.file("state")});
         EXPECT_TRUE(wait_state(probe, "online", kDeadline, board)) << agent->errors();
         return agent;
     }
@@ -163,6 +165,23 @@ TEST_F(Links, ButtonSwitchesALampOfAnotherAgent_AndNoRestartDoes) {
     EXPECT_EQ(asipctl({"link", "remove", "desk-io-2-io-13"}).status, 0);
     press();
     EXPECT_EQ(lamp.changes().size(), changes + 1);
+}
+
+TEST_F(Links, WhatWaitsOfASource_DelaysNoCommand) {
+    TcpRelay way(broker.port());
+    const auto of_desk = start("desk", desk.port());
+    const auto of_lamp = start("lamp", lamp.port(), "mqtt://127.0.0.1:" + std::to_string(way.port()));
+    wire_up();
+    ASSERT_EQ(asipctl({"link", "desk/io/2", "lamp/io/13", "--toggle"}).status, 0);
+    ASSERT_TRUE(heard());
+    way.cut([](std::string_view first) { return first.find("-sources") != std::string_view::npos; });
+    ASSERT_NO_FATAL_FAILURE(press());
+    // Over the same connection the press would come before these.
+    EXPECT_EQ(asipctl({"send", "lamp/io", "write", "13", "1"}).status, 0);
+    EXPECT_EQ(asipctl({"send", "lamp/io", "write", "13", "0"}).status, 0);
+    ASSERT_TRUE(is(false));
+    way.restore();
+    EXPECT_TRUE(is(true)) << "the press";
 }
 
 TEST_F(Links, TwoBoardsOfOneAgent_NeedNoBroker) {

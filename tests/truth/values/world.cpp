@@ -98,7 +98,7 @@ void World::late_joiner() {
 }
 
 void World::broker_is_lost() {
-    bench_.bridge.bus_disconnected(bench_.now);
+    bench_.bridge.bus_disconnected();
     retained_.clear();
     exports_.restart_broker();
 }

@@ -197,7 +197,7 @@ TEST(Announcer, AllThatIsRetainedEmptied_IsThereAgainASecondLater) {
 TEST(Announcer, StateThatIsRetainedBehindOurs_IsPutRight) {
     BridgeBench bench;
     bench.go_online();
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     bench.connect();
     bench.published.clear();
     bench.hear(kState, "online", true);
@@ -273,7 +273,7 @@ TEST(Announcer, BrokerLostWhileALaterSessionIsAsked_ItIsAskedAgainAndOursBecomes
     BridgeBench bench;
     bench.go_online();
     bench.hear(kDescription, foreign_description("ffffffffffffffff"));
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     bench.pass(5s);
     bench.published.clear();
     bench.connect();
@@ -415,7 +415,7 @@ TEST(Announcer, StoredDescriptionOfALaterSession_OursIsMadeTheLaterOne) {
 TEST(Announcer, BrokerBack_AnnouncesAtOnceWithoutAnotherClaim) {
     BridgeBench bench;
     bench.go_online();
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     bench.unplug();
     bench.published.clear();
     bench.connect();

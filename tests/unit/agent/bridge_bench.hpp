@@ -53,6 +53,7 @@ class BridgeBench {
     }
     void connect(bool expires = true) {
         run([&](Effects& out) { bridge.bus_connected(now, "client", expires, out); });
+        bridge.sources_heard(true, now);
         if (grants_subscriptions) run([&](Effects& out) { bridge.bus_subscribed(now, out); });
     }
     /// Board, bus, and the name claimed.

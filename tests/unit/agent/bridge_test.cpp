@@ -123,7 +123,7 @@ TEST_F(OnlineBridge, ModeAndPeriodSet_AreInTheDescription) {
 }
 
 TEST_F(OnlineBridge, BusAway_NewestValueOfEachKindIsPublishedWhenItIsBack) {
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     for (const char* line : {"@D,e,1,{1}\n", "@I,d,4,4\n", "@D,e,1,{2}\n", "@I,d,3,0\n", "@D,e,1,{3}\n"})
         bench.say(line);
     EXPECT_THAT(bench.on("asip/uno1/out"), IsEmpty());

@@ -195,7 +195,7 @@ TEST_F(HoldTest, HoldOfAnother_TakesItsPlace) {
 
 TEST_F(HoldTest, BusGone_IsUndoneAllTheSame) {
     hold();
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     bench.pass(500ms);
     EXPECT_THAT(executed(), ElementsAre("I,d,13,1", "I,d,13,0"));
 }

@@ -43,10 +43,17 @@ struct LinkedBridge : OnlineBridge {
         ask(link(name, std::move(more)));
         kept_all();
     }
+    /// Over the connection for sources.
+    void source(const std::string& topic, const std::string& payload) {
+        mqtt::Message message;
+        message.topic = topic;
+        message.payload = payload;
+        bench.run([&](Effects& out) { bench.bridge.source_message(message, bench.now, out); });
+    }
     void desk_is_there() {
-        bench.hear("asip/servicebus/desk/$state", "online");
-        bench.hear("asip/servicebus/desk/$properties",
-                   property::to_text(property::PropertyList{{"desk", "a", 1}, {contact()}}), true);
+        source("asip/servicebus/desk/$state", "online");
+        source("asip/servicebus/desk/$properties",
+               property::to_text(property::PropertyList{{"desk", "a", 1}, {contact()}}));
         desk(false);
     }
     void desk(bool on, std::vector<property::ButtonEvent> events = {}) {
@@ -58,7 +65,7 @@ struct LinkedBridge : OnlineBridge {
         shown.how = property::How::kReported;
         shown.events = std::move(events);
         document.values["io/2"] = shown;
-        bench.hear("asip/desk/$values", property::to_text(document));
+        source("asip/desk/$values", property::to_text(document));
     }
     void person(int angle) {
         bench.ask("asip/uno1/in", {{"raw", "S,W,0," + std::to_string(angle)}}, "p" + std::to_string(++seq));

@@ -171,7 +171,7 @@ TEST_F(ReleasedPortTest, FaultyRequests_AreRefusedAndNothingHappens) {
 
 TEST_F(ReleasedPortTest, WithoutTheBus_TheTimeRunsOnAll) {
     release(10);
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     bench.pass(11s);
     EXPECT_EQ(bench.port, Effects::Port::kTakeBack);
 }

@@ -61,7 +61,7 @@ TEST_F(RetainedForGood, ChangedOrOverwritten_IsRetainedAtOnce) {
     bench.hear(state, "lost");
     EXPECT_THAT(retained_on(state), ElementsAre(true));
     bench.published.clear();
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     bench.connect(false);
     bench.pass(900ms);
     EXPECT_THAT(retained_on(state), ElementsAre(true));

@@ -39,7 +39,7 @@ TEST_F(AgentStatistics, Document_IsNotRetained) {
 }
 
 TEST_F(AgentStatistics, WithoutABus_NothingIsPublished) {
-    bench.bridge.bus_disconnected(bench.now);
+    bench.bridge.bus_disconnected();
     EXPECT_TRUE(document().is_null());
 }
 
