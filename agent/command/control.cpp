@@ -33,6 +33,10 @@ std::string_view request_of_line(std::string_view line) {
     return line.size() > 2 && line[1] == ',' ? line.substr(2) : line;
 }
 
+session::ClientId bus_client(const std::string& name) {
+    return std::hash<std::string>{}(name) | kBusClient;
+}
+
 }  // namespace
 
 std::shared_ptr<Control::Execution> Control::begin(const BusRequest& request) {
@@ -45,7 +49,7 @@ std::shared_ptr<Control::Execution> Control::begin(const BusRequest& request) {
     execution->deadline = request.deadline();
     execution->hold = request.envelope.hold;
     const auto& client = execution->reply.wanted() ? execution->reply.topic : request.topic;
-    execution->client = std::hash<std::string>{}(client) | kBusClient;
+    execution->client = bus_client(client);
     // After that time its sender cannot renew it any more.
     if (execution->hold)
         execution->deadline = std::min(execution->deadline, execution->sent + *execution->hold);
@@ -55,6 +59,7 @@ std::shared_ptr<Control::Execution> Control::begin(const BusRequest& request) {
 void Control::on_command(const Command& command, Time now, session::Actions& actions, Effects& out) {
     const auto execution = begin(command);
     execution->link = command.link;
+    if (!command.link.empty()) execution->client = bus_client("$links");  // one turn for all of them
     const auto refuse_it = [&](std::string_view reason, std::string text) {
         refuse(*execution, execution->noted, reason, std::move(text), now, out);
     };

@@ -46,9 +46,10 @@ const Property* LinkBook::target(std::string_view id) const {
 }
 
 void LinkBook::load(LinkFiles::Loaded loaded, bool stopped, Time now, Effects& out) {
-    for (const auto& fault : loaded.faults)
-        out.log(Level::kError, "a link cannot be read; the others are used", {{"why", fault}});
-    faults_ = std::move(loaded.faults);
+    for (auto& [name, why] : loaded.faults) {
+        out.log(Level::kError, "a link cannot be read; the others are used", {{"why", why}});
+        set_aside_.push_back(std::move(name));
+    }
     for (auto& link : loaded.links) {
         written_[link.link.name] = to_text(link);
         rules_.set(std::move(link.link), std::move(link.kept), now);
@@ -59,7 +60,7 @@ void LinkBook::load(LinkFiles::Loaded loaded, bool stopped, Time now, Effects& o
 }
 
 bool LinkBook::something_to_show() const {
-    return !rules_.links().empty() || !faults_.empty();
+    return !rules_.links().empty() || !set_aside_.empty();
 }
 
 // --- sources
@@ -204,7 +205,7 @@ std::string LinkBook::document() const {
         shown.push_back(std::move(object));
     }
     json document{{"version", 1}, {"board", world_.board.name}, {"links", std::move(shown)}};
-    if (!faults_.empty()) document["set_aside"] = faults_;
+    if (!set_aside_.empty()) document["set_aside"] = set_aside_;
     return model::dump_json(document);
 }
 

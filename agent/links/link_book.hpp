@@ -106,6 +106,7 @@ class LinkBook {
     };
 
     std::string why_not(const links::Link& link) const;
+    std::vector<std::string> names_of(const std::string& user) const;
     std::string set(const LinkRequest& request, const nlohmann::json& wanted, Time now, Effects& out);
     std::string change(const LinkRequest& request, std::string_view what, const nlohmann::json& name,
                        Time now, Effects& out);
@@ -126,7 +127,7 @@ class LinkBook {
     World world_;
     links::Sources sources_;
     links::Rules rules_;
-    std::vector<std::string> faults_;
+    std::vector<std::string> set_aside_;
     std::map<std::string, std::string> written_, caused_;  // by name: the file; when it did something last
     std::map<std::string, std::string> causes_;
     std::map<std::string, Time> write_at_, wrote_;

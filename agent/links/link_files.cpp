@@ -71,8 +71,9 @@ LinkFiles::Loaded LinkFiles::load(const std::string& board) const {
         aside += ".damaged";
         fs::rename(file, aside, error);
         if (loaded.faults.size() >= kMaxFaults) continue;
-        loaded.faults.push_back(file.string() + ": " + (link ? "is one too many" : link.error()) +
-                                (error ? "" : "; it is now " + aside.string()));
+        loaded.faults.push_back({(error ? file : aside).filename().string(),
+                                 file.string() + ": " + (link ? "is one too many" : link.error()) +
+                                     (error ? "" : "; it is now " + aside.string())});
     }
     return loaded;
 }

@@ -22,7 +22,11 @@ class LinkFiles {
 
     struct Loaded {
         std::vector<KeptLink> links;
-        std::vector<std::string> faults;  ///< of files that cannot be read, and where they are now
+        struct Fault {
+            std::string name;  ///< of the file as it is now, for everybody
+            std::string why;   ///< with its path, for the log
+        };
+        std::vector<Fault> faults;  ///< of files that cannot be read
     };
     /// A file that cannot be read is put aside, as NAME.json.damaged; the others count.
     Loaded load(const std::string& board) const;

@@ -75,6 +75,13 @@ bool LinkBook::request(const LinkRequest& request, Time now, Effects& out) {
     return true;
 }
 
+std::vector<std::string> LinkBook::names_of(const std::string& user) const {
+    std::vector<std::string> names;
+    for (const auto& [name, entry] : rules_.links())
+        if (entry.link.user == user) names.push_back(name);
+    return names;
+}
+
 std::string LinkBook::set(const LinkRequest& request, const json& wanted, Time now, Effects& out) {
     auto owned = wanted;
     if (owned.is_object()) owned["user"] = request.user;
@@ -88,6 +95,9 @@ std::string LinkBook::set(const LinkRequest& request, const json& wanted, Time n
         asked.before = KeptLink{found->second.link, found->second.kept};
     } else if (rules_.links().size() >= links::kMaxLinks) {
         return "the board has " + std::to_string(links::kMaxLinks) + " links already";
+    } else if (names_of(link->user).size() >= links::kMaxOfAUser && link->user != bus::user_level("")) {
+        return "the board has " + std::to_string(links::kMaxOfAUser) + " links of " + link->user +
+               " already: remove one first";
     }
     asked.answer = model::dump_json(links::to_json(*link));
     // The same again, or a repeated message: who set the target meanwhile goes on to win.
@@ -106,9 +116,7 @@ std::string LinkBook::set(const LinkRequest& request, const json& wanted, Time n
 std::string LinkBook::change(const LinkRequest& request, std::string_view what, const json& name, Time now,
                              Effects& out) {
     if (!name.is_string()) return "the name of a link must be a text";
-    std::vector<std::string> names;
-    for (const auto& [each, entry] : rules_.links())
-        if (entry.link.user == request.user) names.push_back(each);
+    auto names = names_of(request.user);
     const bool all = name == json("*");
     if (!all) {
         const auto found = rules_.links().find(name.get<std::string>());

@@ -16,6 +16,7 @@
 namespace asip::links {
 
 inline constexpr std::size_t kMaxLinks = 100;       ///< of a board
+inline constexpr std::size_t kMaxOfAUser = 50;      ///< of these, where the bus knows users
 inline constexpr std::size_t kMaxLinkBytes = 1536;  ///< of one, as JSON: all are one message
 
 /// When a link acts.

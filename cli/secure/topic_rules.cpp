@@ -95,7 +95,7 @@ TopicRule rule_of(TopicKind kind) {
                     {},
                     {kWriteOwn},
                     {},
-                    "agent: 100 links of 1.5 KiB",
+                    "agent: 100 links of 1.5 KiB, 50 of a user",
                     "agent: 20 commands a second and link",
                     "agent: a file for each link"};
         case TopicKind::kDemand:

@@ -106,7 +106,7 @@ inline constexpr std::string_view kComponents = R"json({
     "set": {"type": "object", "required": ["name", "from", "to"], "description": "See docs/links.md"},
     "remove": {"type": "string"}, "enable": {"type": "string"}, "disable": {"type": "string"}}},
   "BoardLinks": {"type": "object", "required": ["items"], "properties": {
-    "set_aside": {"type": "array", "items": {"type": "string"}, "description": "Links of the board that cannot be read, and where they are"},
+    "set_aside": {"type": "array", "items": {"type": "string"}, "description": "Files of links that cannot be read, by their names"},
     "items": {"type": "array", "items": {"type": "object", "required": ["name", "board", "from", "when", "to", "rule", "state", "yours"],
       "properties": {"name": {"type": "string"}, "board": {"type": "string", "description": "Of the target"}, "from": {"type": "string"},
         "when": {"type": "string"}, "to": {"type": "string"}, "rule": {"type": "string"}, "state": {"type": "string", "description": "on, disabled, or why it does nothing"},

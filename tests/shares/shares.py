@@ -39,7 +39,8 @@ UNITS = {"agent-desk": "asip-agent@", "agent-lamp": "asip-agent@", "registry": "
 FINE = ("ok", "stopped")  # answers; an operator may stop a board
 SHARE = 0.7  # of a unit's limit
 # Commands of all users for one board wait in one queue at the broker: an operator who fills it delays the others (SECURITY.md), but no stop.
-OWN_QUEUE = ("BOARD/in operator costly", "BOARD/SERVICE/in operator costly")
+OWN_QUEUE = ("BOARD/in operator costly", "BOARD/SERVICE/in operator costly",
+             *(f"BOARD/$link/USER/CLIENT operator {shape}" for shape in ("small", "large", "many", "costly")))
 
 
 class SharedBus(SecuredBus):

@@ -2,6 +2,7 @@
 // What users of a secured bus try against its programs with the credentials that they have.
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <fstream>
 #include <regex>
 #include <set>
@@ -266,6 +267,11 @@ TEST_F(AttackedBus, RevokedOperator_ItsLinksEndAndThoseOfOthersGoOn) {
     const auto revoked = secure(Words{"revoke", "zoe"} + reload);
     EXPECT_THAT(revoked.output, HasSubstr("the links that zoe set at uno")) << revoked.errors;
     EXPECT_TRUE(wait_until([&] { return links().find("of-zoe") == std::string::npos; })) << links();
+    EXPECT_THAT(links(), HasSubstr("of-ann"));
+    agent_->signal(SIGKILL);
+    agent_->wait_exit();
+    const auto missed = secure(Words{"revoke", "ann"} + reload);
+    EXPECT_THAT(missed.output + missed.errors, HasSubstr("the agent of uno was not reached"));
     EXPECT_THAT(links(), HasSubstr("of-ann"));
 }
 

@@ -194,6 +194,30 @@ TEST_F(LinkedBridge, LinkOfAnother_IsLeftAlone) {
     EXPECT_THAT(bench.links_to_keep, IsEmpty());
 }
 
+TEST_F(LinkedBridge, UserWithManyLinks_LeavesRoomForOthers) {
+    for (std::size_t i = 0; i < links::kMaxOfAUser; ++i)
+        set("l" + std::to_string(i));
+    EXPECT_EQ(ask(link("more"), "ann", "x")["error"],
+              "the board has 50 links of ann already: remove one first");
+    EXPECT_THAT(bench.links_to_keep, IsEmpty());
+    set("l1", {{"value", 80}});
+    EXPECT_EQ(json::parse(bench.on("answers").back())["status"], "ok") << "one of these";
+    ask(link("of-bob"), "bob", "y");
+    kept_all();
+    EXPECT_EQ(json::parse(bench.on("answers").back())["status"], "ok");
+}
+
+TEST_F(LinkedBridge, CommandOfALink_DoesNotWaitBehindClientsWithoutAReply) {
+    set("l");
+    desk_is_there();
+    bench.board.mute = true;
+    for (int i = 0; i < 200; ++i)
+        bench.hear("asip/uno1/servo/in", "W,0," + std::to_string(i % 90));
+    desk(true);
+    bench.pass(500ms);
+    EXPECT_THAT(shown()["links"][0].value("last", ""), HasSubstr("set to 90"));
+}
+
 TEST(LinkFilesTest, LongCommand_IsReadAgain) {
     test::TempDir folder;
     LinkFiles files{folder.path()};
