@@ -110,10 +110,10 @@ void CommandLine::add_common_options() {
     settings_.setting(app_.add_option("--timeout", timeout_, "How long to wait for one answer")
                           ->capture_default_str()
                           ->type_name("DURATION"));
-    program::one_of(settings_.setting(app_.add_option("--color", colour_,
-                                                      "When to use colours; auto: on a terminal, unless "
-                                                      "NO_COLOR is set")),
-                    {"auto", "always", "never"})
+    program::one_of(
+        settings_.setting(app_.add_option(
+            "--color", colour_, "When to use colours; auto: on a terminal, unless NO_COLOR is set")),
+        {"auto", "always", "never"})
         ->capture_default_str();
     app_.add_option("--context", profile_, "Bus that asipctl context add has given this name")
         ->type_name("NAME");

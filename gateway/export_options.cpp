@@ -155,25 +155,22 @@ void declare_exports(CLI::App& app, program::Settings& settings, ExportOptions& 
         "Propose the ids of its entities, sensor.BOARD_SERVICE_0; otherwise they follow from names"));
     add(app.add_option(
                "--homie", raw.homie_domain,
-               "Show every board as a Homie 5 device; DOMAIN: the first level of its topics, otherwise "
-               "homie")
+               "Show every board as a Homie 5 device; DOMAIN: the first level of its topics, otherwise homie")
             ->type_name("[DOMAIN]")
             ->expected(0, 1));
     add(app.add_flag("--homie-read-only", raw.homie.read_only, "Homie controllers may set nothing"));
-    add(app.add_option(
-               "--sparkplug", raw.sparkplug_group,
-               "Show every board as a device of Sparkplug B, in this group; EDGE: the name of this bus "
-               "as an edge node, otherwise the topic root")
+    add(app.add_option("--sparkplug", raw.sparkplug_group,
+                       "Show every board as a device of Sparkplug B, in this group; EDGE: the name of this "
+                       "bus as an edge node, otherwise the topic root")
             ->type_name("GROUP[/EDGE]"));
     add(app.add_option("--sparkplug-host", raw.sparkplug.host,
                        "Show them only while this primary host says that it is online")
             ->type_name("ID"));
     add(app.add_flag("--sparkplug-read-only", raw.sparkplug.read_only, "Sparkplug hosts may set nothing"));
     add(app.add_flag("--no-wot", raw.no_wot, "No things of the Web of Things over HTTP"));
-    add(app.add_option(
-               "--wot-mqtt", raw.wot_broker,
-               "Show every board to the Web of Things over MQTT, too; BROKER: how its consumers reach "
-               "the broker, otherwise as this gateway does")
+    add(app.add_option("--wot-mqtt", raw.wot_broker,
+                       "Show every board to the Web of Things over MQTT, too; BROKER: how its consumers "
+                       "reach the broker, otherwise as this gateway does")
             ->type_name("[BROKER]")
             ->expected(0, 1));
     add(app.add_flag("--wot-mqtt-read-only", raw.wot.read_only, "Consumers over MQTT may set nothing"));

@@ -115,10 +115,9 @@ int make_token(const TokenRequest& request) {
         return refuse("cannot write " + request.file + ": " + std::strerror(errno));
     std::cout << secret << "\n";
     std::cerr << "This token is not shown again. "
-              << (rights->role == Role::kKiosk
-                      ? "The link is http://GATEWAY/kiosk/TOKEN/"
-                      : "Type it at Sign in, on the gateway's page; a program sends it as the "
-                        "header Authorization: Bearer TOKEN")
+              << (rights->role == Role::kKiosk ? "The link is http://GATEWAY/kiosk/TOKEN/"
+                                               : "Type it at Sign in, on the gateway's page; a program sends "
+                                                 "it as the header Authorization: Bearer TOKEN")
               << "\n";
     return program::kExitOk;
 }

@@ -16,8 +16,7 @@ namespace asip::gateway {
 namespace {
 
 constexpr const char* kAbout =
-    "Shows the bus over HTTP: boards, services and values as resources and live streams, a "
-    "web\n"
+    "Shows the bus over HTTP: boards, services and values as resources and live streams, a web\n"
     "page to see and move everything, and metrics. Needs no configuration next to the broker.";
 
 constexpr const char* kExamples =
@@ -90,10 +89,9 @@ void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
         "--body-time", raw.body,
         "Longest time in which the body of a request comes, from the end of its head; beyond: 408"));
     add(app.add_option("--idle-time", raw.idle, "How long a connection stays open between two requests"));
-    add(app.add_option(
-        "--max-streams", raw.gateway.streams_per_client,
-        "Most streams, WebSockets and waits for a value that one client has open at once; beyond: "
-        "429. A client is a token, or an address without one"));
+    add(app.add_option("--max-streams", raw.gateway.streams_per_client,
+                       "Most streams, WebSockets and waits for a value that one client has open at once; "
+                       "beyond: 429. A client is a token, or an address without one"));
     add(app.add_option("--max-client-bytes", raw.gateway.client_bytes,
                        "Most memory for all that is kept for one client: its subscriptions, what waits to be "
                        "read by it, and its commands of the last minute; beyond: 429")

@@ -328,8 +328,7 @@ bool Registry::may_answer(const std::string& topic) {
     if (!std::exchange(stray_answer_logged_, true))
         log::warning(
             "a query names a topic for its answer on which registries do not answer. Where the broker knows "
-            "its "
-            "users, that is below " +
+            "its users, that is below " +
                 topics_.root() + "/reply/USER/registry/",
             {{"topic", topic.substr(0, 200)}});
     return false;

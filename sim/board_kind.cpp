@@ -35,26 +35,24 @@ std::vector<int> count_up(int first, int count) {
 const std::vector<BoardKind>& BoardKind::all() {
     static const std::vector<BoardKind> kinds = {
         make("uno", "atmega328p", '0',
-             "D0- D1- D2- D3- D4- D5- D6- D7- B0- B1- B2- B3- B4- B5- "
-             "C00 C11 C22 C33 C44 C55",
+             "D0- D1- D2- D3- D4- D5- D6- D7- B0- B1- B2- B3- B4- B5- C00 C11 C22 C33 C44 C55",
              count_up(14, 6), 18, 19),
-        make("mega", "atmega2560", '0',
-             "E0- E1- E4- E5- G5- E3- H3- H4- H5- H6- B4- B5- B6- B7- J1- J0- H1- H0- D3- D2- D1- D0- "
-             "A0- A1- A2- A3- A4- A5- A6- A7- C7- C6- C5- C4- C3- C2- C1- C0- D7- G2- G1- G0- "
-             "L7- L6- L5- L4- L3- L2- L1- L0- B3- B2- B1- B0- "
-             "F00 F11 F22 F33 F44 F55 F66 F77 K08 K19 K2a K3b K4c K5d K6e K7f",
-             count_up(54, 16), 20, 21),
-        make("leonardo", "atmega32u4", '1',
-             "D2- D3- D1- D0- D48 C6- D7a E6- B4b B5c B6d B7- D69 C7- B3- B1- B2- B0- "
-             "F77 F66 F55 F44 F11 F00",
-             {18, 19, 20, 21, 22, 23, 4, 6, 8, 9, 10, 12}, 2, 3),
+        make(
+            "mega", "atmega2560", '0',
+            "E0- E1- E4- E5- G5- E3- H3- H4- H5- H6- B4- B5- B6- B7- J1- J0- H1- H0- D3- D2- D1- D0- A0- A1- "
+            "A2- A3- A4- A5- A6- A7- C7- C6- C5- C4- C3- C2- C1- C0- D7- G2- G1- G0- L7- L6- L5- L4- L3- L2- "
+            "L1- L0- B3- B2- B1- B0- F00 F11 F22 F33 F44 F55 F66 F77 K08 K19 K2a K3b K4c K5d K6e K7f",
+            count_up(54, 16), 20, 21),
+        make(
+            "leonardo", "atmega32u4", '1',
+            "D2- D3- D1- D0- D48 C6- D7a E6- B4b B5c B6d B7- D69 C7- B3- B1- B2- B0- F77 F66 F55 F44 F11 F00",
+            {18, 19, 20, 21, 22, 23, 4, 6, 8, 9, 10, 12}, 2, 3),
         make("nano", "atmega328p", '0',
-             "D0- D1- D2- D3- D4- D5- D6- D7- B0- B1- B2- B3- B4- B5- "
-             "C00 C11 C22 C33 C44 C55 -06 -07",
+             "D0- D1- D2- D3- D4- D5- D6- D7- B0- B1- B2- B3- B4- B5- C00 C11 C22 C33 C44 C55 -06 -07",
              count_up(14, 8), 18, 19),
         make("1284p", "atmega1284p", '0',
-             "B0- B1- B2- B3- B4- B5- B6- B7- D0- D1- D2- D3- D4- D5- D6- D7- "
-             "C0- C1- C2- C3- C4- C5- C6- C7- A00 A11 A22 A33 A44 A55 A66 A77",
+             "B0- B1- B2- B3- B4- B5- B6- B7- D0- D1- D2- D3- D4- D5- D6- D7- C0- C1- C2- C3- C4- C5- C6- "
+             "C7- A00 A11 A22 A33 A44 A55 A66 A77",
              count_up(24, 8), 17, 16),
     };
     return kinds;

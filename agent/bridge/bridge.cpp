@@ -24,22 +24,17 @@ int local_second_of_day() {
 const char* why_unanswered(const session::NoAnswer& none, bool tcp) {
     if (none.heard_banner)
         return " said that it is an ASIP board, and answers no question: does it restart again and again "
-               "(its "
-               "power), is its sketch busy for seconds, or does the line lose what is sent to it?";
+               "(its power), is its sketch busy for seconds, or does the line lose what is sent to it?";
     if (tcp)
-        return none.heard_bytes
-                   ? " sends bytes, but they are not ASIP: is it the port of another program, or one that "
-                     "frames "
-                     "lines otherwise (HOST:PORT/frames, HOST:PORT/lines)?"
-                   : " takes the connection and does not answer: is an ASIP board behind it, does it serve "
-                     "another client already, or does it frame lines otherwise (HOST:PORT/frames for the "
-                     "bridge of the Java programs, HOST:PORT/lines)?";
+        return none.heard_bytes ? " sends bytes, but they are not ASIP: is it the port of another program, "
+                                  "or one that frames lines otherwise (HOST:PORT/frames, HOST:PORT/lines)?"
+                                : " takes the connection and does not answer: is an ASIP board behind it, "
+                                  "does it serve another client already, or does it frame lines otherwise "
+                                  "(HOST:PORT/frames for the bridge of the Java programs, HOST:PORT/lines)?";
     if (none.heard_bytes)
         return " sends bytes, but they are not ASIP at 57600 baud or any rate that a board steps up to: is "
-               "it "
-               "another device, a sketch without ASIP, or does another program read from this port, too "
-               "(fuser "
-               "PORT, lsof PORT; brltty, ModemManager)?";
+               "it another device, a sketch without ASIP, or does another program read from this port, too "
+               "(fuser PORT, lsof PORT; brltty, ModemManager)?";
     return " does not answer: is an ASIP sketch loaded (asip firmware: AsipHello), and is it the right port?";
 }
 

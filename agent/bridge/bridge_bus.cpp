@@ -131,10 +131,10 @@ void Bridge::on_message(const Resume& resume, Time now, Effects& out) {
     const bool late = now > resume.deadline();
     auto reply = bus::Reply::ok("resumed");
     if (resume.retained)
-        reply = bus::Reply::refused(std::string(bus::kRefusedRetained),
-                                    "a stored request resumes nothing; clear it by publishing an empty "
-                                    "retained message on " +
-                                        resume.topic);
+        reply = bus::Reply::refused(
+            std::string(bus::kRefusedRetained),
+            "a stored request resumes nothing; clear it by publishing an empty retained message on " +
+                resume.topic);
     else if (late)
         reply = bus::Reply::refused(std::string(bus::kRefusedDeadline), "it came too late; send it again");
     else if (resume.envelope.object.value("resume", nlohmann::json()) != nlohmann::json(true))

@@ -70,8 +70,8 @@ void BrokerReports::announcing_denied() {
         "the broker's access control denied announcing board " + board + "; no program finds it. " +
             (user.empty() ? "A connection without user" : "User " + user) + " must be allowed to write " +
             root + "/servicebus/$probe, " + root + "/servicebus/" + board + "/# and " + root + "/" + board +
-            "/#. On a secured bus a board's user is called like the board: ask the administrator of "
-            "the broker for credentials (asipctl secure add board " +
+            "/#. On a secured bus a board's user is called like the board: ask the administrator of the "
+            "broker for credentials (asipctl secure add board " +
             board + ")" + (user.empty() ? "" : ", or call the board " + user + " (--name " + user + ")"),
         {{"user", user}, {"broker", broker}});
 }

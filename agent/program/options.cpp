@@ -19,20 +19,19 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
             ->group("Board"));
     settings.setting(
         app.add_option("--label", raw.labels,
-                       "KEY=VALUE, pin.N=NAME or SERVICE/name=NAME: what to call the board by. Not "
-                       "to be changed over the bus. Several: separated by commas, or several times")
+                       "KEY=VALUE, pin.N=NAME or SERVICE/name=NAME: what to call the board by. Not to be "
+                       "changed over the bus. Several: separated by commas, or several times")
             ->delimiter(',')
             ->group("Board"));
     settings.setting(app.add_option("--state-dir", raw.state_dir,
                                     "Folder to keep labels in that are set over the bus; default: "
                                     "$STATE_DIRECTORY, $XDG_STATE_HOME/asip or ~/.local/state/asip")
                          ->group("Board"));
-    settings.setting(
-        app.add_option("--firmware-dir", raw.firmware_dir,
-                       "Folder of the firmware that may be loaded into the board when a user asks "
-                       "for it: AsipServices-uno.hex, AsipServices-mega.hex")
-            ->capture_default_str()
-            ->group("Board"));
+    settings.setting(app.add_option("--firmware-dir", raw.firmware_dir,
+                                    "Folder of the firmware that may be loaded into the board when a user "
+                                    "asks for it: AsipServices-uno.hex, AsipServices-mega.hex")
+                         ->capture_default_str()
+                         ->group("Board"));
     settings.setting(app.add_option("--avrdude", raw.avrdude, "The program that loads it")
                          ->capture_default_str()
                          ->group("Board"));
@@ -53,16 +52,14 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
                          ->group("Board"));
     settings.setting(
         app.add_flag("--no-step-up", raw.no_step_up, "Leave the rate of the line alone")->group("Board"));
-    settings.setting(
-        app.add_flag(
-               "--checksum", raw.checksum,
-               "Put a checksum on each line from the start, where the board can; default: on fast lines, "
-               "and once the line is damaged")
-            ->group("Board"));
-    settings.setting(app.add_flag("--keep-outputs", raw.keep_outputs,
-                                  "Leave motors and other actuators as they are found at the start; "
-                                  "default: stop them")
+    settings.setting(app.add_flag("--checksum", raw.checksum,
+                                  "Put a checksum on each line from the start, where the board can; default: "
+                                  "on fast lines, and once the line is damaged")
                          ->group("Board"));
+    settings.setting(
+        app.add_flag("--keep-outputs", raw.keep_outputs,
+                     "Leave motors and other actuators as they are found at the start; default: stop them")
+            ->group("Board"));
     settings.setting(app.add_option("--patience", raw.patience,
                                     "Seconds without any answer after which this is not an ASIP board")
                          ->check(CLI::Range(0.1, 3600.0))
@@ -78,19 +75,18 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
         app.add_option("--statistics", raw.statistics, "How often to publish what was counted; 0s: never")
             ->capture_default_str()
             ->group("Bus"));
-    settings.setting(
-        app.add_option("--reports", raw.reports,
-                       "shared: services report faster while subscribers demand it, and then as before. "
-                       "on-demand: only what subscribers demand; plain MQTT clients demand nothing: see "
-                       "resting-period. always: demands count for nothing")
-            ->check(CLI::IsMember({"always", "shared", "on-demand"}))
-            ->capture_default_str()
-            ->group("Bus"));
-    settings.setting(app.add_option("--resting-period", raw.resting_period,
-                                    "With reports = on-demand: period while no program demands reports; "
-                                    "0s: no reports")
+    settings.setting(app.add_option("--reports", raw.reports,
+                                    "shared: services report faster while subscribers demand it, and then as "
+                                    "before. on-demand: only what subscribers demand; plain MQTT clients "
+                                    "demand nothing: see resting-period. always: demands count for nothing")
+                         ->check(CLI::IsMember({"always", "shared", "on-demand"}))
                          ->capture_default_str()
                          ->group("Bus"));
+    settings.setting(
+        app.add_option("--resting-period", raw.resting_period,
+                       "With reports = on-demand: period while no program demands reports; 0s: no reports")
+            ->capture_default_str()
+            ->group("Bus"));
     settings.setting(
         app.add_option("--fastest-period", raw.fastest_period, "Shortest period that demands can bring about")
             ->capture_default_str()
@@ -111,19 +107,16 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
     settings.setting(
         app.add_flag("--retain-values", raw.retain_values, "Retain the last value of each service")
             ->group("Bus"));
-    settings.setting(
-        app.add_option(
-               "--listen", raw.listen,
-               "[HOST:]PORT[/lines|/frames] for point-to-point clients; 127.0.0.1 if no host. Several "
-               "addresses: separated by commas, or several times")
-            ->delimiter(',')
-            ->group("Point to point"));
-    settings.setting(
-        app.add_option("--listen-silence", raw.listen_silence,
-                       "A client that sent nothing for so long gets plain lines; on port 6789, of the "
-                       "published Java programs, frames")
-            ->capture_default_str()
-            ->group("Point to point"));
+    settings.setting(app.add_option("--listen", raw.listen,
+                                    "[HOST:]PORT[/lines|/frames] for point-to-point clients; 127.0.0.1 if no "
+                                    "host. Several addresses: separated by commas, or several times")
+                         ->delimiter(',')
+                         ->group("Point to point"));
+    settings.setting(app.add_option("--listen-silence", raw.listen_silence,
+                                    "A client that sent nothing for so long gets plain lines; on port 6789, "
+                                    "of the published Java programs, frames")
+                         ->capture_default_str()
+                         ->group("Point to point"));
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);

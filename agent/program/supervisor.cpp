@@ -215,8 +215,8 @@ void Supervisor::nothing_to_reload() {
         return stop();
     }
     log::warning(
-        "SIGHUP: there is no file with sections [board NAME] to read again; going on as before. For "
-        "other options start the agent again");
+        "SIGHUP: there is no file with sections [board NAME] to read again; going on as before. For other "
+        "options start the agent again");
 }
 
 void Supervisor::apply(Plan plan) {

@@ -265,14 +265,12 @@ void DirectTransport::perform_one(const session::Action& action) {
         calls_.finish(
             kOpeningRequest,
             failure(Error::Kind::kUnreachable,
-                    none->heard_banner
-                        ? "the board said that it is there, and then answered nothing: is the line damaged, "
-                          "or is the board busy for seconds?"
+                    none->heard_banner ? "the board said that it is there, and then answered nothing: is the "
+                                         "line damaged, or is the board busy for seconds?"
                     : none->heard_bytes
-                        ? "something answers, but not in ASIP: is the rate right, and does the "
-                          "board run an ASIP sketch?"
-                        : "nothing answers: is this the right port, and does the board run an "
-                          "ASIP sketch?"));
+                        ? "something answers, but not in ASIP: is the rate right, and does the board run an "
+                          "ASIP sketch?"
+                        : "nothing answers: is this the right port, and does the board run an ASIP sketch?"));
     }
 }
 

@@ -55,8 +55,7 @@ Expected<std::vector<BootLoader>> boot_loaders(std::string_view board, std::stri
     if (other_way)
         return fail("boards of this kind (USB " + std::string(vendor) + ":" + std::string(product) +
                     ") take firmware in a way of their own: load AsipServices by the Arduino IDE. Where it "
-                    "is an Uno, "
-                    "a Nano or a Mega, say which: --board uno|nano|nano-old|mega");
+                    "is an Uno, a Nano or a Mega, say which: --board uno|nano|nano-old|mega");
     return std::vector{nano, nano_old, mega};
 }
 
@@ -123,8 +122,7 @@ std::string AvrdudeOutput::failure(int status, std::string_view port, const std:
     if (started_) return "the board fell silent while it was written: plug it in again, and try again";
     if (no_answer_)
         return "no boot loader answers: press the board's reset button and try again, try another cable "
-               "(some "
-               "have no data lines), or say which board it is, --board uno|nano|nano-old|mega";
+               "(some have no data lines), or say which board it is, --board uno|nano|nano-old|mega";
     return avrdude + " ended with status " + std::to_string(status) +
            (last_.empty() ? std::string() : ": " + text::printable(last_));
 }

@@ -56,10 +56,10 @@ StreamError open_error(const std::string& device, int problem) {
             return {Kind::kBusy, device + " is in use by another program; close it there first"};
         case EACCES:
         case EPERM:
-            return {Kind::kNoPermission,
-                    "no permission to open " + device +
-                        "; add your user to the group dialout (sudo usermod -aG dialout $USER) "
-                        "and log in again"};
+            return {
+                Kind::kNoPermission,
+                "no permission to open " + device +
+                    "; add your user to the group dialout (sudo usermod -aG dialout $USER) and log in again"};
         case ENOTTY:
         case EISDIR:
             return {Kind::kNotASerialPort, device + " is not a serial port"};

@@ -121,9 +121,8 @@ std::string reference_page(const ModelSet& models) {
         "board itself receives and sends. An argument that its model does not allow is refused, such as "
         "`period: 70000 is above 65535`.\n\n"
         "Where a service takes `measure`, `{\"measure\":null}` (`D,M`) asks for its event once. Where it "
-        "takes "
-        "`report`, `{\"report\":100}`\n(`D,A,100`) makes it come each 100 ms, at most each 65,535; 0 ends "
-        "that.\n\n";
+        "takes `report`, `{\"report\":100}`\n(`D,A,100`) makes it come each 100 ms, at most each 65,535; 0 "
+        "ends that.\n\n";
     text +=
         "## Sensors\n\n| service | boards call it | event | fields | JSON | on the wire | takes |\n"
         "| --- | --- | --- | --- | --- | --- | --- |\n";

@@ -109,14 +109,12 @@ ConnectionFailure refused_by(const BrokerAddress& broker, int connack_code, cons
                 broker.describe() + " refused the connection: " + words(connack_code)};
     }
     const std::string whom =
-        options.user.empty()
-            ? "a connection without user; ask the administrator of the broker for credentials "
-              "(asipctl secure add) and give them by --credentials"
-        : connack_code == MQTT_RC_BANNED
-            ? "user \"" + options.user + "\": banned"
-            : "user \"" + options.user + "\"" + hint_at(options.password) +
-                  "; check user and password, or ask the administrator of the broker for "
-                  "new ones (asipctl secure)";
+        options.user.empty() ? "a connection without user; ask the administrator of the broker for "
+                               "credentials (asipctl secure add) and give them by --credentials"
+        : connack_code == MQTT_RC_BANNED ? "user \"" + options.user + "\": banned"
+                                         : "user \"" + options.user + "\"" + hint_at(options.password) +
+                                               "; check user and password, or ask the administrator of the "
+                                               "broker for new ones (asipctl secure)";
     return {Kind::kBadCredentials, broker, connack_code, broker.describe() + " refused " + whom};
 }
 

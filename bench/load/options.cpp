@@ -41,10 +41,8 @@ constexpr const char* kExamples =
     "      What registries bear: 200 questions a second, and 50 programs that follow their changes.\n"
     "\n"
     "Steps: AT VERB BOARDS [over TIME] [down TIME] [every TIME]. AT is a time since the start, or `then`: "
-    "once "
-    "the\nsteps before it are done and all boards are announced (then+5s: so much later). BOARDS is 100, 5% "
-    "or "
-    "all. VERB is\n"
+    "once the\nsteps before it are done and all boards are announced (then+5s: so much later). BOARDS is "
+    "100, 5% or all. VERB is\n"
     "  join   an agent starts; all do at the start, at --join-rate, unless a step says `0s join ...`\n"
     "  die    the connection breaks for good: the will is published\n"
     "  flap   the connection breaks and comes back after 1s (down TIME)\n"
@@ -52,8 +50,7 @@ constexpr const char* kExamples =
     "  leave  goodbye\n"
     "\n"
     "Exit status: 0 every board was announced, registries agree, and no answer is wrong; 1 not so; 2 bad "
-    "option; 3 no broker; 6 "
-    "the\nnames of boards are held by others.";
+    "option; 3 no broker; 6 the\nnames of boards are held by others.";
 
 // Of each connection: its socket, a second name of it, and the two ends by which libmosquitto can be woken.
 constexpr std::size_t kFilesOfAConnection = 4;
@@ -85,10 +82,10 @@ void declare_boards(CLI::App& app, program::Settings& settings, Raw& raw) {
         ->capture_default_str()
         ->group(group);
     settings
-        .setting(app.add_option("--boards-per-connection", raw.per_connection,
-                                "1: as agents have it, each with a will; more: they share connections, and "
-                                "this program publishes what the wills would say. Default: 1, or as many as "
-                                "the limit of open files demands"))
+        .setting(app.add_option(
+            "--boards-per-connection", raw.per_connection,
+            "1: as agents have it, each with a will; more: they share connections, and this program "
+            "publishes what the wills would say. Default: 1, or as many as the limit of open files demands"))
         ->check(CLI::Range(1, 100'000))
         ->group(group);
     settings.setting(app.add_option("--prefix", raw.prefix, "What their names begin with; a number follows"))
@@ -145,9 +142,9 @@ void declare_run(CLI::App& app, program::Settings& settings, Raw& raw) {
         ->capture_default_str()
         ->group(group);
     settings
-        .setting(app.add_flag("--watch", raw.watch,
-                              "Listen to the registries, and compare their catalogues with the truth at the "
-                              "end"))
+        .setting(
+            app.add_flag("--watch", raw.watch,
+                         "Listen to the registries, and compare their catalogues with the truth at the end"))
         ->group(group);
     settings
         .setting(app.add_option("--settle", raw.settle,

@@ -178,10 +178,8 @@ int print(const Findings& findings, const DoctorOptions& options, Environment& e
 
 std::string broker_advice(const std::string& broker) {
     return "is a broker running there? A secured one needs --credentials FILE. Try: mosquitto_sub -h HOST -p "
-           "PORT -t '$SYS/#' -C 1. Mosquitto 2 "
-           "takes only local and no "
-           "anonymous clients unless its configuration allows it; ours: packaging/mosquitto/asip.conf. We "
-           "tried " +
+           "PORT -t '$SYS/#' -C 1. Mosquitto 2 takes only local and no anonymous clients unless its "
+           "configuration allows it; ours: packaging/mosquitto/asip.conf. We tried " +
            broker;
 }
 

@@ -57,9 +57,9 @@ class Follower {
         const auto registry = source_.find_registry();
         if (session_.stopped()) return program::kExitOk;
         if (registry.empty() && since_ != text::WallTime{})
-            return environment_.fail_with({program::kExitNoAnswer,
-                                           "--since needs a registry with a history: "
-                                           "asip-registry --history FILE"});
+            return environment_.fail_with(
+                {program::kExitNoAnswer,
+                 "--since needs a registry with a history: asip-registry --history FILE"});
         if (registry.empty()) {
             follow_bus();
         } else {
@@ -245,19 +245,18 @@ Run declare_events(Declaration& verb) {
 }  // namespace
 
 Verb events_verb() {
-    return {
-        "events", "What boards do: they come, leave, change and log; now, or what a registry kept",
-        "From a registry, which says why; without one, what the bus itself shows. What was before, with the "
-        "user of each\n"
-        "command, is known by a registry with a history: asip-registry --history FILE.\n"
-        "Examples:\n"
-        "  asipctl events\n"
-        "  asipctl events uno1 --last 20\n"
-        "  asipctl events --since 1h -W 0\n"
-        "  asipctl events uno1 --logs\n"
-        "  asipctl events 'uno*' -o jsonl\n"
-        "  asipctl events -n 1 -W 1m --format '{board} is {state}'",
-        declare_events};
+    return {"events", "What boards do: they come, leave, change and log; now, or what a registry kept",
+            "From a registry, which says why; without one, what the bus itself shows. What was before, with "
+            "the user of each\n"
+            "command, is known by a registry with a history: asip-registry --history FILE.\n"
+            "Examples:\n"
+            "  asipctl events\n"
+            "  asipctl events uno1 --last 20\n"
+            "  asipctl events --since 1h -W 0\n"
+            "  asipctl events uno1 --logs\n"
+            "  asipctl events 'uno*' -o jsonl\n"
+            "  asipctl events -n 1 -W 1m --format '{board} is {state}'",
+            declare_events};
 }
 
 }  // namespace asip::cli

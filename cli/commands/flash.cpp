@@ -143,8 +143,8 @@ class Flasher {
         if (stopped)
             return failure(program::kExitFailure,
                            call.front() + " did not end within " + options_.limit +
-                               " and was stopped; does the boot loader answer? Reset the board "
-                               "and try again, or give it longer: --limit DURATION");
+                               " and was stopped; does the boot loader answer? Reset the board and try "
+                               "again, or give it longer: --limit DURATION");
         if (*status == 0) return {};
         return failure(program::kExitFailure, call.front() + " failed with status " +
                                                   std::to_string(*status) +
@@ -335,8 +335,7 @@ Verb flash_verb() {
             "Without a FILE the board's agent loads firmware that its machine has, into a board that speaks "
             "no ASIP.\n"
             "Several boards: those at this machine, one after the other; nothing is loaded where one of them "
-            "cannot "
-            "be.\n"
+            "cannot be.\n"
             "Examples:\n"
             "  asipctl flash lab-usb-140-3\n"
             "  asipctl flash --class --names student-{}\n"

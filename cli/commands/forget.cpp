@@ -279,18 +279,17 @@ Run declare_forget(Declaration& verb) {
 }  // namespace
 
 Verb forget_verb() {
-    return {
-        "forget", "Clear everything that is kept of boards that are gone",
-        "Prints the topics that are cleared. A board that answers is refused. By a pattern, only boards are "
-        "forgotten\nthat are offline or lost, or whose lease ran out.\n"
-        "Exit status: 0 all forgotten, 1 one was refused or is unknown, or there was none.\n"
-        "Examples:\n"
-        "  asipctl forget uno7\n"
-        "  asipctl forget uno7 uno8\n"
-        "  asipctl forget 'old-*' --dry-run\n"
-        "  asipctl forget 'old-*'\n"
-        "  asipctl forget --leftovers --only commands",
-        declare_forget};
+    return {"forget", "Clear everything that is kept of boards that are gone",
+            "Prints the topics that are cleared. A board that answers is refused. By a pattern, only boards "
+            "are forgotten\nthat are offline or lost, or whose lease ran out.\n"
+            "Exit status: 0 all forgotten, 1 one was refused or is unknown, or there was none.\n"
+            "Examples:\n"
+            "  asipctl forget uno7\n"
+            "  asipctl forget uno7 uno8\n"
+            "  asipctl forget 'old-*' --dry-run\n"
+            "  asipctl forget 'old-*'\n"
+            "  asipctl forget --leftovers --only commands",
+            declare_forget};
 }
 
 }  // namespace asip::cli

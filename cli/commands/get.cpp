@@ -261,11 +261,10 @@ namespace {
 
 Run declare_get(Declaration& verb) {
     auto options = std::make_shared<GetOptions>();
-    verb.argument(
-        "BOARD[/SERVICE[/FIELD]]", options->target,
-        "What; a board alone: all its values; with * and ? as in a shell, or -l: of several boards. FIELD "
-        "is an event, a field of it, or its number",
-        Declaration::Needed::kNo);
+    verb.argument("BOARD[/SERVICE[/FIELD]]", options->target,
+                  "What; a board alone: all its values; with * and ? as in a shell, or -l: of several "
+                  "boards. FIELD is an event, a field of it, or its number",
+                  Declaration::Needed::kNo);
     declare_selector(verb, options->selector);
     verb.flag("--raw", options->raw, "Without the unit");
     verb.output(options->output, {Output::kText},

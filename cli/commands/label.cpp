@@ -100,9 +100,8 @@ class Labeller {
     Outcome<void> name_pins(const std::vector<KnownBoard>& boards) {
         for (const auto& [written, name] : pin_names_) {
             if (!one_board())
-                return failure(program::kExitUsage, "pin." + written +
-                                                        ": of several boards write the "
-                                                        "number, such as pin.13");
+                return failure(program::kExitUsage,
+                               "pin." + written + ": of several boards write the number, such as pin.13");
             const auto pin = find_pin(written, *boards.front().description);
             if (!pin) return tl::unexpected(pin.error());
             if (name)
@@ -203,10 +202,12 @@ class Labeller {
              .payload = bus::encode(change_, who_asks(environment_))},
             [&asked](const bus::Reply& reply) {
                 const bool is_kept = !reply.succeeded() || reply.proof == bus::kProofKept;
-                asked.reply = is_kept ? reply
-                                      : bus::Reply::refused(std::string(bus::kRefusedNotKept),
-                                                            "the program that answers for this board keeps "
-                                                            "no labels: it is no asip-agent");
+                asked.reply =
+                    is_kept
+                        ? reply
+                        : bus::Reply::refused(
+                              std::string(bus::kRefusedNotKept),
+                              "the program that answers for this board keeps no labels: it is no asip-agent");
                 const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
                 asked.now = labels_of(answer);
                 asked.set_aside = value_at(answer, "set_aside");
@@ -317,25 +318,24 @@ Run declare_label(Declaration& verb) {
 }  // namespace
 
 Verb label_verb() {
-    return {
-        "label", "Labels of boards, and friendly names of their services and pins",
-        "They are kept by the board's agent, on its disk, and stand in the board's description. Boards are "
-        "chosen by\n"
-        "them with -l in list, subscribe, send and label: KEY=VALUE, KEY!=VALUE, KEY (it has one), !KEY; a "
-        "comma means and.\n"
-        "Exit status: 0 all kept, 1 refused, 4 no answer.\n"
-        "Examples:\n"
-        "  asipctl label uno1 room=lab floor=2\n"
-        "  asipctl label uno1 floor-\n"
-        "  asipctl label uno1/io/2 class=door inverted=yes\n"
-        "  asipctl label uno1 name=\"Ann's robot\"\n"
-        "  asipctl label uno1/servo name=\"left arm\"\n"
-        "  asipctl label uno1 pin.13=\"status lamp\" pin.A0=light\n"
-        "  asipctl label 'uno*' room=lab\n"
-        "  asipctl label -l room=lab,!shelf shelf=3\n"
-        "  asipctl label uno1\n"
-        "  asipctl label --format '{board} {labels.room}'",
-        declare_label};
+    return {"label", "Labels of boards, and friendly names of their services and pins",
+            "They are kept by the board's agent, on its disk, and stand in the board's description. Boards "
+            "are chosen by\n"
+            "them with -l in list, subscribe, send and label: KEY=VALUE, KEY!=VALUE, KEY (it has one), !KEY; "
+            "a comma means and.\n"
+            "Exit status: 0 all kept, 1 refused, 4 no answer.\n"
+            "Examples:\n"
+            "  asipctl label uno1 room=lab floor=2\n"
+            "  asipctl label uno1 floor-\n"
+            "  asipctl label uno1/io/2 class=door inverted=yes\n"
+            "  asipctl label uno1 name=\"Ann's robot\"\n"
+            "  asipctl label uno1/servo name=\"left arm\"\n"
+            "  asipctl label uno1 pin.13=\"status lamp\" pin.A0=light\n"
+            "  asipctl label 'uno*' room=lab\n"
+            "  asipctl label -l room=lab,!shelf shelf=3\n"
+            "  asipctl label uno1\n"
+            "  asipctl label --format '{board} {labels.room}'",
+            declare_label};
 }
 
 }  // namespace asip::cli

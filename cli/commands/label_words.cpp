@@ -21,10 +21,9 @@ Expected<void> add_meanings(model::LabelChange& change, const std::string& id,
         const auto added = model::add_meaning(change.meanings, id, word);
         if (!added) return fail(added.error());
         if (!*added)
-            return fail(
-                word +
-                ": of a property these can be given: class, inverted, debounce, unit, line, icon, hidden; "
-                "names are given to pins, asipctl label BOARD pin.A0=NAME, and services");
+            return fail(word +
+                        ": of a property these can be given: class, inverted, debounce, unit, line, icon, "
+                        "hidden; names are given to pins, asipctl label BOARD pin.A0=NAME, and services");
     }
     return {};
 }

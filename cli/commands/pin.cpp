@@ -86,12 +86,12 @@ class PinAccess {
         if (result.value) return result;
         if (!values.answered())
             return tl::unexpected(session_.unanswered("the board's agent does not answer; does it run?"));
-        return failure(program::kExitNoAnswer,
-                       "the level of pin " + key +
-                           " is not known yet: the board tells it when it changes, and "
-                           "when its mode is set (asipctl pin " +
-                           board_.item.board + " " + key + " " +
-                           (result.mode == PinMode::kInput ? "input" : "pullup") + ")");
+        return failure(program::kExitNoAnswer, "the level of pin " + key +
+                                                   " is not known yet: the board tells it when it changes, "
+                                                   "and when its mode is set (asipctl pin " +
+                                                   board_.item.board + " " + key + " " +
+                                                   (result.mode == PinMode::kInput ? "input" : "pullup") +
+                                                   ")");
     }
 
     Outcome<PinReading> read_analog(int pin, PinReading result) {

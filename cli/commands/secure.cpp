@@ -74,9 +74,9 @@ Run declare_secure(Declaration& verb) {
         Declaration::Needed::kNo);
     verb.option("--dir", "DIR", options->folder,
                 "Where everything is kept; default: /etc/asip/bus for root, else asip-bus in this folder");
-    verb.option("--host", "HOST", options->hosts,
-                "init, renew broker: names and addresses by which programs call the broker; default: this "
-                "machine's");
+    verb.option(
+        "--host", "HOST", options->hosts,
+        "init, renew broker: names and addresses by which programs call the broker; default: this machine's");
     verb.option("--port", "PORT", options->port, "init: of the broker, with TLS", 1, kMaxPort);
     verb.option("--mosquitto", "DIR", options->mosquitto,
                 "init: folder of the system broker's configuration; default for root: /etc/mosquitto/conf.d");
@@ -99,8 +99,8 @@ Verb secure_verb() {
         "init makes an authority, the broker's certificate, configuration and access rules, and an "
         "administrator.\n"
         "On a machine with the services of the packages, init by root secures them and their boards, too.\n"
-        "add makes one file for a program on another machine: asip-agent --credentials FILE takes all "
-        "of it.\n"
+        "add makes one file for a program on another machine: asip-agent --credentials FILE takes all of "
+        "it.\n"
         "init by root says what it changes of the system, and asks; undo takes that back.\n"
         "revoke takes a user out; a running broker drops it at once and keeps all others. check tries at the "
         "running\nbroker what each user may do. Needs no network, overwrites nothing but what renew names, "

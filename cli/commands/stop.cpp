@@ -186,22 +186,20 @@ Run declare_stop(Declaration& verb) {
 }  // namespace
 
 Verb stop_verb() {
-    return {
-        "stop", "Stop boards: motors, tones and other actuators, ahead of everything that waits",
-        "The board stays stopped: its agent refuses the commands of every sender until asipctl resume; also "
-        "after\n"
-        "a restart of agent, board or broker. Questions and periods of reports pass. With --once later "
-        "commands "
-        "are executed again.\n"
-        "Shows the requests that each board executed, and how many waiting commands were refused.\n"
-        "Exit status: 0 all confirmed, 1 refused, 4 no confirmation.\n"
-        "Examples:\n"
-        "  asipctl stop robot\n"
-        "  asipctl stop robot --why 'a child is on the track'\n"
-        "  asipctl stop 'crane*' --once\n"
-        "  asipctl stop -l room=lab\n"
-        "  asipctl stop --all -o json",
-        declare_stop};
+    return {"stop", "Stop boards: motors, tones and other actuators, ahead of everything that waits",
+            "The board stays stopped: its agent refuses the commands of every sender until asipctl resume; "
+            "also after\n"
+            "a restart of agent, board or broker. Questions and periods of reports pass. With --once later "
+            "commands are executed again.\n"
+            "Shows the requests that each board executed, and how many waiting commands were refused.\n"
+            "Exit status: 0 all confirmed, 1 refused, 4 no confirmation.\n"
+            "Examples:\n"
+            "  asipctl stop robot\n"
+            "  asipctl stop robot --why 'a child is on the track'\n"
+            "  asipctl stop 'crane*' --once\n"
+            "  asipctl stop -l room=lab\n"
+            "  asipctl stop --all -o json",
+            declare_stop};
 }
 
 }  // namespace asip::cli

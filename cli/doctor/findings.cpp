@@ -97,8 +97,8 @@ Findings check_broker(const Observations& seen) {
         result.push_back(std::move(finding));
     if (seen.open == true) {
         const std::string what =
-            "the bus is open: every program that reaches the broker may read everything and "
-            "command every board";
+            "the bus is open: every program that reaches the broker may read everything and command every "
+            "board";
         const std::string advice = "on the broker's machine: asipctl secure init; see asipctl secure --help";
         result.push_back(seen.loopback ? note(what, advice) : problem(what, advice));
     } else if (seen.open == false) {

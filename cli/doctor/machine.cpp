@@ -94,8 +94,7 @@ Findings check_machine(const Machine& machine) {
     if (machine.brltty) {
         result.push_back(
             note("brltty is installed here: it takes serial converters that look like a Braille display "
-                 "(CH340, CP210x, "
-                 "FTDI), so that their port vanishes or is in use",
+                 "(CH340, CP210x, FTDI), so that their port vanishes or is in use",
                  "without a Braille display: sudo apt remove brltty; with one: sudo ln -s /dev/null "
                  "/etc/udev/rules.d/85-brltty.rules (the name as in /usr/lib/udev/rules.d)"));
     }

@@ -15,14 +15,14 @@ Clashes find_clashes(const model::ServiceModel& model, const model::ModelSet& kn
         if (other->source == model.source) continue;
         if (other->name == model.name)
             clashes.notes.push_back(
-                fmt::format("replaces the model {} that programs have built in; for another kind "
-                            "of service choose another name",
+                fmt::format("replaces the model {} that programs have built in; for another kind of service "
+                            "choose another name",
                             other->ref()));
         if (other->id != model.id || other->name == model.name) continue;
         if (other->matches(model.id, announced))
             clashes.faults.push_back(
-                fmt::format("/match: a board that calls it \"{}\" is taken for {}, which has the "
-                            "letter {}, too; use other words or another letter",
+                fmt::format("/match: a board that calls it \"{}\" is taken for {}, which has the letter {}, "
+                            "too; use other words or another letter",
                             announced, other->name, model.id));
         else
             same_letter.push_back(other->name);

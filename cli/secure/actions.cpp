@@ -86,11 +86,11 @@ void next_after_init(const SecureOptions& options, const SecureFolder& folder, c
         report.next("start the broker", broker_program() + " -c " + bus.configuration);
     }
     if (taken) {
-        report.next("port " + std::to_string(bus.port) +
-                        " of this machine is in use: stop what listens there, or make another bus, on "
-                        "another port",
-                    "asipctl secure init --dir OTHER --port " +
-                        std::to_string(bus.port < 65535 ? bus.port + 1 : 8883));
+        report.next(
+            "port " + std::to_string(bus.port) +
+                " of this machine is in use: stop what listens there, or make another bus, on another port",
+            "asipctl secure init --dir OTHER --port " +
+                std::to_string(bus.port < 65535 ? bus.port + 1 : 8883));
     }
     report.next("give the agent of each board a file of its own",
                 "asipctl secure" + in_folder(options) + " add board uno1");
@@ -220,9 +220,9 @@ Outcome<void> secure_init(const SecureOptions& options, const Environment& envir
 Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
     const auto role = parse_role(options.what);
     if (!role) {
-        return failure(program::kExitUsage,
-                       "secure add needs a role: board, operator, viewer, "
-                       "registry, gateway, home-assistant or admin");
+        return failure(
+            program::kExitUsage,
+            "secure add needs a role: board, operator, viewer, registry, gateway, home-assistant or admin");
     }
     auto names = options.names;
     if (names.empty() &&

@@ -104,8 +104,7 @@ Outcome<void> ensure_authority(const SecureFolder& folder, SecureReport& report)
         return tl::unexpected(done.error());
     report.did("made",
                key ? "certificate of the authority, for the key that was there"
-                   : "authority, whose key signs the broker (back it up, never "
-                     "give it away)",
+                   : "authority, whose key signs the broker (back it up, never give it away)",
                key ? folder.authority() : folder.authority_key());
     return {};
 }
@@ -148,9 +147,7 @@ Outcome<void> ensure_configuration(const SecureFolder& folder, const SecuredBus&
     if (present) {
         report.did("kept", "Mosquitto's configuration", bus.configuration);
         if (*present != wanted)
-            report.did("warning",
-                       "it is not as asipctl would write it: remove it and repeat "
-                       "this for that",
+            report.did("warning", "it is not as asipctl would write it: remove it and repeat this for that",
                        bus.configuration);
         return {};
     }

@@ -136,10 +136,8 @@ std::string broker_configuration(const BrokerPlaces& places) {
     if (!places.pid_file.empty()) text += "pid_file " + places.pid_file + "\n";
     text +=
         "\n"
-        "# A publisher can make the broker keep messages. The machine stays usable: beyond this "
-        "limit "
-        "the broker\n# refuses. Programs of ASIP leave no session behind; that of another program is kept "
-        "for an "
+        "# A publisher can make the broker keep messages. The machine stays usable: beyond this limit the "
+        "broker\n# refuses. Programs of ASIP leave no session behind; that of another program is kept for an "
         "hour.\n"
         "memory_limit " +
         std::to_string(places.memory_limit) +
@@ -148,8 +146,7 @@ std::string broker_configuration(const BrokerPlaces& places) {
         "\n"
         "autosave_interval 30\n"
         "# A number above all that waits, and not 0: with 0 Mosquitto closes the connection of a program "
-        "whose "
-        "QoS 1\n# message the rules deny.\n"
+        "whose QoS 1\n# message the rules deny.\n"
         "max_queued_messages 10000000\n"
         "max_queued_bytes 268435456\n"
         "# Lists of properties (128 KiB), exports of large boards and pages of a registry's answers are the "

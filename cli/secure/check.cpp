@@ -63,8 +63,8 @@ class Checker {
         }
         if (wrong_ == 0) return program::kExitOk;
         environment_.note(
-            "the broker does not do what it should: has it read its files? Reload it: asipctl secure "
-            "show names them");
+            "the broker does not do what it should: has it read its files? Reload it: asipctl secure show "
+            "names them");
         return program::kExitFailure;
     }
 

@@ -71,9 +71,10 @@ Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const pass
     if (folder.number() < 0 || ::fstat(folder.number(), &status) != 0)
         return tl::unexpected(cannot("open the folder", path));
     if (status.st_uid != ::geteuid() && (also_of == nullptr || status.st_uid != also_of->pw_uid)) {
-        return failure(program::kExitFailure, path.string() +
-                                                  " belongs to another user; do this as that user, or "
-                                                  "in another folder (--dir DIR)");
+        return failure(
+            program::kExitFailure,
+            path.string() +
+                " belongs to another user; do this as that user, or in another folder (--dir DIR)");
     }
     if ((status.st_mode & kOthersMayNotWrite) != 0) {
         return failure(program::kExitFailure, "others may write in " + path.string() +

@@ -52,9 +52,8 @@ Outcome<bool> agreed(const SecureOptions& options, const fs::path& folder, const
     if (!environment.terminal() || ::isatty(STDIN_FILENO) == 0) {
         return failure(program::kExitUsage,
                        plan +
-                           "This changes the system, and there is no terminal to ask at. "
-                           "--yes: do it; --dry-run: only say it; --dir DIR: a bus in a "
-                           "folder of its own");
+                           "This changes the system, and there is no terminal to ask at. --yes: do it; "
+                           "--dry-run: only say it; --dir DIR: a bus in a folder of its own");
     }
     environment.out << plan << "`asipctl secure undo` takes it back. Continue? [y/N] " << std::flush;
     std::string answer;

@@ -48,8 +48,7 @@ Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std
             report.did("kept", who(*user), file);
         } else {
             report.did("kept", who(*user) +
-                                   "; its credentials are no longer here (new ones: asipctl secure "
-                                   "renew " +
+                                   "; its credentials are no longer here (new ones: asipctl secure renew " +
                                    name + ")");
         }
         return {};

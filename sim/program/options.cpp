@@ -82,9 +82,9 @@ Expected<Options, int> read_options(int argc, const char* const* argv) {
         app.add_option("--socket", socket, "Unix socket for asip-sim ctl; default: one for each user"));
     settings.setting(app.add_flag("--no-socket", options.no_socket, "Do not listen for asip-sim ctl"));
     settings.setting(
-        app.add_option("--slice", slice,
-                       "Microseconds that a board runs at a time; default: 200, with more boards "
-                       "than threads 1000")
+        app.add_option(
+               "--slice", slice,
+               "Microseconds that a board runs at a time; default: 200, with more boards than threads 1000")
             ->check(CLI::Range(50, 100000)));
     settings.setting(app.add_option("--threads", options.threads,
                                     "Threads that share the boards; default: one for each core")

@@ -16,14 +16,13 @@ std::vector<std::string> in_root(std::vector<std::string> command) {
     if (!std::filesystem::exists(ASIP_RABBITMQ_ROOT "/usr/lib/rabbitmq"))
         throw std::runtime_error("there is no RabbitMQ in " ASIP_RABBITMQ_ROOT
                                  "; ./run test cluster rabbitmq makes it");
-    std::vector<std::string> entered{
-        "unshare",
-        "--mount",
-        "sh",
-        "-c",
-        "mount --rbind /proc $0/proc && mount --bind /dev $0/dev && mount --bind /tmp $0/tmp && "
-        "exec chroot $0 \"$@\"",
-        ASIP_RABBITMQ_ROOT};
+    std::vector<std::string> entered{"unshare",
+                                     "--mount",
+                                     "sh",
+                                     "-c",
+                                     "mount --rbind /proc $0/proc && mount --bind /dev $0/dev && mount "
+                                     "--bind /tmp $0/tmp && exec chroot $0 \"$@\"",
+                                     ASIP_RABBITMQ_ROOT};
     entered.insert(entered.end(), std::make_move_iterator(command.begin()),
                    std::make_move_iterator(command.end()));
     return entered;

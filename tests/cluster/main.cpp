@@ -108,8 +108,8 @@ int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
     }
     if (commands.empty()) throw std::runtime_error("there is nothing to compare with");
     fmt::print(
-        "{}: after kill -9 of a node, medians of {}, of times and of ratios: commands {} ms; "
-        "a bare client hears itself {}, the last of {} {}, the last of them is answered {}\n",
+        "{}: after kill -9 of a node, medians of {}, of times and of ratios: commands {} ms; a bare client "
+        "hears itself {}, the last of {} {}, the last of them is answered {}\n",
         engine.name(), commands.size(), median(commands), one.described(), count, last.described(),
         answered.described());
     return 0;

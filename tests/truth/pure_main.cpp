@@ -39,12 +39,9 @@ void print(const truth::Counts& counts, unsigned failures, double seconds) {
         fmt::print(", {} {}", to_string(static_cast<truth::Outcome>(i)), counts.outcomes[i]);
     fmt::print(
         "\nhistories with a wrong, late or missing answer: {}; documented exceptions, which left no sign: {} "
-        "ok of "
-        "boards without a digest that executed something else; {} values changed without a checksum, {} with "
-        "one; {} "
-        "reports of before taken for a value, {} errors of another request, {} doubts because two "
-        "explanations "
-        "had the same digest\n",
+        "ok of boards without a digest that executed something else; {} values changed without a checksum, "
+        "{} with one; {} reports of before taken for a value, {} errors of another request, {} doubts "
+        "because two explanations had the same digest\n",
         failures, counts.not_executed, counts.wrong_values, counts.wrong_summed, counts.old_reports,
         counts.false_errors, counts.equal_digests);
     std::fflush(stdout);

@@ -24,10 +24,9 @@ void read_find(JsonReader& reader, Query& query) {
     for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory, Find::kModels}) {
         if (word == to_string(each)) return void(query.find = each);
     }
-    reader.fault("find", reader.has("find")
-                             ? "is not \"boards\", \"services\", \"history\" or \"models\""
-                             : "is missing; \"boards\", \"services\", \"history\" or \"models\" (or "
-                               "\"forget\", with a board)");
+    reader.fault("find", reader.has("find") ? "is not \"boards\", \"services\", \"history\" or \"models\""
+                                            : "is missing; \"boards\", \"services\", \"history\" or "
+                                              "\"models\" (or \"forget\", with a board)");
 }
 
 void read_labels(JsonReader& reader, Query& query) {

@@ -43,10 +43,10 @@ class ClosesWhenDenied {
         const std::size_t largest = std::exchange(largest_, 0u);
         if (times_ < kTimes) return;
         const std::string who = user.empty() ? "a connection without user" : "user \"" + user + "\"";
-        failure.text += " right after it was sent messages, " + std::to_string(times_) +
-                        " times in a row, as some brokers do where access rules deny one: may " + who +
-                        " write them? The administrator of the broker can tell (asipctl secure check) and "
-                        "allow it";
+        failure.text +=
+            " right after it was sent messages, " + std::to_string(times_) +
+            " times in a row, as some brokers do where access rules deny one: may " + who +
+            " write them? The administrator of the broker can tell (asipctl secure check) and allow it";
         if (largest > 0)
             failure.text += ". Or does it take no message of " + std::to_string(largest) +
                             " bytes, the largest of them (Mosquitto: max_packet_size, message_size_limit)?";

@@ -65,8 +65,8 @@ TEST_P(RealBoardTest, StopOfABoardThatIsGone_IsNoSuccessAndBlamesTheBoard) {
     EXPECT_EQ(stopped.status, 4);
     EXPECT_THAT(stopped.output, HasSubstr("not stopped"));
     EXPECT_EQ(stopped.errors,
-              "asipctl: desk: the board did not confirm it; it is stopped as soon as it answers; "
-              "it may or may not have been executed\n");
+              "asipctl: desk: the board did not confirm it; it is stopped as soon as it answers; it may or "
+              "may not have been executed\n");
 }
 
 TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {

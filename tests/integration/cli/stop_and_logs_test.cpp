@@ -170,10 +170,8 @@ TEST_F(HoldTest, TerminalThatIsClosed_UndoesTheCommandAtOnce) {
     child.signal(SIGHUP);
     EXPECT_TRUE(wait_payload("d,13,0"));
     EXPECT_EQ(child.wait_exit(), 4) << "nobody confirms it";
-    EXPECT_THAT(
-        child.errors(),
-        HasSubstr("I,d,13,0 is not confirmed (no answer); were it lost, the agent would undo the command "
-                  "within 60000 ms"));
+    EXPECT_THAT(child.errors(), HasSubstr("I,d,13,0 is not confirmed (no answer); were it lost, the agent "
+                                          "would undo the command within 60000 ms"));
 }
 
 TEST_F(HoldTest, CtrlC_WaitsForTheAnswerToTheRelease) {

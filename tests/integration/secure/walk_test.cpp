@@ -127,9 +127,9 @@ TEST_F(WalkOnSecuredBus, RevokedOperator_IsToldWhoToAsk) {
     ASSERT_EQ(secure({"revoke", "ann", "--reload-pid", std::to_string(broker_->pid())}).status, 0);
     ASSERT_TRUE(
         wait_until([&] { return run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).status == 3; }));
-    EXPECT_THAT(run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).errors,
-                HasSubstr("refused user \"ann\"; check user and password, or ask the administrator of "
-                          "the broker"));
+    EXPECT_THAT(
+        run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).errors,
+        HasSubstr("refused user \"ann\"; check user and password, or ask the administrator of the broker"));
 }
 
 TEST_F(WalkOnSecuredBus, Doctor_SaysThatItIsClosed) {

@@ -158,9 +158,7 @@ int main(int argc, char** argv) {
         fmt::print(", {} {}", to_string(static_cast<truth::Outcome>(i)), counts.outcomes[i]);
     fmt::print(
         "\ndocumented exceptions, without a sign: {} ok of boards without a digest, {} values without a "
-        "checksum, "
-        "{} with one\nslowest "
-        "recovery: {:.3f} s, {}\n",
+        "checksum, {} with one\nslowest recovery: {:.3f} s, {}\n",
         counts.not_executed, counts.wrong_values, counts.wrong_summed,
         static_cast<double>(total.slowest) * 1e-6, total.slowest_faults);
     return total.failures == 0 && counts.histories > 0 ? 0 : 1;

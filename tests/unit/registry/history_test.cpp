@@ -69,8 +69,8 @@ TEST(History, Boards_HaveTheTimeOfTheirFirstRowAndOfTheirState) {
 
 /// As former versions had it.
 const std::string kChanges =
-    "CREATE TABLE changes(id INTEGER PRIMARY KEY, at INTEGER NOT NULL, board TEXT NOT NULL, "
-    "what TEXT NOT NULL, state TEXT NOT NULL, was TEXT NOT NULL, reason TEXT NOT NULL);";
+    "CREATE TABLE changes(id INTEGER PRIMARY KEY, at INTEGER NOT NULL, board TEXT NOT NULL, what TEXT NOT "
+    "NULL, state TEXT NOT NULL, was TEXT NOT NULL, reason TEXT NOT NULL);";
 
 /// A file as a former version left it.
 void make(const HistoryFile& file, const std::string& statements) {
@@ -82,13 +82,12 @@ void make(const HistoryFile& file, const std::string& statements) {
 
 TEST(History, FileOfTheFirstVersion_ItsBoardsHaveTheStateOfTheirLastRow) {
     const HistoryFile file;
-    make(file,
-         std::string("CREATE TABLE boards(name TEXT PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT "
-                     "NULL) WITHOUT ROWID;") +
-             kChanges +
-             "INSERT INTO boards VALUES('uno1',1000,2000);"
-             "INSERT INTO changes VALUES(1,1000,'uno1','added','online','','');"
-             "INSERT INTO changes VALUES(2,2000,'uno1','state','lost','online','lease')");
+    make(file, std::string("CREATE TABLE boards(name TEXT PRIMARY KEY, first INTEGER NOT NULL, last INTEGER "
+                           "NOT NULL) WITHOUT ROWID;") +
+                   kChanges +
+                   "INSERT INTO boards VALUES('uno1',1000,2000);"
+                   "INSERT INTO changes VALUES(1,1000,'uno1','added','online','','');"
+                   "INSERT INTO changes VALUES(2,2000,'uno1','state','lost','online','lease')");
     History history({.path = file.path()});
     EXPECT_THAT(
         history.boards(),
