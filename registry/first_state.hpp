@@ -10,20 +10,19 @@
 
 namespace asip::registry {
 
-/// When a registry has heard, on each connection, all that the broker retains below the service bus: a mark
-/// that it publishes to itself comes back behind it. Pure: messages and time in, messages out.
+/// Finds when a registry has heard all that the broker retains below the service bus: a mark that it
+/// publishes to itself comes back behind that. Pure.
 class FirstState {
   public:
-    /// Where the mark is lost, the state is taken for whole when no retained message has come for this time.
+    /// Where the mark is lost, the state counts as whole after this time without a retained message.
     static constexpr Duration kRetainedTime = std::chrono::seconds(15);
 
-    /// `id`: of this registry. `complete`: the state is whole.
+    /// `complete`: the state is whole.
     FirstState(const bus::Topics& topics, std::string id, std::function<void(mqtt::Message)> publish,
                std::function<void()> complete)
         : topics_(topics), id_(std::move(id)), publish_(std::move(publish)), complete_(std::move(complete)) {}
 
-    /// A new connection, with its subscriptions made. `mark`: random. Asks boards to announce themselves,
-    /// too.
+    /// Call it with the subscriptions made. `mark`: random. Boards are asked to announce themselves, too.
     void begin(std::string mark, Time now) {
         mark_ = std::move(mark);
         until_ = now + kRetainedTime;
@@ -32,11 +31,10 @@ class FirstState {
         publish(topics_.registry_query(id_), mark_, 1);
         publish(topics_.probe(), {}, 0);
     }
-    /// The connection is lost.
     void end() { mark_.clear(); }
 
     bool active() const { return !mark_.empty(); }
-    /// A message on the registry's own query topic. True: it was the mark.
+    /// True: this message on the registry's own query topic was the mark.
     bool mark(std::string_view payload) {
         if (!active() || payload != mark_) return false;
         whole();

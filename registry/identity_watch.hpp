@@ -8,23 +8,22 @@
 
 namespace asip::registry {
 
-/// Finds another living registry with the same id: by asking when connecting, and by the statistics that both
-/// publish on one topic. Pure.
+/// Finds another living registry with the same id, by asking when connecting, and by the statistics of both.
+/// Pure.
 class IdentityWatch {
   public:
-    /// `run`: random, what the epochs of this run begin with: everybody reads it, so that neither the reply
-    /// topic nor `question`, by which probe() is known, may be found by it.
+    /// `run`: begins the epochs, which everybody reads; so neither reply topic nor `question`, which marks
+    /// probe(), may follow from it.
     IdentityWatch(const bus::Topics& topics, std::string id, std::string run, std::string reply_topic,
                   const std::string& question);
 
-    /// Subscribe to it, and to the statistics of this id, before probe() is published.
+    /// Subscribe to it, and to this id's statistics, before probe() is published.
     std::string reply_topic() const { return reply_topic_; }
-    /// A query to the registry of this id.
     mqtt::Message probe() const;
-    /// Whether this is probe(), received by its sender: not to be answered.
+    /// Our own probe(), which is not answered.
     bool is_probe(const mqtt::Message& message) const { return message.payload == probe_; }
 
-    /// The epoch of another registry with this id, where the message (on one of the two topics) is of one.
+    /// The epoch of another registry with this id, from a message on one of the two topics.
     std::optional<std::string> other(const mqtt::Message& message) const;
 
   private:

@@ -10,9 +10,8 @@
 
 namespace asip::registry {
 
-/// What a person is told of boards that are lost and back: one message for all that happen together, and
-/// while none can be delivered, one for all that happened meanwhile. A board that was lost and back before
-/// anybody was told is not told. Pure: the caller sends what next() gives.
+/// Messages for a person about boards that are lost and back: one for all that happen together, or while none
+/// can be delivered. A board that comes back before the message is sent is left out. Pure.
 class LossNotices {
   public:
     static constexpr Duration kGather = std::chrono::milliseconds(500);  ///< from the first change
@@ -26,15 +25,14 @@ class LossNotices {
     /// `host`: the machine of its agent; may be empty.
     void lost(const std::string& board, std::string host, model::StateReason reason, Instant now);
     void back(const std::string& board, Instant now);
-    /// It is not known any more.
     void forgotten(const std::string& board);
 
-    /// The message to send now, JSON; then none until delivered() or failed() says how that went.
+    /// The JSON to send now; then none until delivered() or failed().
     std::optional<std::string> next(Instant now);
     void delivered(Time now);
-    /// It is tried again later, with what happened meanwhile; not before `wait` is over.
+    /// Sent again later, with what happened meanwhile, not before `wait` is over.
     void failed(Time now, Duration wait = {});
-    /// No receiver takes it: it is not tried again.
+    /// No receiver takes it: it is dropped.
     void refused(Time now) { delivered(now); }
 
   private:

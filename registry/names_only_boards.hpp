@@ -10,28 +10,25 @@
 
 namespace asip::registry {
 
-/// Looks after boards of which only names were heard. Their context traffic is subscribed to, because it
-/// renews their leases; and they are asked for a description, in case theirs was missed. Boards that have one
-/// publish both within a moment, so all of that waits this moment. Pure.
+/// Cares for boards of which only names were heard: their context traffic is subscribed to, since it renews
+/// leases, and they are asked for a description. A moment passes first, because most publish both. Pure.
 class NamesOnlyBoards {
   public:
     static constexpr Duration kDelay = std::chrono::seconds(1);
-    /// How long an answer to each question is waited for. A question is a subscription to what the broker
-    /// retains; the second and the third are a probe as well, which costs a message to every agent.
+    /// How long each answer is waited for. The first question subscribes to what the broker retains; the
+    /// second and third are also a probe, a message to every agent.
     static constexpr Duration kQuestionTime = std::chrono::seconds(2);
     static constexpr int kQuestions = 3;
-    /// Questions at a time, and those of them with a probe; the others wait. Thousands of boards that join at
-    /// once are better left to announce themselves.
+    /// Open questions at a time; further ones wait, since thousands that join at once announce themselves.
     static constexpr std::size_t kMaxOpen = 200;
     static constexpr std::size_t kMaxProbes = 10;
-    /// Beyond this many such boards the traffic of all boards is subscribed to, until half as many are left.
+    /// Beyond this many such boards the traffic of all is subscribed to, until half as many are left.
     static constexpr std::size_t kMaxListened = 2000;
 
     NamesOnlyBoards(const bus::Topics& topics, Port port);
 
     void add(const std::string& board, Time now);
     void remove(const std::string& board);
-    /// Call a few times a second.
     void tick(Time now);
 
   private:

@@ -23,11 +23,10 @@ struct RegistryOptions {
     std::string notify;  ///< address that is told of boards that are lost and back; empty: none
 };
 
-/// From command line, environment and configuration file. The error is the exit status to end with; whatever
-/// there was to print has been printed.
+/// From command line, environment and configuration file. The error is the exit status; all has been printed.
 Expected<RegistryOptions, int> read_options(int argc, const char* const* argv);
 
-/// A duration of at least a second: "90", "90s", "15m", "12h", "7d".
+/// At least a second: "90", "90s", "15m", "12h", "7d".
 Expected<Duration> parse_period(const std::string& text);
 
 }  // namespace asip::registry

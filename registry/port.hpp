@@ -8,7 +8,7 @@
 
 namespace asip::registry {
 
-/// What the parts of a registry ask of its connection. Tests take its place.
+/// What the parts of a registry ask of its connection.
 struct Port {
     std::function<void(mqtt::Message)> publish;
     /// `retained`: deliver stored messages, too.

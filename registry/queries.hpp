@@ -12,7 +12,7 @@
 
 namespace asip::registry {
 
-/// Answers queries and requests to forget, however they arrived: query in, answer out. No MQTT in here.
+/// Answers queries and requests to forget, without MQTT.
 class Queries {
   public:
     using Request = std::variant<bus::Query, bus::Forget>;
@@ -23,27 +23,24 @@ class Queries {
         std::function<Instant()> now;
         /// Number of the last change event that was published.
         std::function<std::uint64_t()> seq;
-        /// Boards were forgotten by request: the events of that.
+        /// The events of boards that were forgotten by request.
         std::function<void(const std::vector<Event>&)> forgotten;
         /// A page of history, or a refusal; may call back later. Empty: none is kept.
         std::function<void(bus::Query, Done)> history;
-        /// The service models that are told.
         model::ModelSet models{};
     };
 
     Queries(std::string registry, Dependencies dependencies);
 
-    /// Written into each answer.
     void set_epoch(std::string epoch) { epoch_ = std::move(epoch); }
     void set_settling(bool settling) { settling_ = settling; }
 
-    /// `done` is called once: within this call, but for a query of the history. Pages are made as small as
-    /// `max_bytes` of JSON needs (0: no limit); an item that alone is larger is given all the same.
+    /// Calls `done` once: within this call, except for history. `max_bytes` bounds a page (0: no limit); an
+    /// item that alone is larger is given all the same.
     void answer(const Request& request, std::size_t max_bytes, const Done& done);
     bool keeps_history() const { return static_cast<bool>(dependencies_.history); }
-    /// The refusal of one that keeps none.
     bus::Answer refuse_history() const;
-    /// An answer that refuses: `reason` a word for programs, `error` a sentence.
+    /// `reason` a word for programs, `error` a sentence.
     bus::Answer refuse(std::string reason, std::string error) const;
 
   private:

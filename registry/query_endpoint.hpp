@@ -15,40 +15,35 @@
 
 namespace asip::registry {
 
-/// Queries over MQTT: takes them out of the messages they arrive in, and puts answers into messages. What
-/// comes faster than it is answered waits, and askers take turns: an asker is the USER of the topic for the
-/// answer, or that topic.
+/// Takes queries out of MQTT messages and puts answers into them. Excess queries wait, and askers take turns:
+/// an asker is the USER of the answer's topic, or that topic.
 class QueryEndpoint {
   public:
     using Publish = std::function<void(mqtt::Message)>;
 
-    /// Whether an answer may go to this topic.
     using MayAnswer = std::function<bool(const std::string& topic)>;
 
     QueryEndpoint(Queries& queries, Publish publish, MayAnswer may_answer)
         : queries_(queries), publish_(std::move(publish)), may_answer_(std::move(may_answer)) {}
 
-    /// The broker's limit of a packet; 0: it named none. No answer is longer than bus::kBrokerPacketBytes.
+    /// The broker's limit of a packet; 0: none. bus::kBrokerPacketBytes holds besides.
     void set_max_bytes(std::size_t bytes) {
         max_bytes_ = bytes == 0 ? bus::kBrokerPacketBytes : std::min(bytes, bus::kBrokerPacketBytes);
     }
-    /// So many are answered at once, where none waits, before the next turn.
+    /// So many are answered at once before the next turn.
     static constexpr std::size_t kAtOnce = 8;
 
     /// Publishes the answer, now or later: "queue-full" where too many of this asker wait. Retained requests,
-    /// and those that do not name where their answer goes, or name a topic where it may not go, are ignored.
-    /// `to_any`: every registry got it. Then one that keeps a history answers what is asked of histories
-    /// first, and those that keep none say so later: the asker takes the first answer.
+    /// and those without an answer's topic that is allowed, are ignored. `to_any`: every registry got it;
+    /// then one with a history answers for histories first, since the asker takes the first answer.
     void request(const mqtt::Message& message, bool to_any, Time now);
-    /// From now on requests to forget are refused here: they come by forget().
+    /// From now on requests to forget come by forget() alone.
     void set_forget_topic(std::string topic) { forget_topic_ = std::move(topic); }
-    /// A message on the topic for requests to forget.
     void forget(const mqtt::Message& message);
-    /// Whether a turn is wanted, as soon as the program has read what came meanwhile.
+    /// Call turn() as soon as what came meanwhile is read.
     bool waits() const { return !waiting_.empty() || (!of_history_.empty() && !reads_history_); }
-    /// Answers one question that waits, of the asker whose turn it is, and one of the history.
+    /// Answers one waiting question, and one of the history.
     void turn();
-    /// Call a few times a second.
     void tick(Time now);
 
   private:
@@ -56,11 +51,11 @@ class QueryEndpoint {
         bus::ReplyTo reply;
         Queries::Request request;
     };
-    /// None: no requester is to be answered, or it was answered already.
+    /// None: no requester is to be answered, or it was.
     std::optional<Question> read(const mqtt::Message& message);
     void publish(bus::Answer answer, const bus::ReplyTo& reply);
     void take(Question question);
-    /// An asker is told so only kMaxRefused times between two ticks: a flood must cost less than it asks for.
+    /// At most kMaxRefused times between two ticks: a flood must cost less than it asks for.
     void refuse(std::string reason, std::string error, const bus::ReplyTo& reply);
     void answer(const Question& question);
 

@@ -10,7 +10,7 @@
 
 namespace asip::registry {
 
-/// Decides which refused messages are logged: each reason once a board, and not those that replays cause.
+/// Decides which refused messages are logged: each reason once a board, and no replays.
 class RefusalLog {
   public:
     static constexpr std::size_t kMaxLines = 1000;
@@ -22,7 +22,7 @@ class RefusalLog {
         std::string where;    ///< in a description: the member that is wrong; else empty
     };
 
-    /// `board`: as in the topic; empty where it names none.
+    /// `board`: as in the topic; may be empty.
     std::optional<Line> refused(const mqtt::Message& message, std::string_view board, Refusal refusal);
 
   private:

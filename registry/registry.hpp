@@ -26,16 +26,15 @@
 
 namespace asip::registry {
 
-/// A registry without its connection: messages and time go in, messages go out through the port. What it
-/// decides is logged here. Every function takes the present; it never decreases.
+/// A registry without its connection: messages and time go in, messages go out through the port. It logs what
+/// it decides. Time never decreases.
 class Registry {
   public:
-    /// `models`: those that it tells, and whose units queries may name. `history`: null: none is kept. It
-    /// outlives the registry.
+    /// `models`: those that it tells, and whose units queries may name. `history` outlives the registry;
+    /// null: none is kept.
     Registry(const RegistryOptions& options, model::ModelSet models, Random random, Port port,
              HistoryKeeper* history, Instant now);
 
-    /// Topics to subscribe to before connecting, with their quality of service.
     struct Subscription {
         std::string filter;
         int qos;
@@ -48,25 +47,24 @@ class Registry {
     void connected(std::size_t max_packet_bytes, Instant now);
     void disconnected();
     void message(const mqtt::Message& message, Instant now);
-    /// The broker accepted, or denied, a message with quality of service 1 on this topic.
+    /// The broker accepted, or denied, a message of QoS 1 on this topic.
     void published(const std::string& topic) { tidier_.published(topic); }
     void denied(const std::string& topic, const std::string& reason, Instant now);
-    /// Whether questions wait for their turn, which comes once the program has read what came meanwhile.
+    /// Call answer_in_turn() once what came meanwhile is read.
     bool questions_wait() const { return endpoint_.waits(); }
     void answer_in_turn(Instant now);
-    /// What is retained is being read: no message may wait, for the last one says that all were handled.
+    /// What is retained is being read: no message may wait, since the last one says that all were handled.
     bool reading() const { return first_state_.active(); }
-    /// Call ten times a second, also while not connected.
+    /// Ten times a second, also while not connected.
     void tick(Instant now);
-    /// The last message before the end.
     mqtt::Message goodbye() const { return state("offline"); }
 
-    /// What is to be told of boards that are lost and back; null: nothing.
+    /// Null: nobody is to be told.
     LossNotices* notices() { return notices_ ? &*notices_ : nullptr; }
 
     std::size_t boards() const { return catalogue_.size(); }
-    /// The epoch of another registry that had this id when this one started. To be asked once connected: this
-    /// registry must end then, and without a goodbye, because the topics are the other's.
+    /// The epoch of another registry that had this id first. Ask once connected: this one must end without a
+    /// goodbye, because the topics are the other's.
     const std::optional<std::string>& id_taken_by() const { return id_taken_by_; }
 
   private:
@@ -82,7 +80,7 @@ class Registry {
     void note_loss(const Event& event);
     void publish_changes();
     void publish(const bus::ChangeEvent& event);
-    /// Where the broker knows its users: see bus::may_answer_on().
+    /// See bus::may_answer_on().
     bool may_answer(const std::string& topic);
     void publish_statistics();
     void tick_connected();

@@ -7,7 +7,7 @@
 
 namespace asip::registry {
 
-/// What a registry counts beside its catalogue, and the document it publishes of both.
+/// What a registry counts, and the document that it publishes of that and its catalogue.
 class Statistics {
   public:
     struct Counts {
@@ -28,7 +28,7 @@ class Statistics {
     /// Not due before an interval is over.
     void postpone(Time now) { last_ = now; }
     Duration age(Time now) const { return now - started_; }
-    /// The payload of `$stats`: JSON, documented in docs/asip-registry.md. The next is due an interval later.
+    /// The payload of `$stats`, documented in docs/asip-registry.md. The next is due an interval later.
     std::string document(const Catalogue& catalogue, const std::string& epoch, std::uint64_t seq,
                          Instant now);
 

@@ -14,16 +14,12 @@
 
 namespace asip::registry {
 
-/// Clears retained topics that outlived their board:
-///  - of a ghost: a board whose lease ran out while its description stays retained (brokers without message
-///    expiry). If it still is not alive a moment later, its description is cleared, so that it is not taken
-///    for alive;
-///  - of a forgotten board: its topics on the service bus at once; then the broker is asked for whatever else
-///    it retains below the board's name (last values, commands), and that is cleared, one topic after
-///    another.
-///
-/// What the broker's access rules deny is not tried again for kDeniedTime: some MQTT libraries lose the
-/// connection over it. Pure.
+/// Clears retained topics that outlived their board. Pure.
+/// - A ghost's lease ran out while its description stays retained (brokers without message expiry): if it is
+/// still not alive a moment later, the description is cleared.
+/// - A forgotten board's topics on the service bus are cleared at once; whatever else the broker retains
+/// below its name follows, one topic after another.
+/// A denied topic is not tried again for kDeniedTime: some MQTT libraries lose the connection over it.
 class Tidier {
   public:
     static constexpr Duration kGhostDelay = std::chrono::seconds(2);
@@ -39,14 +35,11 @@ class Tidier {
 
     void ghost(std::string board, Time now);
     void forgotten(std::string board);
-    /// A retained message that a sweep may have brought up.
+    /// May come of a sweep.
     void retained(const std::string& topic, std::string_view board);
-    /// The broker accepted a message on this topic.
     void published(std::string_view topic);
-    /// The broker denied a message on this topic. True: the tidier had published it, and it is the first one
-    /// denied for kDeniedTime; to be reported.
+    /// True: the tidier had published it, and it is the first one denied for kDeniedTime; to be reported.
     bool denied(const std::string& topic, Time now);
-    /// Call a few times a second, while connected.
     void tick(Time now);
 
   private:

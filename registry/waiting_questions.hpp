@@ -10,16 +10,15 @@
 
 namespace asip::registry {
 
-/// Questions that wait for their answer. Askers take turns, so that one who asks much waits for itself.
-/// Bounded: kMaxOfAsker for each, kMax in all; where it is full, an asker with fewer takes the last place of
-/// the one with most. Pure.
+/// Questions that wait. Askers take turns. Bounded: kMaxOfAsker for each, kMax in all; where it is full, an
+/// asker with fewer takes the last place of the one with most. Pure.
 template <class Question>
 class WaitingQuestions {
   public:
     static constexpr std::size_t kMaxOfAsker = 32;
     static constexpr std::size_t kMax = 1024;
 
-    /// What has no place: the question itself, or another one that had to go for it.
+    /// What has no place: this question, or the one that made room for it.
     std::optional<Question> push(const std::string& asker, Question question) {
         auto own = std::find_if(turns_.begin(), turns_.end(),
                                 [&asker](const Turn& turn) { return turn.asker == asker; });

@@ -12,8 +12,8 @@
 
 namespace asip::registry {
 
-/// POSTs JSON to one address, one message at a time, without blocking. https is OpenSSL's, with the
-/// certificates that the system trusts.
+/// POSTs JSON to one address, one message at a time, without blocking. https trusts the system's
+/// certificates.
 class Webhook {
   public:
     using Result = WebhookResult;
@@ -22,13 +22,12 @@ class Webhook {
 
     static constexpr Duration kLimit = std::chrono::seconds(10);  ///< for all of one message
 
-    /// Fails where `url` is none.
     static Expected<std::unique_ptr<Webhook>> create(boost::asio::io_context& io, const std::string& url);
     ~Webhook();
 
     /// Calls `done` once, from the io_context; not after the end of this.
     void post(std::string body, Done done);
-    /// The address without what may be secret in it: `https://hooks.example`.
+    /// Without what may be secret: `https://hooks.example`.
     std::string shown() const { return address_.server.text(); }
 
   private:

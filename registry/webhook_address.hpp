@@ -9,17 +9,16 @@
 
 namespace asip::registry {
 
-/// An address of http or https, taken apart.
 struct WebhookAddress {
     text::HttpAddress server;  ///< without a path
     std::string target;        ///< path and query: "/hook?key=1"
     std::string user;          ///< NAME:PASSWORD, sent by Basic; empty: none
 };
-/// %40 as @; nothing where what follows a % is no number.
+/// %40 as @; nothing: no number follows a %.
 std::optional<std::string> percent_decoded(std::string_view text);
-/// As the head Authorization has it behind its first word.
+/// The head Authorization, behind its first word.
 std::string basic(const std::string& user);
-/// Fails with a sentence that has nothing of what may be secret.
+/// The error holds no secret.
 Expected<WebhookAddress> parse_webhook(const std::string& url);
 
 }  // namespace asip::registry

@@ -16,8 +16,8 @@ enum class WebhookResult {
     kRefused,  ///< it will not be taken: a status of the 400s, or another address (300s)
 };
 
-/// What a receiver of notices says to one, in pieces of any size. Lines may end with a lone newline, and
-/// statuses of the 100s may come before the one that counts.
+/// The answer of a receiver, in pieces of any size. Lines may end with a lone newline, and statuses of the
+/// 100s may come first.
 class WebhookAnswer {
   public:
     static constexpr std::size_t kMaxBytes = 16 * 1024;  // what is behind them does not count
@@ -33,7 +33,7 @@ class WebhookAnswer {
     void add(std::string_view bytes);
     /// Nothing that follows changes the verdict.
     bool complete() const;
-    /// By what came until now; nothing: not even a status did. `now`: for a time until which to wait.
+    /// Of what came until now; nothing: no status did. `now`: for a time until which to wait.
     std::optional<Verdict> verdict(const WebhookAddress& asked,
                                    std::chrono::system_clock::time_point now) const;
 

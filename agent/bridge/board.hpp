@@ -8,8 +8,8 @@
 
 namespace asip::agent {
 
-/// The one board of an agent, as all its rooms share it. The bridge owns it and changes name and services;
-/// the rooms hold references, and may submit requests to the session.
+/// The board of an agent, shared by its rooms. Only the bridge changes name and services; all may submit
+/// requests.
 struct Board {
     bus::Topics topics;
     session::BoardSession session;

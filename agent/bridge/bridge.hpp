@@ -46,36 +46,30 @@ struct BridgeOptions {
     std::uint64_t started_unix = 0;
     bool on_shared_topic = true;  ///< see AnnouncerOptions
     bool keep_outputs = false;    ///< do not stop the board's services when it is found first
-    /// A board that has a name given, and that cannot be reached at the start, is announced as lost, with the
-    /// reason: for agents that wait for it. So is a port, by its name, where something is that speaks no
-    /// ASIP.
+    /// A named board that cannot be reached at the start is announced as lost, with the reason; so is a port
+    /// where something speaks no ASIP.
     bool announce_unreached = false;
     model::Labels labels;  ///< of the configuration: they cannot be changed over the bus
-    /// Labels of a board as they were kept; where none are, empty ones.
+    /// The labels that were kept; empty ones where none were.
     std::function<Expected<model::Labels>(const std::string& board)> load_labels;
-    /// A stop of this board that holds, as it was kept. Where none is, nothing.
+    /// The stop that was kept and still holds, if any.
     std::function<Expected<std::optional<model::StopInfo>>(const std::string& board)> load_stop;
-    /// Links of a board as they were kept.
     std::function<LinkFiles::Loaded(const std::string& board)> load_links;
     std::string bus_user;                ///< of the broker, may be empty
     std::function<int()> second_of_day;  ///< by the clock on the wall; empty: of this machine
     session::SessionOptions session;
-    /// `context.client_side`: `/in` and `/out` of raw lines are named as the client sees them. Requests come
-    /// on `/out`, lines of the board go to `/in`. On `/in` only requests that want an answer are executed:
-    /// those of programs that do not know.
+    /// With `context.client_side`, `/in` and `/out` are named as the client sees them: lines of the board go
+    /// to `/in`, and only requests there that want an answer are executed.
     ContextOptions context;
     ReportOptions reports;
 };
 
-/// Everything between a board's bytes and the bus's messages, wired together: the board's session, the
-/// announcer, and the rooms for commands, safety, reports, description, port and clients. Pure: given what
-/// happened and when, it returns what to do.
-///
+/// Everything between a board's bytes and the bus's messages: session, announcer, and the rooms for commands,
+/// safety, reports, description, port and clients. Pure.
 /// The order of a life: link_up() and receive() until Effects::board_known. Then name() is valid, and the
 /// caller connects to the broker with will() and subscriptions(). From Effects::name_claimed on it subscribes
-/// to control_subscriptions(), too, and listens for stops over a connection of their own (StopLine): only
-/// then commands are for this agent, and bus_subscribed() says that all of them arrive. Times that are passed
-/// do not go back.
+/// to control_subscriptions(), too, and listens for stops over a StopLine. bus_subscribed() then says that
+/// all commands arrive. Times do not go back.
 class Bridge {
   public:
     Bridge(BridgeOptions options, model::ModelSet models, Random random);
@@ -84,19 +78,17 @@ class Bridge {
     void link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out);
     void link_down(const std::string& why, Time now, Effects& out);
     void receive(std::string_view bytes, Time now, Effects& out);
-    /// The link cannot be opened, for a reason that stands in the description until it is.
+    /// The link cannot be opened: the description gives `reason` until it is.
     void unreached(model::StateReason reason, const std::string& why, model::LinkInfo link, Time now,
                    Effects& out);
-    /// That reason; empty: none.
     const std::string& why_unreached() const { return unreached_; }
     /// As BoardSession::not_watched().
     void not_watched(Time since, Time now);
     /// The answer to session::SetLineRate.
     void line_rate_set(bool ok, Time now, Effects& out);
 
-    /// Not a stop that the broker stored, and none that was sent before the board was resumed.
+    /// False for a stop that the broker stored, and for one sent before the board was resumed.
     bool obeys(const Stop& stop) const;
-    /// A stop holds: what may move the board is refused.
     bool is_stopped() const { return latch_.stopped().has_value(); }
 
     // --- firmware that is loaded: see Effects::load
@@ -106,42 +98,37 @@ class Bridge {
     // --- the bus's side
     /// `expires`: what this broker retains.
     void bus_connected(Time now, const std::string& client_id, bool expires, Effects& out);
-    /// The broker granted every subscription that commands come by.
+    /// Every subscription that brings commands is granted.
     void bus_subscribed(Time now, Effects& out);
     void bus_disconnected();
-    /// The broker knows its users, and may have rules for them. Once the board is known.
+    /// To be called once the board is known, where the broker knows its users.
     void leave_shared_topic() { announcer_->leave_shared_topic(); }
-    /// Reads a message of the bus; nothing where it is not for this agent. Between read() and take() it may
-    /// wait, see takes_turns().
+    /// A message of the bus; nothing where it is not for this agent. It may wait before take(), see
+    /// takes_turns().
     std::optional<Inbound> read(const mqtt::Message& message, Time now) const;
     void take(const Inbound& message, Time now, Effects& out);
-    /// Ends the requests that waited when the board was told to stop: Effects::stopped. There may be
-    /// thousands, and the first byte of a stop does not wait for them.
+    /// Ends the requests that waited at Effects::stopped: apart, since thousands must not delay the stop's
+    /// first byte.
     void refuse_waiting(Time now, Effects& out);
-    /// How old commands are; it learns from the process and the connection.
     CommandAge& age() { return age_; }
 
-    /// What became of the line of a point-to-point client.
     enum class ClientResult {
         kAccepted,
         kRefused,  ///< an error line for that client is among the effects
         kLater,    ///< too many lines of this client wait for the board; to be given again
     };
-    /// `client`: any number below kBusClient; lines of one client keep their order. `sent`: when that may
-    /// have been, where it was long ago.
+    /// `client`: any number below kBusClient; lines of one client keep their order. `sent`: the earliest
+    /// time, where that is long ago.
     ClientResult client_line(session::ClientId client, std::string_view line, std::optional<Time> sent,
                              Time now, Effects& out);
-    /// The most lines of one client that wait for the board: enough to keep it busy, and few enough that a
-    /// slow board comes to the last one in time.
+    /// Enough lines to keep a board busy, few enough that a slow one executes the last in time.
     static constexpr std::size_t kMaxClientLines = 16;
-    /// A port where nothing has ever answered is free for so long, and then asked again.
+    /// So long a port where nothing has ever answered is left free between two tries.
     static constexpr Duration kRest = std::chrono::seconds(30);
 
-    /// Whether the name has become ours.
     bool name_claimed() const { return name_claimed_; }
-    /// Whether the name is ours, and the bus is there.
     bool may_publish() const { return announcer_ && announcer_->may_publish(); }
-    /// Publishes what was counted, where the bus is there. To be called periodically.
+    /// To be called periodically.
     void publish_statistics(const mqtt::Counters& bus, Time now, Effects& out);
 
     /// What became of Effects::keep_labels.
@@ -163,32 +150,30 @@ class Bridge {
         bool present = false;
     };
     Standing standing(Time now) const;
-    /// Rises with each change of that.
+    /// Rises with each change of standing().
     std::uint64_t standing_changes() const;
     bool has_source(std::string_view board) const { return links_.has_source(board); }
     void source_stands(const Standing& source, Time now, Effects& out);
     void source_gone(const std::string& board, Time now, Effects& out);
 
-    /// Time has passed. Must be called when next_deadline() has come; may be called at any time.
+    /// Must be called when next_deadline() has come; may be called at any time.
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
-    /// Undoes all commands with a hold, before the goodbye. True: the board has not confirmed that yet;
-    /// tick() goes on.
+    /// Undoes all commands with a hold, before the goodbye. True: the board has not confirmed that yet.
     bool release_holds(Time now, Effects& out);
-    /// Whether the board has confirmed all that makes it safe.
+    /// The board has confirmed all that makes it safe.
     bool is_safe() const { return !safety_.pending(); }
-    /// Gives the line back to the rate at which the next program expects the board; before the goodbye.
+    /// Sets the line rate at which the next program expects the board; before the goodbye.
     void leave_line(Time now, Effects& out);
     bool has_left_line() const { return session().state() == session::BoardSession::State::kDown; }
-    /// Ends every open command, publishes `offline`. Nothing is to be called afterwards.
+    /// Ends every open command and publishes `offline`: the last call.
     void goodbye(Time now, Effects& out);
 
     /// Empty until the board was identified.
     const std::string& name() const { return board_.name; }
-    /// What the broker publishes if this agent dies.
     mqtt::Message will() const { return announcer_->will(); }
     std::vector<member::Announcer::Subscription> subscriptions() const;
-    /// To be added once the name is claimed: until then another agent may be meant.
+    /// To be added once the name is claimed: until then another agent is meant.
     std::vector<std::string> control_subscriptions() const;
     /// As control_subscriptions(), but the agent does without them where the broker refuses them: requests
     /// for links, and what agents of before left, which is cleared.

@@ -23,22 +23,20 @@ struct ClientLine {
     std::optional<session::ClientId> client;
 };
 
-/// Labels of the board, to be written to the disk as a whole. `unknown_before`: what is there could not be
-/// read, and may have been mended since.
+/// Labels for the disk. `unknown_before`: the file could not be read, and may have been mended since.
 struct LabelsToKeep {
     model::Labels labels;
     bool unknown_before = false;
 };
 
-/// A link of the board and what it remembers, to be written to the disk. An empty text: there is none any
-/// more.
+/// A link with its memory, for the disk. An empty text deletes it.
 struct LinkToKeep {
     std::string name, text;
     std::uint64_t ticket = 0;  ///< for Bridge::link_kept()
 };
 
-/// What the pure bridge wants done. The caller owns it, passes it empty into a call, and performs all of it
-/// before the next call: in order within each list; across lists the order does not matter.
+/// What the bridge wants done. The caller passes it empty, and performs all of it before the next call: in
+/// order within a list, in any order across lists.
 struct Effects : member::Announcements {
     std::vector<session::Action> link;  ///< Write and SetLineRate only
     std::vector<ClientLine> lines;      ///< for point-to-point clients
@@ -48,7 +46,7 @@ struct Effects : member::Announcements {
     /// kLetGo: close the port and do not open it, until kTakeBack.
     enum class Port { kKeep, kLetGo, kTakeBack };
     Port port = Port::kKeep;  ///< whether the board's port changes hands
-    /// With kLetGo: firmware for the board at it; then Bridge::loading() and Bridge::loaded().
+    /// With kLetGo: firmware to load; then Bridge::loading() and Bridge::loaded() follow.
     struct Load {
         std::string path;
         std::string firmware;
@@ -57,10 +55,9 @@ struct Effects : member::Announcements {
     std::optional<Load> load;
     std::optional<LabelsToKeep> keep_labels;  ///< to be written to the disk; then Bridge::labels_kept()
     std::vector<LinkToKeep> keep_links;       ///< in order
-    /// To be written to the disk: a stop that holds, or that none does any more.
+    /// The stop to store; an empty inner optional deletes the file.
     std::optional<std::optional<model::StopInfo>> keep_stop;
-    /// The board was told to stop. Once that is written, before anything else happens:
-    /// Bridge::refuse_waiting().
+    /// The board was told to stop: after keep_stop, and before anything else, call Bridge::refuse_waiting().
     bool stopped = false;
     bool begin_anew = false;   ///< another board is at the port: all of this is over, and begins again
     bool reopen_link = false;  ///< open, but the board behind it is gone: a connection may be dead

@@ -12,8 +12,8 @@
 
 namespace asip::agent {
 
-/// How one point-to-point client frames its messages: plain lines, or Java's writeUTF frames. Either given,
-/// or recognised by the first byte that it sends; until then nothing can be sent to it.
+/// How a point-to-point client frames its messages: plain lines, or Java's writeUTF frames. Given, or
+/// recognised by the first byte that comes; until then nothing can be sent.
 class ClientFraming {
   public:
     enum class Kind { kUnknown, kLines, kFrames };
@@ -21,19 +21,17 @@ class ClientFraming {
     explicit ClientFraming(Kind kind = Kind::kUnknown) : kind_(kind), found_(kind != Kind::kUnknown) {}
 
     Kind kind() const { return kind_; }
-    /// It stayed silent: this framing, unless it sends another after all.
+    /// The client stayed silent: `kind` holds unless its first byte contradicts.
     void assume(Kind kind);
 
-    /// Request lines that these bytes complete; a frame may hold several lines. On plain lines a whole
-    /// request also ends where the next one begins, until the client uses an extension.
+    /// The request lines that these bytes complete. Before a client uses an extension, a whole request on
+    /// plain lines also ends where the next one begins.
     std::vector<std::string> decode(std::string_view bytes);
-    /// Nothing came for kRequestSilence: what waits is complete.
     std::vector<std::string> after_silence();
-    /// Whether something waits that silence would end.
     bool waits_for_silence() const;
-    /// Halves of requests since the last call, which are not to be executed.
+    /// Halves of requests since the last call; they are not executed.
     std::vector<std::string> take_halves() { return std::exchange(halves_, {}); }
-    /// Nothing where the framing is not known yet, or the line cannot be framed.
+    /// Nothing: the framing is not known yet, or the line cannot be framed.
     std::string encode(std::string_view line) const;
 
   private:

@@ -8,13 +8,12 @@
 
 namespace asip::agent {
 
-/// What point-to-point clients asked of the board, and what each of them gets. To a client the answer to a
-/// question proves what it sent before. So it comes behind all that would refute that: where a line of the
-/// client may not have been executed, and where a line of the board was damaged meanwhile, it gets an error
-/// that belongs to no request, `~#,C,10{BAD_CHECKSUM}`.
+/// Matches lines of the board to the requests of point-to-point clients. A client takes the answer to a
+/// question as proof of what it sent before. So the answer comes behind all errors; where a line of the
+/// client may not have been executed, or one of the board was damaged, the client gets
+/// `~#,C,10{BAD_CHECKSUM}`.
 class ClientRequests {
   public:
-    /// For a line of `client`.
     session::RequestOptions options(session::ClientId client, const protocol::Request& request,
                                     const session::Identity& board) const;
     void sent(session::RequestId id, session::ClientId client) { open_[id] = client; }

@@ -19,11 +19,10 @@
 
 namespace asip::agent {
 
-/// Offers the board to point-to-point clients over TCP. A client that sends faster than the board executes is
-/// read more slowly; one that does not read is dropped once kMaxUnsentBytes wait for it. Where kMaxClients
-/// are connected, a new one takes the place of the one that sent nothing for longest, if that is
-/// kMayBeDropped. One that ends its sending, as `nc -N` does, still gets the answers to what it sent: it is
-/// closed when nothing came for it for kQuietAfterEnd, or kLongestAfterEnd later in any case.
+/// Offers the board to clients over TCP. A client that sends faster than the board executes is read more
+/// slowly; one that does not read is dropped at kMaxUnsentBytes. At kMaxClients a new client replaces the one
+/// that was silent for longest, if that is kMayBeDropped. A client that ends its sending, as `nc -N` does,
+/// gets its answers until nothing came for kQuietAfterEnd, or until kLongestAfterEnd.
 class PointToPoint {
   public:
     static constexpr std::size_t kMaxUnsentBytes = 64 * 1024;
@@ -32,17 +31,17 @@ class PointToPoint {
     static constexpr Duration kQuietAfterEnd = std::chrono::seconds(2);
     static constexpr Duration kLongestAfterEnd = std::chrono::seconds(10);
 
-    /// A line of a client. False: not now; it is given again at the next resume().
-    /// `sent`: when it may have been sent, where that is long ago.
+    /// False: not now; the line is given again at the next resume(). `sent`: the earliest time, where that is
+    /// long ago.
     using LineHandler =
         std::function<bool(session::ClientId client, std::string_view line, std::optional<Time> sent)>;
-    /// When that may have been sent that is read now, where it is long ago.
+    /// The earliest time at which what is read now was sent, where that is long ago.
     using ReadsOld = std::function<std::optional<Time>()>;
 
-    /// The port of the published Java programs: the silent ones among their clients want frames.
+    /// The port of the published Java programs, whose silent clients want frames.
     static constexpr std::uint16_t kJavaPort = 6789;
 
-    /// `silence`: a client that sent nothing for so long is taken to want plain lines, on kJavaPort frames.
+    /// `silence`: after it a client is taken to want plain lines, on kJavaPort frames.
     PointToPoint(boost::asio::io_context& io, BoardLog& log, Duration silence, ReadsOld reads_old,
                  LineHandler on_line);
 
@@ -50,7 +49,7 @@ class PointToPoint {
                                                       ClientFraming::Kind framing);
     /// To all clients, or to one.
     void send(std::string_view line, std::optional<session::ClientId> to);
-    /// Room may have become free: gives the lines that could not be accepted once more.
+    /// Gives the lines once more that could not be accepted.
     void resume();
     void close();
 

@@ -18,8 +18,8 @@ struct CommandNote {
     const bus::Reply& outcome;
     bool proven = true;  ///< false: no answer was wanted, so that no proof was asked for
 };
-/// Notes a command and its sender on `servicebus/BOARD/$commands`, behind its answer, for a history. A sender
-/// without a name is "(unnamed)" there; of its commands those are noted that were proven to be executed.
+/// Notes a command and its sender on `servicebus/BOARD/$commands`, behind its answer, for a history. For a
+/// sender without a name, "(unnamed)", only proven commands are noted.
 void note_command(const Board& board, const CommandNote& note, Effects& out);
 
 }  // namespace asip::agent

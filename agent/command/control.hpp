@@ -27,12 +27,12 @@ namespace asip::agent {
 /// Set in the client ids of the bus; those of point-to-point clients do not have it.
 inline constexpr session::ClientId kBusClient = session::ClientId{1} << 63;
 
-/// Commands of the bus: checks each by its service's model, queues it on the session, and answers it exactly
-/// once, not later than its deadline. The failure of a command whose sender wants no answer is reported on
-/// the service's error topic instead. A repeated message is answered again and not executed again.
+/// Commands of the bus: checks each by its service's model, queues it, and answers it exactly once, by its
+/// deadline. Where no answer is wanted, a failure is reported on the service's error topic. A repeated
+/// message is answered again and not executed again.
 class Control {
   public:
-    /// Refusals that are reported, or noted, at once, and then in a second. All are counted.
+    /// Refusals that are reported or noted at once, and in a second. All are counted.
     static constexpr double kRefusals = 100, kRefusalsPerSecond = 20;
 
     /// All references must outlive it.
@@ -46,28 +46,24 @@ class Control {
           values_(values),
           latch_(latch) {}
 
-    /// Queues the command for the board, or refuses it.
     void on_command(const Command& command, Time now, session::Actions& actions, Effects& out);
-    /// Renews holds of the sender. Needs no answer of the board.
     void on_renewal(const Renewal& renewal, Time now, Effects& out);
-    /// A request of the session ended. Requests of others are ignored.
+    /// Requests of others are ignored.
     void on_finished(const session::Finished& end, Time now, Effects& out);
-    /// The session refused a line of a point-to-point client: reported on the error topic of its service.
+    /// Reports on the service's error topic that a line of a point-to-point client was refused.
     void report_refused(std::string_view line, session::Refusal why, Time now, Effects& out);
     /// The same, because the board is stopped.
     void report_refused(std::string_view line, Time now, Effects& out);
-    /// The sender (`by`) of the open commands of this client; empty: it is not known, or there are several.
+    /// The sender (`by`) of the client's open commands; empty: unknown, or several.
     std::string sender_of(session::ClientId client) const;
-    /// The link whose command this request is; empty: of another client.
+    /// Empty: it is no link's request.
     std::string link_of(session::RequestId id) const;
-    /// How commands of links ended since the last call.
     std::vector<std::pair<std::string, bus::Reply>> take_outcomes() { return std::exchange(outcomes_, {}); }
-    /// Answers that were forgotten before their minute was over.
     std::uint64_t forgotten_answers() const { return recent_.dropped(); }
 
   private:
-    /// A command from its arrival to its answer: one payload, one answer for all its lines. Shared by its
-    /// requests that are under way; the last of them to end gives the answer.
+    /// A command from arrival to answer, shared by its requests that are under way. The last of them to end
+    /// gives the answer.
     struct Execution {
         bus::ReplyTo reply;
         std::string service;                    // the topic's; empty: raw lines, each its own
@@ -88,14 +84,14 @@ class Control {
         bus::Reply outcome = bus::Reply::ok("fence");
         bool is_proven() const { return reply.wanted() || !link.empty(); }
     };
-    /// One request of a command, checked and not sent yet.
+    /// A request of a command, checked and not sent yet.
     struct Line {
         protocol::Request request;  // views into the command or into Execution::encoded
         char answer_tag = 0;
         Duration answer_time = session::kDefaultAnswerTime;
         std::string safe{};  // what undoes it
     };
-    /// A request that is under way, with what a report of its failure needs.
+    /// A request under way, with what a report of its failure needs.
     struct Open {
         std::shared_ptr<Execution> execution;
         std::string service;
@@ -104,14 +100,13 @@ class Control {
 
     // In the order in which a command passes them.
     static std::shared_ptr<Execution> begin(const BusRequest& request);
-    /// True: it is a repetition, and was answered or will be.
+    /// True: it is a repetition that was, or will be, answered.
     bool was_seen(Execution& execution, const Command& command, Time now, Effects& out);
-    /// `service`: that of its topic; null: raw lines. Fails with what is wrong with the command, for a
-    /// person.
+    /// `service`: that of its topic; null: raw lines. Fails with a text for a person.
     Expected<std::vector<Line>> read(const Command& command, Execution& execution,
                                      const session::ServiceTable::Entry* service) const;
-    /// The first of raw lines for which their client has no room; else empty. They are not read: a flood must
-    /// cost little.
+    /// The first raw line for which the client has no room, else empty. It reads none: a flood must cost
+    /// little.
     std::string_view first_of_too_many(const Command& command, const Execution& execution) const;
     std::string hold_fault(const Execution& execution, const std::vector<Line>& lines) const;
     std::optional<session::Refusal> refusal(const std::vector<Line>& lines, session::ClientId client,

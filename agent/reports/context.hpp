@@ -21,11 +21,10 @@ struct ContextOptions {
     bool client_side = false;    ///< raw lines go to `/in`, see BridgeOptions
 };
 
-/// Publishes lines of the board on the context bus: each raw, an event also decoded by its service's model,
-/// an error also on its service's error topic. An event that its model cannot decode is published raw only.
+/// Publishes lines of the board: each raw, an event also decoded by its service's model, an error also on its
+/// service's error topic. An event that its model cannot decode stays raw.
 class Context {
   public:
-    /// `board` must outlive it.
     Context(const Board& board, ContextOptions options) : board_(board), options_(std::move(options)) {}
 
     /// An event, by the model of its service.
@@ -35,18 +34,15 @@ class Context {
     };
     /// Nothing: the line is no event of a service of the board.
     std::optional<Decoded> decode(const protocol::ParsedLine& line) const;
-    /// `decoded`: of the line. `by`: the sender of the request that the line is an error of; empty: not
-    /// known.
+    /// `decoded`: of the line. `by`: the sender whose request failed; empty: not known.
     void publish(const protocol::ParsedLine& line, const std::optional<Decoded>& decoded, Effects& out,
                  std::string_view by = {});
 
-    /// Events that do not fit the model of their service.
     std::uint64_t undecoded() const { return undecoded_; }
-    /// What people are to be told of a service whose events often do not; empty: nothing.
+    /// What people are to know of a service whose events often do not fit; empty: nothing.
     const std::string& warning() const { return warning_; }
 
   private:
-    /// Whose values the event holds.
     const session::ServiceTable::Entry* service_of(const protocol::Event& event) const;
     void undecoded(const std::string& service, std::string_view line, const std::string& why, Effects& out);
 

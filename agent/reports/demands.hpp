@@ -11,22 +11,21 @@
 
 namespace asip::agent {
 
-/// Demands of clients for values of this board: how often, and until when. A demand counts kLinger longer
-/// than it lasts, so that a client that comes back at once changes nothing. Bounded: where it is full, a user
-/// with fewer clients takes the place of a client of the user with most. Pure.
+/// Demands of clients for values of this board. A demand counts kLinger longer than it lasts, so that a
+/// client that comes back at once changes nothing. Where it is full, a user with fewer clients takes a place
+/// of the user with most. Pure.
 class Demands {
   public:
     static constexpr std::size_t kMax = 1024;
     static constexpr Duration kLinger = std::chrono::seconds(3);
 
-    /// A new demand takes the place of the one before of the same client; an empty one ends it. `demander`:
-    /// USER/CLIENT. False: there is no room for it.
+    /// Replaces the demand of the same client, `demander` (USER/CLIENT); an empty one ends it. False: there
+    /// is no room.
     bool take(std::string_view demander, bus::Demand demand, Time now);
-    /// Values a second that are demanded of a service; 0: there is no demand.
+    /// The rate in demand; 0: none is.
     double hz(std::string_view service, char letter) const;
     /// True: some ended.
     bool expire(Time now);
-    /// When some may have ended.
     std::optional<Time> next_deadline() const;
     std::size_t size() const { return entries_.size(); }
 

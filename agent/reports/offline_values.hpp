@@ -11,15 +11,15 @@
 
 namespace asip::agent {
 
-/// Values that the board reports while there is no bus: the newest of each kind, at most kMaxKinds. Older
-/// ones are dropped, because they would be stale when the bus is back.
+/// The newest value of each kind, at most kMaxKinds, that the board reports while there is no bus. Older ones
+/// would be stale when the bus is back.
 class OfflineValues {
   public:
     static constexpr std::size_t kMaxKinds = 64;
 
-    /// A value that it replaces, or that has no place, is counted in `statistics`.
+    /// A value that was replaced, or has no place, is counted.
     void keep(const protocol::ParsedLine& line, Statistics& statistics);
-    /// Takes out what was kept. Logs how many values were superseded.
+    /// Empties it; logs how many values were superseded.
     std::vector<protocol::ParsedLine> take(Effects& out);
 
   private:

@@ -23,26 +23,24 @@ struct ReportOptions {
     /// Demands do not bring a service below this; at least 1 ms.
     std::chrono::milliseconds fastest{20};
     std::chrono::milliseconds resting{0};  ///< without a demand; 0: no reports
-    /// With on_demand: the agent leaves a service as it is until the first demand, and gives it back its
-    /// period after the last one.
+    /// With on_demand: the agent leaves a service alone until the first demand, and restores its period after
+    /// the last.
     bool shared = false;
 };
 
-/// The period in ms that serves `hz` values a second: `hz` at most, but not below `fastest` nor above
-/// `slowest`. 0 where `hz` is 0.
+/// The period in ms for `hz` values a second, not below `fastest` nor above `slowest`; 0 where `hz` is 0.
 unsigned period_for(double hz, unsigned fastest, unsigned slowest);
 
-/// Sets the periods of a board's services to what is demanded of them, and to the resting one a moment after
-/// the last demand ended. Services whose model has no command `report` with tag `A` and a period in ms are
-/// left alone. A period that a command sets holds as a demand without end: the service reports at
-/// least so often, until another is set; 0 ends it. Pure.
+/// Sets the report periods of services by demand, and to the resting period a moment after the last demand.
+/// Only services whose model has a command `report` with tag `A` and a period in ms take part. A period that
+/// a command sets counts as a demand until another is set; 0 ends it. Pure.
 class ReportPeriods {
   public:
     /// Between two changes of one service.
     static constexpr Duration kBetweenChanges = std::chrono::seconds(1);
     /// Between two looks at the demands, however many come.
     static constexpr Duration kBetweenLooks = std::chrono::milliseconds(50);
-    /// Of the session's queue; no other client has it.
+    /// No other client has this number.
     static constexpr session::ClientId kClient = ~session::ClientId{0};
 
     explicit ReportPeriods(ReportOptions options) : options_(options) {}
@@ -55,33 +53,30 @@ class ReportPeriods {
     void demand(std::string_view demander, const Expected<bus::Demand>& wanted, Time now);
 
     // --- commands
-    /// A request of anybody was queued.
+    /// To be called for each request that is queued.
     void queued(session::RequestId id, const protocol::Request& request);
-    /// Of a request of anybody, and of our own.
+    /// To be called when any request ends, ours included.
     void on_finished(const session::Finished& end, Time now, Effects& out);
 
     // --- the board
-    /// It was identified: whatever it reports now, all periods are to be set.
+    /// The board was identified: all periods are set anew.
     void board_found(const session::ServiceTable& services, Time now);
 
-    /// Sends what is due.
     void tick(session::BoardSession& session, Time now, session::Actions& actions);
     std::optional<Time> next_deadline() const;
 
-    /// Whether the periods of this service are ours to set.
+    /// The periods of this service are ours to set.
     bool controls(char letter) const;
-    /// The period that a service whose periods are shared has without a demand. Nothing: not known, or the
-    /// period is set by demands alone.
+    /// The period that a shared service has without demand. Nothing: not known, or demands alone set it.
     std::optional<unsigned> own_period(char letter) const;
-    /// By the names of services, in ms; without those that are not known.
+    /// In ms, by the names of services; unknown periods are left out.
     std::map<std::string, unsigned> periods() const;
-    /// Clients with a demand.
     std::size_t demanders() const { return demands_.size(); }
     std::uint64_t rejected() const { return rejected_; }  ///< demands that could not be used
     std::uint64_t changes() const { return changes_; }    ///< periods that were set
 
   private:
-    /// A service whose period is ours to set, and how far we are with that.
+    /// A service whose period is ours to set.
     struct Service {
         char letter = 0;
         std::string name;
@@ -96,7 +91,7 @@ class ReportPeriods {
         Time again{};                    // not before is that one tried again
         Duration patience{};
     };
-    /// A request of a client that sets a period, until it ends.
+    /// A client's request that sets a period, until it ends.
     struct Foreign {
         char letter = 0;  // '#': the board restarts
         unsigned period = 0;
@@ -104,7 +99,6 @@ class ReportPeriods {
 
     unsigned wanted(const Service& service) const;
     unsigned demanded(const Service& service) const;
-    /// It has no demand, and the agent never set its period.
     bool left_alone(const Service& service) const;
     Service* find(char letter);
     void foreign_ended(const Foreign& request, const session::Finished& end);

@@ -12,10 +12,9 @@
 
 namespace asip::agent {
 
-/// Holds: commands that are in force only as long as their sender renews them, as a dead man's switch. There
-/// is one hold for each safe form (`M,s,0`: the element and how it is undone). A later command with the same
-/// safe form takes the place of the earlier one, whichever client sent it. Pure: the caller sends the safe
-/// forms that take_expired() and take_all() return.
+/// Commands that are in force only while their sender renews them, as a dead man's switch. There is one hold
+/// for each safe form (`M,s,0`): a later command with the same form replaces it, whoever sent it. Pure: the
+/// caller sends the safe forms of take_expired() and take_all().
 class Holds {
   public:
     static constexpr std::size_t kMax = 64;
@@ -32,23 +31,20 @@ class Holds {
         std::string by{};  ///< its sender; empty: not known
     };
 
-    /// False: there are kMax other holds. To be asked before begin().
+    /// False: there are kMax other holds. Ask before begin().
     bool room_for(std::string_view safe) const;
-    /// The command was queued.
     void begin(Hold hold);
-    /// Renews the holds of `client` at the service, or only that of the command `id`. Each then lasts for
-    /// `length`, or as long as before. That time counts from `at`, the earliest time at which the renewal can
-    /// have been sent, but not from an earlier time than the last renewal. Returns the number of holds
-    /// renewed; 0: there is none any more.
+    /// Renews the holds of `client` at the service, or that of the command `id`, for `length` or as long as
+    /// before. The time counts from `at`, the earliest moment of sending, but not from before the last
+    /// renewal. Returns how many holds were renewed.
     std::size_t renew(session::ClientId client, std::string_view service, std::optional<std::string_view> id,
                       std::optional<Duration> length, Time at);
-    /// A request ended whose safe form is `safe`, or which is itself the safe form of others.
+    /// `safe`: the safe form of the request that ended.
     void on_finished(const session::Finished& end, std::string_view safe);
     bool holds(std::string_view safe) const { return holds_.contains(safe); }
 
-    /// Takes out those that were not renewed in time, each with the safe form that undoes it.
+    /// Takes out the holds that were not renewed in time.
     std::vector<Hold> take_expired(Time now);
-    /// Takes out all.
     std::vector<Hold> take_all();
     std::optional<Time> next_deadline() const;
     std::size_t size() const { return holds_.size(); }

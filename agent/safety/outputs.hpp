@@ -10,8 +10,8 @@
 namespace asip::agent {
 
 /// What clients switched on since the board restarted, as the requests that undo it: `I,d,13,0` for pin 13.
-/// Services whose model can stop them as a whole are not remembered. Bounded by kMax: what is switched on
-/// beyond is not undone by a stop. Pure.
+/// Services that their model can stop as a whole are not in here. Beyond kMax nothing is remembered, and a
+/// stop does not undo it. Pure.
 class Outputs {
   public:
     static constexpr std::size_t kMax = 512;
@@ -20,7 +20,7 @@ class Outputs {
     void queued(const std::string& safe) {
         if (lines_.size() < kMax) lines_.try_emplace(safe, false);
     }
-    /// The end of such a request. What the board did not execute needs no undoing.
+    /// Such a request ended. What the board did not execute needs no undoing.
     void on_finished(const session::Finished& end, std::string_view safe) {
         const auto line = lines_.find(safe);
         if (line == lines_.end()) return;
@@ -31,7 +31,6 @@ class Outputs {
     }
     void board_restarted() { lines_.clear(); }
 
-    /// All that a stop has to undo.
     std::vector<std::string> lines() const {
         std::vector<std::string> lines;
         for (const auto& [line, executed] : lines_)

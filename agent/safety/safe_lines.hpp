@@ -11,9 +11,9 @@
 
 namespace asip::agent {
 
-/// Requests that make the board safe. They are sent ahead of every queue, and again and again until the board
-/// is known to have executed or refused them: one refusal may be that of a line that was damaged on its way,
-/// so only kRefusals in a row count. Also after a time without a board. Each request stands in it once. Pure.
+/// Requests that make the board safe. They go ahead of every queue, again and again, across absences of the
+/// board, until it has executed or refused them. A refusal may mean a damaged line, so kRefusals in a row
+/// count. Pure.
 class SafeLines {
   public:
     struct Done {
@@ -25,22 +25,20 @@ class SafeLines {
 
     static constexpr int kRefusals = 3;
 
-    /// Nothing happens where the same line is pending already.
+    /// Adding a pending line changes nothing.
     void add(const std::string& line) { pending_.try_emplace(line); }
     bool pending(std::string_view line) const { return pending_.contains(line); }
-    /// Requests that the board has not confirmed.
     std::size_t size() const { return pending_.size(); }
 
     /// Sends what is not under way, if there is a board. `session`: a BoardSession, or what it is made of.
     template <class Session>
     void send(Session& session, Time now, session::Actions& actions);
-    /// True: the request was one of ours. `done` is filled in where that was the end of it.
+    /// True: the request was one of ours. `done`: filled in where that settled it.
     bool on_finished(const session::Finished& end, std::vector<Done>& done);
-    /// The board restarted: nothing is on any more.
     void clear();
 
   private:
-    /// Of one attempt. The board answers within milliseconds; after a second something was lost.
+    /// For one attempt: boards answer within milliseconds, so after a second something was lost.
     static constexpr Duration kAttempt = std::chrono::seconds(1);
 
     struct Line {

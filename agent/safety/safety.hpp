@@ -21,16 +21,14 @@
 
 namespace asip::agent {
 
-/// The request that undoes `request`, by the model of its service; empty where none does or none is known.
+/// The request that undoes `request`, by its service's model; empty: none is known.
 std::string safe_form_of(const session::ServiceTable& services, const protocol::Request& request);
 
-/// Makes the board safe when a hold is not renewed in time, when a user stops the board, and when the agent
-/// ends. Needs neither bus nor sender for that. It counts on nothing but the board's own confirmation: each
-/// line that makes the board safe is sent again until the board is known to have executed or refused it.
-/// Pure; send() sends what is due.
+/// Makes the board safe when a hold is not renewed, a user stops the board, or the agent ends; without bus or
+/// sender. Only the board's own confirmation counts: each line is sent again until it comes. Pure.
 class Safety {
   public:
-    /// Stops whose answers are open. One more is obeyed, too, and answered at once as not confirmed.
+    /// Stops whose answers are open. A further one is obeyed, and answered at once as not confirmed.
     static constexpr std::size_t kMaxStops = 256;
 
     /// All must outlive it.
@@ -38,40 +36,39 @@ class Safety {
         : board_(board), statistics_(statistics), values_(values) {}
 
     // --- commands
-    /// A request of anybody was queued. `safe`: safe_form_of() it.
+    /// To be called for each request that is queued. `safe`: its safe_form_of().
     void queued(session::RequestId id, std::string_view line, const std::string& safe);
     Holds& holds() { return holds_; }
     const Holds& holds() const { return holds_; }
-    /// Of a request of anybody, and of our own.
+    /// To be called when any request ends, ours included.
     void on_finished(const session::Finished& end, Time now, Effects& out);
 
     // --- the board
-    /// All outputs are off, so that no hold is in force any more: each is reported.
+    /// All outputs are off: each hold that ended so is reported.
     void board_restarted(Effects& out);
-    /// The board is away, and what it does now cannot be known: commands with a hold are undone as soon as it
-    /// is back.
+    /// What the board does is unknown: commands with a hold are undone as soon as it is back.
     void board_gone(Effects& out);
-    /// What the models of its services say is to be sent, once there is a board.
+    /// Stops what the models say, once there is a board.
     void stop_services();
 
     // --- the bus
-    /// Ends every hold and undoes everything. The requests that wait are refused by refuse_waiting().
+    /// Ends every hold and undoes everything; refuse_waiting() is to follow at once.
     void on_stop(const Stop& message, Time now, session::Actions& actions, Effects& out);
 
-    /// After on_stop(), before anything else: ends the requests that wait.
+    /// Ends the requests that wait.
     void refuse_waiting(session::Actions& actions);
 
-    /// Undoes all commands with a hold, because the agent ends. True: the board has not confirmed it yet.
+    /// Undoes all commands with a hold at the end of the agent. True: the board has not confirmed it yet.
     bool release_all();
     bool pending() const { return lines_.size() > 0; }
 
-    /// Looks for holds that ended, and for stops whose time is over.
+    /// Ends holds and stops whose time is over.
     void tick(Time now, Effects& out);
     void send(Time now, session::Actions& actions) { lines_.send(board_.session, now, actions); }
     std::optional<Time> next_deadline() const;
 
   private:
-    /// One `$stop` that was not answered yet.
+    /// A `$stop` that is not answered yet.
     struct OpenStop {
         bus::ReplyTo reply;
         std::set<std::string> open;

@@ -9,16 +9,16 @@
 
 namespace asip::agent {
 
-/// Stops that hold, on the disk: FOLDER/stopped/BOARD.json, which is there as long as the board is stopped.
-/// Not a retained message: that would be gone with a broker that keeps nothing, and the robot would drive on.
+/// Stops on the disk: FOLDER/stopped/BOARD.json exists while the board is stopped. A retained message would
+/// be gone with a broker that stores nothing, and the robot would drive on.
 class StopFiles {
   public:
-    /// `folder` is made with the first file. Empty: nothing can be kept.
+    /// Empty: nothing can be kept.
     explicit StopFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    /// Nothing where there is no file. Fails, with the file and the reason, on one that cannot be read.
+    /// Nothing: there is no file. Fails where it cannot be read.
     Expected<std::optional<model::StopInfo>> load(const std::string& board) const;
-    /// Returns when it is on the disk. Nothing removes the file.
+    /// Returns when the file is on the disk; nothing deletes it.
     Expected<void> save(const std::string& board, const std::optional<model::StopInfo>& stopped) const;
 
   private:

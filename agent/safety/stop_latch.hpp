@@ -10,20 +10,19 @@
 
 namespace asip::agent {
 
-/// A stop that holds: until the board is resumed its agent sends it nothing that may move it. The agent keeps
-/// it on the disk, so that it outlives agent, machine and broker. Pure.
+/// A stop that holds: until the board is resumed, its agent sends nothing that may move it. It outlives
+/// agent, machine and broker. Pure.
 class StopLatch {
   public:
-    /// As it was kept. What cannot be read counts as a stop: it may be one.
+    /// What cannot be read counts as a stop.
     void load(Expected<std::optional<model::StopInfo>> kept);
-    /// True: it was not stopped before. The sender of the first stop stays.
+    /// True: it was not stopped before. The first sender stays.
     bool stop(std::string by, std::string why, std::string since);
     /// True: it was stopped.
     bool resume();
 
     const std::optional<model::StopInfo>& stopped() const { return stopped_; }
-    /// Whether this request must not be sent now: while the board is stopped, all that is neither a question
-    /// nor a period of reports.
+    /// Whether the stop forbids this request: all but questions and periods of reports.
     bool holds(const session::ServiceTable& services, const protocol::Request& request) const;
     /// The sentence for the sender of a refused command.
     std::string why_refused(const std::string& board) const;

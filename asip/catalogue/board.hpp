@@ -26,7 +26,7 @@ struct Challenger {
     bool confirmed = false;  // and it announced itself again: both live
 };
 
-/// What few boards have; kept apart, so that the others stay small.
+/// Apart, because few boards have it.
 struct UncommonBoardData {
     static constexpr std::size_t kOldSessions = 8;
     // the newest last, with the highest seq seen

@@ -16,8 +16,7 @@
 
 namespace asip::catalogue {
 
-/// From a hash to the slots of boards whose names have it: eight bytes an entry, linear probing. Names live
-/// elsewhere.
+/// From a hash to the slots of boards whose names have it: eight bytes an entry, linear probing.
 class NameTable {
   public:
     static constexpr std::uint32_t kNone = 0xFFFFFFFF;
@@ -33,7 +32,7 @@ class NameTable {
         return kNone;
     }
 
-    /// `hash_of(slot)` for slots already here, needed when the table grows.
+    /// `hash_of(slot)` is needed when the table grows.
     template <class HashOf>
     void insert(std::uint64_t hash, std::uint32_t slot, const HashOf& hash_of) {
         if ((size_ + 1) * 4 > entries_.size() * 3) grow(hash_of);
@@ -106,7 +105,7 @@ class Catalogue::Impl {
     Board& board(std::uint32_t slot) { return pages_[slot / kPage][slot % kPage]; }
     const Board& board(std::uint32_t slot) const { return pages_[slot / kPage][slot % kPage]; }
     bus::BoardItem board_item(const Board& b, Instant now, bool full) const;
-    /// `services`: the names of its services. The texts are those of the catalogue.
+    /// `services`: their names. The texts are those of the catalogue.
     bus::BriefBoard brief_board(const Board& b, Instant now, std::string_view services) const;
     bus::ServiceItem service_item(const Board& b, const Service& service) const;
 
@@ -156,7 +155,7 @@ class Catalogue::Impl {
                     Events& events);
     Judgement judge_other_session(Board& b, const DescriptionMembers& members, const Announcement& a,
                                   Time now, Events& events);
-    /// When a description was published; nothing of a stored one whose broker does not tell its age.
+    /// When a description was published; nothing: the broker does not tell the age of a stored one.
     static std::optional<Time> published(const Announcement& a, std::uint32_t lease_seconds, Time now);
     void holder_spoke(Board& b, Time now, Events& events);
     bool challenge(Board& b, const DescriptionMembers& members, Time now, Events& events);

@@ -21,7 +21,7 @@ struct WideProduct {
     friend bool operator==(const WideProduct&, const WideProduct&) = default;
 };
 
-/// Where the machine has no integers of 128 bits: by halves.
+/// For machines without integers of 128 bits.
 constexpr WideProduct multiply_by_halves(std::uint64_t a, std::uint64_t b) {
     constexpr std::uint64_t kHalf = 0xFFFFFFFFu;
     const std::uint64_t low = (a & kHalf) * (b & kHalf);
@@ -40,7 +40,7 @@ constexpr WideProduct multiply(std::uint64_t a, std::uint64_t b) {
 #endif
 }
 
-/// A hash of bytes that strangers choose: a stranger without the seed cannot pick texts that collide.
+/// Strangers without the seed cannot choose texts that collide.
 inline std::uint64_t hash_bytes(std::string_view text, std::uint64_t seed) {
     const auto mix = [](std::uint64_t a, std::uint64_t b) {
         const auto product = multiply(a, b);
@@ -66,7 +66,7 @@ inline std::uint64_t hash_bytes(std::string_view text, std::uint64_t seed) {
     return mix(state, 0x8EBC6AF09C88C6E3u);
 }
 
-/// A service of a list; the views are into the list's text.
+/// The views are into the list's text.
 struct Service {
     std::string_view name;
     std::string_view model;  // "distance@1"; empty: none, or carried in full
@@ -103,7 +103,7 @@ struct ServicesPart {
     std::vector<std::pair<std::uint16_t, std::string>> own_units;
 };
 
-/// The parts of one type, found by their text. A part lives as long as a board refers to it.
+/// The parts of one type, by their text. A part lives as long as a board refers to it.
 template <class Part>
 class PartPool {
   public:
@@ -142,20 +142,19 @@ class PartPool {
     std::unordered_set<Part*, Hash, Equal> parts_;
 };
 
-/// Each from JSON text that bus::JsonScanner has accepted; null if it is not what the member should hold.
+/// Each takes JSON text that bus::JsonScanner accepted; null: it is not what the member should hold.
 std::unique_ptr<FirmwarePart> read_firmware(std::string_view text);
 std::unique_ptr<PinsPart> read_pins(std::string_view text);
-/// The kinds in it are referred to; the one that deletes the part releases them.
+/// It refers to its kinds; whoever deletes the part releases them.
 std::unique_ptr<ServicesPart> read_services(std::string_view text, KindTable& kinds);
 
-/// Labels and friendly names, from the members of these names; empty: there is none. Null if they are not
-/// what they should be.
+/// From the members of these names; empty: there is none. Null: they are not what they should be.
 std::unique_ptr<model::Labels> read_labels(std::string_view labels, std::string_view names);
 
-/// What stood between the quotes of a JSON string, escapes undone.
+/// The content of a JSON string, escapes undone.
 std::string unescape(std::string_view raw);
 
-/// The members of a description's outer object. The views point into the payload that was read.
+/// The members of a description. The views point into the payload.
 struct DescriptionMembers {
     std::string_view board;
     std::string_view session;
@@ -172,7 +171,7 @@ struct DescriptionMembers {
     std::string extra;  // all others with their keys, as received, joined by commas; labels and names, too
 };
 
-/// Texts that members are likely to have. A member that is equal to its guess is not parsed again.
+/// A member that equals its guess is not parsed again.
 struct Guesses {
     std::string_view firmware;
     std::string_view pins;
@@ -181,8 +180,8 @@ struct Guesses {
     std::string_view link;
 };
 
-/// False if `payload` is not a JSON object with board, session, seq and services of the right types, or has
-/// one of these members twice. Names are not checked here.
+/// False: no JSON object with board, session, seq and services of the right types, each once. Names are not
+/// checked.
 bool read_description(std::string_view payload, const Guesses& guesses, DescriptionMembers& members);
 
 }  // namespace asip::catalogue

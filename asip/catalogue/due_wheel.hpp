@@ -8,13 +8,10 @@
 
 namespace asip::catalogue {
 
-/// When each of many slots (small integers) is due. Setting, moving and taking out cost the same however many
-/// there are.
-///
-/// Time is cut into ticks of kTick, each with a list of slots to look at. A slot further ahead than one turn
-/// of the wheel is looked at once a turn. A slot whose time is moved later stays where it is until the wheel
-/// reaches it (so a renewal writes one word); moved earlier, it is listed in its new place at once, and
-/// skipped in the old. Due times are exact: a slot is never given out before its own.
+/// When each of many slots (small integers) is due, at a constant cost for each change.
+/// Time is cut into ticks, each with a list of slots to look at; a slot beyond one turn of the wheel is
+/// looked at once a turn. A slot that is moved later stays until the wheel reaches it, so a renewal writes
+/// one word; one that is moved earlier is listed anew. No slot comes out before its time.
 class DueWheel {
   public:
     static constexpr Duration kTick = std::chrono::milliseconds(128);
@@ -22,17 +19,15 @@ class DueWheel {
 
     DueWheel() : buckets_(kTicks) {}
 
-    /// `slot` is due at `due`; replaces what was set before. `now` is not earlier than any `now` before.
+    /// Replaces what was set before. `now` never decreases.
     void set(std::uint32_t slot, Time due, Time now);
     void remove(std::uint32_t slot);
     std::optional<Time> due(std::uint32_t slot) const;
 
-    /// Takes out the slots due at or before `now` and appends them to `out`, earliest first. Time never runs
-    /// backwards: an earlier `now` than before gives nothing.
+    /// Appends the slots that are due to `out`, earliest first, and takes them out.
     void advance(Time now, std::vector<std::uint32_t>& out);
 
-    /// A time not later than the earliest due one, and nearly always within a tick of it; empty if nothing is
-    /// set.
+    /// Not later than the earliest due time, and nearly always within a tick of it; empty: nothing is set.
     std::optional<Time> next() const;
 
     std::size_t size() const { return size_; }

@@ -16,9 +16,8 @@
 
 namespace asip::catalogue {
 
-/// A sorted sequence of slots in chunks: one insertion moves at most a chunk, reading on in order is reading
-/// an array. The order is the caller's and must not change while slots are in the list; functions take it as
-/// `less(a, b)`.
+/// A sorted sequence of slots in chunks: an insertion moves at most a chunk. The order, `less(a, b)`, must
+/// not change while slots are in the list.
 class SlotList {
   public:
     struct Position {
@@ -34,8 +33,7 @@ class SlotList {
         if (++p.offset == chunks_[p.chunk].size()) p = {p.chunk + 1, 0};
     }
 
-    /// The first slot for which `before(slot)` is false; it must be true for none or a front part of the
-    /// list.
+    /// The first slot for which `before(slot)` is false; `before` must hold for a front part of the list.
     template <class Before>
     Position lower_bound(const Before& before) const {
         const auto chunk = std::partition_point(chunks_.begin(), chunks_.end(),
@@ -46,7 +44,6 @@ class SlotList {
                 static_cast<std::size_t>(slot - chunk->begin())};
     }
 
-    /// `slot` is not in the list.
     template <class Less>
     Position insert(std::uint32_t slot, const Less& less) {
         Position p = lower_bound([&](std::uint32_t other) { return less(other, slot); });
@@ -68,7 +65,6 @@ class SlotList {
         return p;
     }
 
-    /// `slot` is in the list.
     template <class Less>
     void erase(std::uint32_t slot, const Less& less) {
         const Position p = lower_bound([&](std::uint32_t other) { return less(other, slot); });
@@ -78,7 +74,7 @@ class SlotList {
         --size_;
     }
 
-    /// All in one pass: `added` (not in the list) and `removed` (in it), both sorted.
+    /// In one pass: `added` (not in the list) and `removed` (in it), both sorted.
     template <class Less>
     void merge(const std::vector<std::uint32_t>& added, const std::vector<std::uint32_t>& removed,
                const Less& less) {
@@ -129,15 +125,15 @@ class SlotList {
     std::size_t size_ = 0;
 };
 
-/// All boards in the order of their names, and for each a label (a number that orders like its name), so that
-/// every other index compares numbers. New boards are put in place when a caller asks: a hundred thousand at
-/// once are sorted once, not one by one.
+/// All boards in the order of their names, each with a label, a number that orders like the name, so that
+/// other indices compare numbers. New boards are put in place when a caller asks: many at once are sorted
+/// once.
 class NameOrder {
   public:
     void add(std::uint32_t slot) { pending_.push_back(slot); }
 
-    /// `name_less(a, b)` by the names of two slots. Labels of slots settled before keep their order, not
-    /// their values.
+    /// `name_less(a, b)` by the names of two slots. Settled slots keep the order of their labels, not their
+    /// values.
     template <class NameLess>
     void settle(const NameLess& name_less) {
         if (pending_.empty()) return;
@@ -156,7 +152,7 @@ class NameOrder {
         if (pending_.capacity() > 4096) pending_.shrink_to_fit();
     }
 
-    /// Of a settled slot.
+    /// `slot` is settled.
     void erase(std::uint32_t slot) {
         list_.erase(slot, [this](std::uint32_t a, std::uint32_t b) { return labels_[a] < labels_[b]; });
     }
@@ -198,8 +194,7 @@ class NameOrder {
     std::vector<std::uint64_t> labels_;
 };
 
-/// Some of the boards in the order of their names: those in one state that have one kind of service. Changes
-/// wait until settled, too.
+/// The boards in one state that have one kind of service, in the order of names. Changes wait until settled.
 class BoardSet {
   public:
     void add(std::uint32_t slot) { pending_.emplace_back(slot, true), ++size_; }
@@ -221,7 +216,7 @@ constexpr std::size_t index_of(model::BoardState state) {
     return static_cast<std::size_t>(state);
 }
 
-/// A kind of service: the index of the boards that have it, by state.
+/// The boards with a kind of service, by state.
 struct Kind {
     std::string name;
     std::vector<std::string> units;  // of the standard model
@@ -233,13 +228,12 @@ struct Kind {
 
 using UnitsOf = std::function<std::vector<std::string>(std::string_view model)>;
 
-/// All kinds in use. A kind that no service list mentions any more is dropped, if it is dirty when it is
-/// settled.
+/// A dirty kind that no service list mentions is dropped when it is settled.
 class KindTable {
   public:
     explicit KindTable(UnitsOf units_of) : units_of_(std::move(units_of)) {}
 
-    /// Adds a reference; makes the kind if it is new. `model` ("distance@1") gives its units; may be empty.
+    /// Adds a reference, and the kind if it is new. `model` ("distance@1") gives its units; may be empty.
     Kind* refer(std::string_view name, std::string_view model);
     void release(Kind* kind);
     void mark_dirty(Kind* kind);
