@@ -17,7 +17,7 @@ namespace asip::agent {
 
 class CommandAge;
 
-/// A request as it came on BOARD/in, BOARD/SERVICE/in or BOARD/$stop, with its envelope taken off.
+/// A request on BOARD/in, BOARD/SERVICE/in or BOARD/$stop, without its envelope.
 struct BusRequest {
     std::string topic;
     std::string service;  ///< name in the topic; empty: the request is for the whole board
@@ -29,19 +29,19 @@ struct BusRequest {
 
     const bus::ReplyTo& reply() const { return envelope.reply; }
     Time deadline() const { return arrival.deadline(envelope.deadline); }
-    /// The request in words, for logs and reports.
+    /// For logs and reports.
     std::string shown() const { return fault.empty() ? envelope.shown() : payload; }
 };
 
 // The kinds of messages that an agent gets. Each message is exactly one of them.
 
-/// A command for the board. Requests that were stored by the broker (retained) and unreadable requests are
-/// commands, too: Control refuses them.
+/// A command for the board. Stored (retained) and unreadable requests are commands, too: Control refuses
+/// them.
 struct Command : BusRequest {
     bool stopped = false;  ///< the board was stopped after this command came: it must not be executed
     std::string link{};    ///< the link of this agent that sends it; empty: it came over the bus
 };
-/// `{"renew":"7"}` or `{"renew":true}` on BOARD/SERVICE/in, where the service has no command of that name.
+/// `{"renew":"7"}` or `{"renew":true}` on BOARD/SERVICE/in, where the service has no such command.
 struct Renewal : BusRequest {
     std::optional<std::string> id{};  ///< of the command whose hold is renewed; none: all of this client
 };
@@ -50,8 +50,7 @@ struct Stop : BusRequest {
     bool latch = false;       ///< `"latch":true`: the board stays stopped until it is resumed
     std::string why{};        ///< in the sender's words
 };
-/// `{"resume":true}` on BOARD/in: a board that was stopped takes commands again. It has no turn to wait for:
-/// what waits came while the board was stopped.
+/// `{"resume":true}` on BOARD/in: a stopped board takes commands again. It overtakes what came meanwhile.
 struct Resume : BusRequest {};
 struct PortRequest : BusRequest {
     Expected<bus::PortRequest> wanted;
@@ -63,17 +62,16 @@ struct LabelRequest : BusRequest {
 struct LinkRequest : BusRequest {
     std::string user{};
 };
-/// A client tells how often it wants values. Not parsed yet: ReportPeriods does that.
+/// How often a client wants values; ReportPeriods parses it.
 struct DemandMessage {
     std::string demander;  ///< USER/CLIENT
     std::string payload;
 };
-/// Retained where nothing is to be, and to be cleared: a demand, or a topic `set` of an agent of an earlier
-/// build.
+/// Retained and to be cleared: a demand, or a topic `set` of an earlier build.
 struct Leftover {
     std::string topic;
 };
-/// A message for the announcer: a probe, or another announcement of this board. Not parsed yet.
+/// For the announcer, which parses it: a probe, or another announcement of this board.
 struct Announcement {
     mqtt::Message message;
 };
@@ -81,7 +79,7 @@ struct Announcement {
 using Inbound = std::variant<Command, Renewal, Stop, Resume, PortRequest, LabelRequest, LinkRequest,
                              DemandMessage, Leftover, Announcement>;
 
-/// The board and its agent, as far as they decide what a message is.
+/// What of the board and its agent decides what a message is.
 struct Addressee {
     const bus::Topics& topics;
     std::string_view board;
@@ -89,19 +87,18 @@ struct Addressee {
     bool client_side = false;  ///< see BridgeOptions::context
 };
 
-/// Reads topic and envelope of a message, once. Nothing for a message that is not for this board. Any bytes
-/// may be given. Pure.
+/// Reads topic and envelope, once; nothing: it is not for this board. Any bytes may be given. Pure.
 std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addressee& addressee,
                                     const CommandAge& age, Time now);
 
-/// The request in it; null for a demand and an announcement.
+/// Null for a demand and an announcement.
 const BusRequest* request_of(const Inbound& inbound);
-/// Whether the sender of `stop` sent `message` behind it, by the agent's clock in both.
+/// By the agent's clock in both, `message` was sent behind `stop`.
 bool sent_behind(const Stop& stop, const Inbound& message);
 /// Whether such a message takes its turn behind earlier ones: commands, and requests for port, labels and
 /// links. All other kinds are handled at once; a stop and a renewal must not wait.
 bool takes_turns(const Inbound& inbound);
-/// Bytes of memory that it needs, about.
+/// In memory, about.
 std::size_t bytes_of(const Inbound& inbound);
 
 }  // namespace asip::agent

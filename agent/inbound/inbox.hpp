@@ -10,24 +10,23 @@
 
 namespace asip::agent {
 
-/// Messages that came faster than they can be handled, in their order. The agent reads on while they wait, so
-/// that it sees a stop behind them: of all that came before a stop, kAtOnce messages at most are handled in
-/// front of it. Pure. Bounded by number and memory: while it is full, each message that arrives has the
-/// oldest handled.
+/// Messages that wait to be handled, in order, while the agent reads on to see a stop behind them: at most
+/// kAtOnce messages are handled in front of a stop. Bounded by number and memory: while it is full, each
+/// message that arrives has the oldest handled. Pure.
 class Inbox {
   public:
     static constexpr std::size_t kMaxMessages = 12'288;
-    /// Of memory, with everything that a message needs besides its payload.
+    /// In memory, with all that a message needs besides its payload.
     static constexpr std::size_t kMaxBytes = 16 << 20;
 
-    /// So many messages are handled in one turn of the program's loop.
+    /// Handled in one turn of the program's loop.
     static constexpr std::size_t kAtOnce = 8;
 
     bool empty() const { return entries_.empty(); }
     bool full() const { return entries_.size() >= kMaxMessages || bytes_ >= kMaxBytes; }
     std::size_t size() const { return entries_.size(); }
 
-    /// A message arrives, and takes its turn. Returns what is to be handled now.
+    /// Returns what is to be handled now.
     std::optional<Inbound> arrive(Inbound message) {
         ++arrived_;
         if (empty() && arrived_ <= kAtOnce) return message;
@@ -35,26 +34,26 @@ class Inbox {
         if (full()) return pop();
         return std::nullopt;
     }
-    /// Whether the caller has to ask its loop for a turn. It asks once for each.
+    /// The caller has to ask its loop for a turn; true once for each.
     bool asks_for_turn() {
         if (asked_ || (arrived_ == 0 && empty())) return false;
         asked_ = true;
         return true;
     }
-    /// The turn has come. So many of the oldest are handled in it: none while messages arrive, for a stop may
-    /// be among them.
+    /// How many of the oldest to handle in this turn: none while messages arrive, since a stop may be among
+    /// them.
     std::size_t begin_turn() {
         asked_ = false;
         return std::exchange(arrived_, 0) > 0 ? 0 : std::min(kAtOnce, size());
     }
 
-    /// Also where it is full already.
+    /// Also where it is full.
     void push(Inbound message) {
         const auto bytes = bytes_of(message);
         bytes_ += bytes;
         entries_.push_back({std::move(message), bytes, false});
     }
-    /// Takes out the oldest message; a command that a stop has caught says so. Not when empty().
+    /// The oldest message; a command that a stop has caught says so. Not when empty().
     Inbound pop() {
         Entry entry = std::move(entries_.front());
         entries_.pop_front();
@@ -63,9 +62,8 @@ class Inbox {
         if (auto* command = std::get_if<Command>(&entry.message)) command->stopped = entry.stopped;
         return std::move(entry.message);
     }
-    /// A stop came: it catches what waits, but for what its sender sent behind it. `sent_behind` says that of
-    /// a message: stops come over a connection of their own, which may be the slower one. Returns how many it
-    /// caught.
+    /// A stop catches what waits, except for what its sender sent behind it, as `sent_behind` says: the
+    /// stop's own connection may be the slower one. Returns how many it caught.
     template <class SentBehind>
     std::size_t stop(SentBehind&& sent_behind) {
         std::size_t caught = 0;

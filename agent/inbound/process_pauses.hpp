@@ -8,16 +8,15 @@
 
 namespace asip::agent {
 
-/// Detects that the agent did not run for a while: it was stopped and continued (SIGSTOP), or its timer is
-/// late (a suspended machine, no processor time). What is read then may have waited for as long. Pure.
+/// Detects that the agent did not run: it was stopped and continued (SIGSTOP), or its timer is late (a
+/// suspended machine, no processor time). What is read then may have waited as long. Pure.
 class ProcessPauses {
   public:
-    /// A timer that is later than this shows a pause.
+    /// A timer that is later shows a pause.
     static constexpr Duration kLate = std::chrono::milliseconds(500);
 
-    /// The agent runs now; call it before anything else is done. `due`: when its timer was to end;
-    /// `continuations`: how often the process went on after a stop. Returns since when the agent did not run;
-    /// nothing: there was no pause.
+    /// Call it before anything else is done. `due`: when its timer was to end; `continuations`: how often the
+    /// process went on after a stop. Returns the beginning of a pause.
     std::optional<Time> runs(Time now, std::optional<Time> due, unsigned continuations = 0) {
         const bool continued = std::exchange(continuations_, continuations) != continuations;
         const auto last = std::exchange(last_, now);

@@ -8,22 +8,22 @@
 
 namespace asip::agent {
 
-/// How lines travel to a board and back: as they are, or each in a frame, as the published Java programs put
-/// them on TCP between a board and its clients.
+/// Lines to a board and back: as they are, or each in a frame, as the published Java programs put them on
+/// TCP.
 class LinkFraming {
   public:
     using Kind = ClientFraming::Kind;
 
-    /// `given` kUnknown: begins with `likely`, until the other side shows by its first byte what it is.
+    /// `given` kUnknown: begins with `likely`, until the first byte of the other side shows the truth.
     LinkFraming(Kind given, Kind likely) : given_(given), kind_(given == Kind::kUnknown ? likely : given) {}
 
     Kind kind() const { return kind_; }
     /// What was sent before belongs to another connection.
     void opened();
-    /// The bytes that carry these; a line that has no end yet waits for it where frames are sent.
+    /// Where frames are sent, a line without an end waits for it.
     std::string outgoing(std::string_view bytes);
-    /// The lines in these bytes. Nothing: the other side frames otherwise, which holds from now on, and what
-    /// it was sent meant something else to it: the connection is to be opened anew.
+    /// Nothing: the other side frames otherwise, which holds from now on; the connection is to be opened
+    /// anew, since what was sent was misread.
     std::optional<std::string> incoming(std::string_view bytes);
 
   private:

@@ -12,7 +12,7 @@
 
 namespace asip::agent {
 
-/// What a board was before its port was let go of, and what answers there afterwards.
+/// For comparing the boards at the port before and after a loan.
 struct BoardTraits {
     std::string chip;
     std::string sketch;
@@ -20,21 +20,21 @@ struct BoardTraits {
     friend bool operator==(const BoardTraits&, const BoardTraits&) = default;
 };
 
-/// Whether both may be one board: chip and stored name are equal where both are known. The sketch may differ.
+/// Chip and stored name are equal where both are known. The sketch may differ.
 bool may_be_same_board(const BoardTraits& a, const BoardTraits& b);
 
-/// The user of the board's port: this agent, or until a certain time a program that borrowed the port
-/// (asipctl flash, or avrdude on behalf of a request to load firmware). The agent takes the port back when
-/// that time is over, also where the bus is away. Pure: it says in the effects what to do with the port.
+/// Who uses the board's port: this agent, or for a time a program that borrowed it (asipctl flash, or avrdude
+/// for a request to load firmware). The agent takes the port back in time, with or without a bus. Pure: the
+/// effects say what to do with the port.
 class PortLoan {
   public:
-    /// While the board is made safe, at most so long.
+    /// For making the board safe.
     static constexpr Duration kMakeSafe = std::chrono::milliseconds(500);
-    /// A board that does not answer within this time after its port was taken back is lost: a boot loader, a
-    /// restart by DTR, and the asking.
+    /// A board that answers nothing so long after its port came back is lost: a boot loader, a restart by
+    /// DTR, and the asking fit in.
     static constexpr Duration kAnswerTime = std::chrono::seconds(20);
 
-    /// What loads firmware ends before that time, in whichever way.
+    /// Loading firmware ends by then, in whichever way.
     static constexpr Duration kLoadTime = std::chrono::minutes(5);
 
     enum class Phase {
@@ -44,35 +44,34 @@ class PortLoan {
         kTakingBack,  ///< opened again, the board has not answered yet
     };
     Phase phase() const { return phase_; }
-    /// Whether the port is lent now.
     bool is_away() const { return phase_ == Phase::kReleased; }
 
-    /// The board and its port, as they are before the port is lent.
+    /// The board and its port before the loan.
     struct Lent {
         BoardTraits traits;
         model::LinkInfo link;
         std::string host;    ///< this machine's name
         bool ready = false;  ///< the board answers now
     };
-    /// Answers the request now, or when the port was let go of or taken back. A faulty request is refused,
-    /// one to release that waited longer than its deadline is answered `timeout`.
+    /// Answers now, or when the port was let go of or taken back. A faulty request is refused; one to release
+    /// that waited beyond its deadline is answered `timeout`.
     void request(const PortRequest& request, const Lent& board, Time now, text::WallTime wall, Effects& out);
-    /// The board is safe, or cannot be made so in time: the port is let go of, and the request is answered.
+    /// The board is safe, or cannot be made so in time: lets the port go, and answers the request.
     void let_go(Time now, Effects& out);
-    /// How far the loading of firmware is: a word for people, and percents.
+    /// A word for people, and percents.
     void loading(std::string_view step, int percent);
-    /// It has ended: the port is taken back. A failure is answered at once; otherwise the board is waited
-    /// for.
+    /// Loading ended: the port is taken back. A failure is answered at once, a success when the board is
+    /// back.
     void loaded(const Expected<void>& result, Time now, Effects& out);
-    /// A board was identified at the port. Where the port was just taken back, that request is answered now.
+    /// Answers the request that took the port back.
     void identified(const BoardTraits& traits, Effects& out);
 
-    /// When the time is over the port is taken back. True: the board was given back and does not answer.
+    /// Takes the port back in time. True: the board does not answer.
     bool tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
 
-    /// For the description while it is released: `{"by":"...","until":"..."}`, while firmware is loaded
-    /// `{"by":"...","firmware":"...","step":"writing","percent":40}`; empty: it is ours.
+    /// For the description: `{"by":"...","until":"..."}`, while firmware is loaded
+    /// `{"by":"...","firmware":"...","step":"writing","percent":40}`; empty: the port is ours.
     std::string updating() const;
 
   private:

@@ -9,26 +9,23 @@
 
 namespace asip::agent {
 
-/// Decides when a person is told that the board cannot be reached: each kind of failure once, then once a
-/// minute, however often it is tried. The outage is over when the board is heard, not when its port opens:
-/// some ports open and close again as long as nothing is behind them. Pure.
+/// When a person is told that the board cannot be reached: each kind of failure once, then once a minute. The
+/// outage is over when the board is heard: some ports open and close again with nothing behind them. Pure.
 class PortOutage {
   public:
     static constexpr Duration kRemindEvery = std::chrono::minutes(1);
 
-    /// The port was opened.
     void opened() { attempts_ = kLater; }
-    /// The attempt that failed now is the first one: the port was never opened, and never failed before. To
-    /// be asked once for each failure, before failed().
+    /// The failed attempt is the first of all. Ask once for each failure, before failed().
     bool first_attempt() { return std::exchange(attempts_, kLater) == kFirst; }
-    /// An attempt failed. True: report it.
+    /// True: report it.
     bool failed(link::StreamError::Kind kind, Time now) {
         const bool is_new = kinds_.insert(kind).second;
         if (!is_new && last_logged_ && now < *last_logged_ + kRemindEvery) return false;
         last_logged_ = now;
         return true;
     }
-    /// Bytes came from the board. True: report that the outage is over.
+    /// Bytes came. True: report that the outage is over.
     bool heard() {
         kinds_.clear();
         return std::exchange(last_logged_, std::nullopt).has_value();

@@ -30,11 +30,9 @@
 
 namespace asip::agent {
 
-/// The agent of one board. It owns the bridge (pure) and everything that touches the world: the link to the
-/// board, the connection to the broker, the TCP server for clients, timers, the disk and the clock. It passes
-/// what happens into the bridge and performs the effects that come back.
-///
-/// One thread: all calls and handlers on the io_context.
+/// The agent of one board: the pure bridge, and all that touches the world: the links to board and broker,
+/// the TCP server for clients, timers, disk and clock. It passes what happens into the bridge and performs
+/// the effects. One thread: all calls and handlers on the io_context.
 class BoardAgent {
   public:
     /// What all boards of the process share.
@@ -46,42 +44,38 @@ class BoardAgent {
         bool goes_on = false;           ///< does not end over what may pass
         bool several = false;           ///< each line of the log says which board it is about
     };
-    /// In place of an exit status: another board is at the port. To be started again at once.
+    /// Another board is at the port: to be started again at once.
     static constexpr int kBeginAnew = -1;
-    /// Called on the event loop.
     struct Handlers {
-        /// It has ended, with the exit status of a process that serves one board, or kBeginAnew. The agent
-        /// may be destroyed.
+        /// `status`: an exit status, or kBeginAnew. The agent may be destroyed.
         std::function<void(int status)> on_ended;
-        /// online() has changed.
         std::function<void()> on_changed;
     };
 
-    /// `host` must outlive it.
     BoardAgent(const Host& host, AgentOptions options, Handlers handlers);
     ~BoardAgent();
     BoardAgent(const BoardAgent&) = delete;
     BoardAgent& operator=(const BoardAgent&) = delete;
 
-    /// Opens the port and listens for clients. The broker is connected once the board is known.
+    /// Opens the port and listens for clients. The broker follows once the board is known.
     void start();
     /// Makes the board safe, says goodbye and ends, within 1.5 s; then on_ended is called.
     void stop();
 
-    /// Whether the board answers and is on the bus.
+    /// The board answers and is on the bus.
     bool online() const { return presence_ == Presence::kOnline; }
-    /// Why it is not, as far as that is known: why the board cannot be reached, or the broker.
+    /// Why board or broker cannot be reached, as far as known.
     const std::string& why_waiting() const {
         return bridge_.why_unreached().empty() ? why_no_broker_ : bridge_.why_unreached();
     }
 
   private:
-    /// kMakingSafe: asked to end, or has to; the board is made safe first.
+    /// kMakingSafe: before it ends.
     enum class Life { kRunning, kMakingSafe, kEnded };
     enum class Presence { kAway, kOnline };
 
     bool ended() const { return life_ == Life::kEnded; }
-    /// The only way into the bridge: calls it with the time and with empty effects, and performs these.
+    /// The only way into the bridge: passes time and empty effects, and performs these.
     template <class Call>
     void with_bridge(Call&& call);
     void perform(Effects& effects);
@@ -89,7 +83,7 @@ class BoardAgent {
     // The connection to the broker (board_agent_bus.cpp)
     void connect_bus();
     void subscribe_to_commands();
-    /// All that a user may say to the board arrives, or does not any more.
+    /// The bus brings all that users say to the board, or no longer does.
     void note_subscribed();
     void stops_heard(bool heard, const std::string& why);
     void wait_for_stops();
@@ -98,8 +92,7 @@ class BoardAgent {
 
     // Time
     void arm_timer();
-    /// This process runs now. Call it before anything else is done: a message that is read after a pause of
-    /// the process may have waited as long.
+    /// Call it first: what is read after a pause of the process may have waited as long.
     void note_running();
 
     // The end
@@ -120,7 +113,7 @@ class BoardAgent {
     void board_silent_at_start();
     void report_counters();
     void publish_statistics(Duration after);
-    /// Where the broker knows its users: see member::take_stray_answers().
+    /// See member::take_stray_answers().
     void drop_stray_answers(Effects& effects);
     void publish_log();
     void note_online();
@@ -141,7 +134,7 @@ class BoardAgent {
 
     // Messages of the bus. Commands take turns: a few in each turn of the loop, and none while more arrive.
     void message_received(const mqtt::Message& message);
-    /// Sends the next check of CommandAge, or waits until it is due.
+    /// Or waits until a check of CommandAge is due.
     void check_the_way();
     void take(const Inbound& message);
     void ask_for_turn();

@@ -15,29 +15,27 @@
 
 namespace asip::bus {
 
-/// Shares the processor among clients and boards. What is to be done for one of them is a job of its name;
-/// of the names that have jobs the one goes next that has used the least time. What a name used while no
-/// other wanted it is forgotten, and one that was away saves nothing up. Urgent jobs go ahead of all others,
-/// in the same order among themselves. One thread; it reads no clock of its own.
+/// Shares the processor among names with jobs: the one that used the least time goes next. What a name used
+/// while no other wanted it is forgotten, and absence saves nothing up. Urgent jobs go first, in the same
+/// order among themselves. One thread; no clock of its own.
 class Shares {
   public:
     static constexpr Duration kSlice = std::chrono::milliseconds(2);  ///< of run()
-    /// One step. True: there is more to do, in another turn.
+    /// One step. True: there is more to do.
     using Job = std::function<bool()>;
 
-    /// `clock`: of what jobs use: processor_time(). `wake`: called when there is a job and
-    /// there was none; run() must be called then, and again as long as it returns true, with what else the
-    /// program has to do in between.
+    /// `clock`: processor_time(). `wake`: the first job came: call run(), and again as long as it returns
+    /// true, between other work.
     Shares(std::function<Duration()> clock, std::function<void()> wake)
         : clock_(std::move(clock)), wake_(std::move(wake)) {}
 
     void add(const std::string& name, Job job, bool urgent = false);
     /// At least one step, then others for kSlice. True: there are more.
     bool run();
-    /// Names of which anything is known: those that have jobs, or have used more than others.
+    /// With jobs, or above others in use.
     std::size_t names() const { return accounts_.size(); }
     Duration now() const { return clock_(); }
-    /// The time of this thread alone: what other programs use meanwhile is counted to nobody.
+    /// Of this thread alone.
     static Duration processor_time();
 
   private:
@@ -58,10 +56,9 @@ class Shares {
     const Accounts::value_type* running_ = nullptr;
 };
 
-/// What boards publish, each within its share of the processor. A message is handled as it comes, until its
-/// board has used kBurst, or a kPart-th of the time since. From then on its messages have their turns, and
-/// until theirs come a newer one on a topic takes the place of the older one. Nothing of other boards waits
-/// for them. Pure.
+/// What boards publish, each within its share. A message is handled as it comes, until its board has used
+/// kBurst, or a kPart-th of the time since. Then its messages wait for their turns, and a newer one on a
+/// topic replaces an older one. Nothing of other boards waits. Pure.
 class BoardShares {
   public:
     static constexpr int kPart = 4;
@@ -69,20 +66,20 @@ class BoardShares {
     static constexpr std::size_t kMaxBytes = std::size_t{512} << 10;  ///< that wait of a board, with topics
     static constexpr std::size_t kAround = 128;                       ///< bytes of a message, beside its own
 
-    /// `replaced`: called with the topic of each message that gave way to a newer one.
+    /// `replaced`: the topic of each message that gave way.
     BoardShares(Shares& shares, std::function<void(const mqtt::Message&)> handle,
                 std::function<void(const std::string&)> replaced)
         : shares_(shares), handle_(std::move(handle)), replaced_(std::move(replaced)) {}
 
-    /// Whether what comes on such a topic is counted to its board: boards alone publish there.
+    /// Boards alone publish on such topics.
     static bool counts(const TopicRef& topic) {
         return !topic.board.empty() && topic.kind != TopicKind::kDemand &&
                topic.kind < TopicKind::kRegistryState;
     }
     void message(std::string_view board, const mqtt::Message& message, Time now);
-    /// Forgets boards that used little. Call a few times a second.
+    /// Forgets boards that used little. A few times a second.
     void tick(Time now);
-    /// Forgets what waits: it is older than what the next connection brings.
+    /// What waits is older than what the next connection brings.
     void disconnected();
     std::size_t boards() const { return boards_.size(); }
 

@@ -7,7 +7,7 @@
 
 namespace asip::bus {
 
-/// What a topic of the service bus is for. "registry" kinds carry the registry's id instead of a board.
+/// What a topic is for. "registry" kinds carry the registry's id instead of a board.
 enum class TopicKind {
     kBoardNames,       ///< ROOT/servicebus: payload is a board name
     kServiceNames,     ///< ROOT/servicebus/BOARD: payload is a service name
@@ -36,8 +36,7 @@ enum class TopicKind {
     kAnyRegistryQuery  ///< ROOT/registry/query: to whichever answers
 };
 
-/// A parsed topic. The names are views into the topic that was parsed and live as long as it does; those that
-/// the kind does not have are empty.
+/// The names are views into the parsed topic; those that the kind lacks are empty.
 struct TopicRef {
     TopicKind kind;
     std::string_view board;  ///< board name, or registry id
@@ -46,15 +45,14 @@ struct TopicRef {
     friend bool operator==(const TopicRef&, const TopicRef&) = default;
 };
 
-/// The topics below one root. Builders do not check their arguments: give them valid names (model/names.hpp),
-/// or "+" for a subscription that matches any.
+/// The topics below one root. Builders take valid names (model/names.hpp), or "+" for a subscription.
 class Topics {
   public:
-    /// Throws std::invalid_argument when !valid_root(root).
+    /// Throws std::invalid_argument on an invalid root.
     explicit Topics(std::string root = "asip");
 
-    /// A root is one or more non-empty levels joined by `/`, at most 128 bytes, without wildcards, control
-    /// characters or a leading `$`.
+    /// One or more non-empty levels joined by `/`, at most 128 bytes, without wildcards, control characters
+    /// or a leading `$`.
     static bool valid_root(std::string_view root);
 
     const std::string& root() const { return root_; }
@@ -99,11 +97,9 @@ class Topics {
     std::string registry_query(std::string_view id) const { return join("registry", id, "query"); }
     std::string any_registry_query() const { return root_ + "/registry/query"; }
 
-    /// What `topic` is; nothing when it is not below this root, not one of these topics, or carries a name
-    /// that is not valid. Any bytes may be given.
+    /// Nothing: not below this root, none of these topics, or an invalid name in it. Any bytes may be given.
     std::optional<TopicRef> parse(std::string_view topic) const;
-    /// Bytes of the longest payload that this topic can be of use with: of a longer one nothing is read but
-    /// that it is too long. The largest number where nothing bounds it.
+    /// In bytes: of a longer payload only that it is too long is read. The largest number: no bound.
     std::size_t longest_payload(std::string_view topic) const;
 
   private:
@@ -113,9 +109,8 @@ class Topics {
     std::string root_;
 };
 
-/// `max_packet_size` of the brokers that we configure. The longest messages are the lists of properties, of
-/// 128 KiB; what a gateway exports of the largest boards we know has as much, and pages of registries are cut
-/// to it. The larger one message may be, the longer all others wait behind it, and behind its copies.
+/// `max_packet_size` of brokers that we configure: the longest messages are lists of properties, of 128 KiB.
+/// The larger a message may be, the longer all others wait behind it and its copies.
 inline constexpr std::size_t kBrokerPacketBytes = std::size_t{256} * 1024;
 
 }  // namespace asip::bus

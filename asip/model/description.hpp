@@ -28,8 +28,8 @@ inline constexpr std::size_t kMaxStopBytes = 256;
 inline constexpr int kDefaultLeaseSeconds = 60;
 inline constexpr int kMaxLeaseSeconds = 24 * 60 * 60;
 
-/// What the board answered about itself. Texts in a description have at most 256 bytes of UTF-8 without
-/// control characters; empty means unknown and is left out in JSON.
+/// From the board's answers. Texts have at most 256 bytes of UTF-8 without control characters; empty:
+/// unknown, and left out in JSON.
 struct FirmwareInfo {
     std::string protocol;  ///< "0.4"
     std::string chip;
@@ -38,7 +38,6 @@ struct FirmwareInfo {
     friend bool operator==(const FirmwareInfo&, const FirmwareInfo&) = default;
 };
 
-/// How the agent reaches the board.
 struct LinkInfo {
     std::string kind;  ///< "serial", "tcp", "sim", ...
     std::string path;  ///< port, or host:port
@@ -46,7 +45,6 @@ struct LinkInfo {
     friend bool operator==(const LinkInfo&, const LinkInfo&) = default;
 };
 
-/// The agent that serves the board.
 struct AgentInfo {
     std::string version;
     std::string host;    ///< name of its machine
@@ -54,15 +52,14 @@ struct AgentInfo {
     friend bool operator==(const AgentInfo&, const AgentInfo&) = default;
 };
 
-/// Of a board that reports on demand: its values come only while a program demands them (bus/demand.hpp). In
-/// milliseconds, 0 to 65535.
+/// The values come only while a program demands them (bus/demand.hpp). In milliseconds, 0 to 65535.
 struct OnDemandInfo {
     int fastest = 0;  ///< period that demands can bring a service to
     int resting = 0;  ///< period while no program demands values; 0: it does not report then
     friend bool operator==(const OnDemandInfo&, const OnDemandInfo&) = default;
 };
 
-/// Of a board that was stopped and takes no commands until it is resumed.
+/// The board was stopped and takes no commands until it is resumed.
 struct StopInfo {
     std::string by;     ///< the name that the sender of the stop gave
     std::string why;    ///< in the sender's words
@@ -70,35 +67,32 @@ struct StopInfo {
     friend bool operator==(const StopInfo&, const StopInfo&) = default;
 };
 
-/// The digital pins: one character for each, from pin 0 on, in each of the three texts; an empty text is
-/// unknown.
+/// The digital pins: a character each, from pin 0 on; an empty text is unknown.
 struct PinsInfo {
     std::string capabilities;  ///< a digit, the sum of 1 digital, 2 analog in, 4 PWM
     std::string owners;        ///< service letter, '@' system, '-' none
     std::string modes;         ///< the digit of protocol::PinMode
-    /// Digital pin and its analog channel, ascending by pin.
+    /// Pin and analog channel, ascending by pin.
     std::vector<std::pair<std::uint8_t, std::uint8_t>> analog;
 
     bool empty() const { return capabilities.empty() && owners.empty() && modes.empty() && analog.empty(); }
     friend bool operator==(const PinsInfo&, const PinsInfo&) = default;
 };
 
-/// One service of the board.
 struct ServiceInfo {
     std::string name;   ///< on the bus, unique on the board: the model's name, or the letter
     char id = 0;        ///< its letter; 0: unknown
     std::string model;  ///< "distance@1"; empty: no model, or `own_model`
-    /// A model that is not built into every program is carried in full; null for standard ones.
+    /// In full, where not every program has it built in; null for standard ones.
     std::shared_ptr<const ServiceModel> own_model;
     std::string title;          ///< the board's friendly name
     std::optional<int> count;   ///< number of elements, 0 to 65535
     std::optional<int> period;  ///< of its auto-event in milliseconds, 0 to 65535; 0: off
 };
-/// Two own models are equal if their sources are.
+/// By the sources of own models.
 bool operator==(const ServiceInfo& a, const ServiceInfo& b);
 
-/// The retained `$description` of a board: all that an agent announces. Published anew whenever it changes,
-/// and in time before the lease runs out.
+/// A retained `$description`: all that an agent announces, on each change and in time for the lease.
 struct Description {
     std::string board;
     std::string session;               ///< random, new with each start of the agent
@@ -110,32 +104,28 @@ struct Description {
     PinsInfo pins;
     std::vector<ServiceInfo> services;
     Labels labels;
-    /// Why labels that its agent kept are not among them; empty: all are. At most kMaxFaultBytes.
+    /// Why kept labels are missing; empty: none are. At most kMaxFaultBytes.
     std::string labels_fault{};
-    /// What its agent finds doubtful about the board now, for people. At most kMaxWarnings.
+    /// What its agent finds doubtful about the board, for people. At most kMaxWarnings.
     std::vector<std::string> warnings{};
-    /// Of the board when this was published. None: its agent says states on `$state` alone.
+    /// When this was published. None: its agent says states on `$state` alone.
     std::optional<SaidState> state{};
     std::optional<OnDemandInfo> on_demand{};  ///< none: it reports whether or not anybody listens
     std::optional<StopInfo> stopped{};        ///< none: it takes commands
 
-    /// The service of that name, or null. Valid as long as `services` is not changed.
+    /// Null: none. Valid while `services` is not changed.
     const ServiceInfo* service(std::string_view name) const;
     friend bool operator==(const Description&, const Description&) = default;
 };
 
 nlohmann::json to_json(const Description& description);
-/// The same as compact text. What is empty is left out.
+/// Compact; what is empty is left out.
 std::string to_text(const Description& description);
 
-/// From JSON that anyone may have published. Board, session, seq and services must be there; unknown members
-/// are passed over, so that later versions may add some. Fails with the first fault and its place,
-/// "/services/1/name: is not a valid name": members of a wrong type, names that are not valid, texts longer
-/// than 256 bytes or with control characters, two services with one name, numbers out of bounds, an own model
-/// that service_model_from_json() refuses.
+/// From JSON that anyone may have published. Board, session, seq and services are required; unknown members
+/// are passed over. Fails with the first fault and its place, "/services/1/name: is not a valid name".
 Expected<Description> description_from_json(const nlohmann::json& document);
-/// The same from text; fails also when it is longer than kMaxDescriptionBytes, nested deeper than 16, or not
-/// JSON.
+/// Fails also on more than kMaxDescriptionBytes, nesting above 16, or no JSON.
 Expected<Description> parse_description(std::string_view text);
 
 }  // namespace asip::model

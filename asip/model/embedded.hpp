@@ -9,7 +9,7 @@ namespace asip::model {
 // What the build made of services/: file texts with static storage.
 
 std::string_view embedded_schema();
-/// Model name and text, sorted by name.
+/// Name and text, sorted by name.
 std::span<const std::pair<std::string_view, std::string_view>> embedded_models();
 
 }  // namespace asip::model

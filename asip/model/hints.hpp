@@ -12,7 +12,7 @@
 
 namespace asip::model {
 
-/// What a model says of a field or an argument for other systems (Home Assistant, say).
+/// What a model says of a field or argument for other systems.
 struct FieldHints {
     std::string quantity;                 ///< "distance"; empty: not said
     std::optional<double> step;           ///< the smallest difference that makes sense
@@ -23,14 +23,14 @@ struct FieldHints {
     bool sum = false;                     ///< of a field: each event adds to it
 };
 
-/// The optional members of a model that say what its values mean.
+/// The optional members that say what values mean.
 class ModelHints {
   public:
     /// Where a command's effect is seen.
     struct Shown {
         std::string event, field;
     };
-    /// A value that a command sets besides that of its own argument: member of `sets`, [ELEMENT/]NAME.
+    /// What a command sets beside its own argument: member of `sets`, [ELEMENT/]NAME.
     struct Sets {
         std::optional<int> element;  ///< none: the command's own element, else all
         std::string name;            ///< of the argument of another command
@@ -43,11 +43,11 @@ class ModelHints {
     FieldHints field(const EventModel& event, std::string_view field) const;
     FieldHints argument(const CommandModel& command, std::string_view argument) const;
     bool advanced(const CommandModel& command) const;
-    /// The event and field that show what the command set; none: the model does not say.
+    /// None: the model does not say.
     std::optional<Shown> shown_by(const CommandModel& command) const;
-    /// What it sets besides; null: the model does not say.
+    /// Null: the model does not say.
     const std::vector<Sets>* sets(const CommandModel& command) const;
-    /// How many elements the model says that there are; none: it does not say, or as many as pins.
+    /// Elements of the service; none: not said, or as many as pins.
     std::optional<int> elements() const { return elements_; }
     bool element_for_each_pin() const { return element_for_each_pin_; }
 
@@ -60,8 +60,8 @@ class ModelHints {
     bool element_for_each_pin_ = false;
 };
 
-/// The reason why such a member contradicts the rest of the model, with its place; empty: none does.
-/// `document` fits the schema, and `model` was made of it.
+/// Why such a member contradicts the model, with its place; empty: none does. `document` fits the schema,
+/// `model` is made of it.
 std::string hints_fault(const ServiceModel& model, const nlohmann::json& document);
 
 }  // namespace asip::model

@@ -14,8 +14,8 @@ namespace asip::text {
 class JsonReader;
 }
 
-/// What people say of a board: labels by which boards are chosen ("room" = "lab"), and friendly names of its
-/// services and pins. The board's agent keeps them; they stand in its description as `labels` and `names`.
+/// Labels by which boards are chosen ("room" = "lab"), and friendly names of services and pins. The board's
+/// agent keeps them; they stand in its description as `labels` and `names`.
 namespace asip::model {
 
 inline constexpr std::size_t kMaxLabels = 32;         ///< of a board
@@ -28,17 +28,17 @@ struct Labels {
     std::map<std::string, std::string> services;  ///< friendly names by service
     std::map<int, std::string> pins;              ///< friendly names by digital pin
     Meanings meanings{};                          ///< what properties are, by their ids
-    /// The mode that a command set last, by digital pin: what the pin is used for.
+    /// By digital pin: the mode that a command set last.
     std::map<int, int> modes{};
 
     bool empty() const { return *this == Labels(); }
-    /// The friendly name of a service or a pin; empty: it has none.
+    /// Of a service or a pin; empty: it has none.
     std::string service(const std::string& name) const;
     std::string pin(int number) const;
     friend bool operator==(const Labels&, const Labels&) = default;
 };
 
-/// What to change: values to set, and nothing for what is to be removed.
+/// Values to set; nothing: removed.
 struct LabelChange {
     using Value = std::optional<std::string>;
     std::map<std::string, Value> labels;
@@ -50,31 +50,27 @@ struct LabelChange {
     friend bool operator==(const LabelChange&, const LabelChange&) = default;
 };
 
-/// Why a text cannot be the key of a label, for a person; empty: it can. 1 to 63 of `A-Z a-z 0-9 . _ -`, the
-/// first and the last a letter or a digit; keys that begin with `pin.` are for names of pins.
+/// Why a text cannot be a label's key, for a person; empty: it can. 1 to 63 of `A-Z a-z 0-9 . _ -`, letter or
+/// digit at both ends; keys with `pin.` are names of pins.
 std::string explain_label_key(std::string_view key);
-/// The same of a value, which may be empty: UTF-8 of at most 63 bytes, no control characters, no blank at an
-/// end.
+/// The same of a value: UTF-8 of at most 63 bytes, no control characters, no blank at an end; may be empty.
 std::string explain_label_value(std::string_view value);
-/// The same of a friendly name, which may not be empty.
+/// The same of a friendly name, never empty.
 std::string explain_friendly_name(std::string_view name);
 
-/// Adds what a person wrote: `room=lab`, `room-` (remove it), `pin.13=status lamp`, `servo/name=left arm`.
-/// Fails with what is wrong and what to write. With a `service`, only its `name` can be set.
+/// Adds a person's words: `room=lab`, `room-` (remove it), `pin.13=status lamp`, `servo/name=left arm`. Fails
+/// with what to write. With a `service`, only its `name` can be set.
 Expected<void> add_assignment(LabelChange& change, std::string_view text, std::string_view service = {});
 
-/// `labels` with the change made. Fails where there would be more than kMaxLabels or kMaxFriendlyNames.
+/// Fails beyond kMaxLabels or kMaxFriendlyNames.
 Expected<Labels> changed(Labels labels, const LabelChange& change);
 
-/// Writes the members `labels`, `names`, `meanings` and `pin_modes` of a description; what is empty is left
-/// out.
+/// Writes the members `labels`, `names`, `meanings` and `pin_modes`; what is empty is left out.
 void put_labels(nlohmann::json& object, const Labels& labels);
-/// Reads them. Faults: what explain_label_key() and explain_label_value() refuse, names of services or pins
-/// that cannot be, more than the bounds.
+/// Faults: what the explain functions refuse, impossible names of services or pins, more than the bounds.
 Labels read_labels(text::JsonReader& reader);
-/// Reads members of that form where `null` removes what it names.
+/// In this form `null` removes.
 LabelChange read_label_change(text::JsonReader& reader);
-/// The same, written.
 nlohmann::json to_json(const LabelChange& change);
 
 }  // namespace asip::model

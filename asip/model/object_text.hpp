@@ -12,8 +12,8 @@
 
 namespace asip::model {
 
-/// An object of JSON, written member by member behind a text that it shares with the objects around and in
-/// it. It ends with its scope. A tree of a document would cost several times what its text costs.
+/// A JSON object, written member by member into a text that it shares with those around it, until its scope
+/// ends. A tree would cost several times as much.
 class ObjectText {
   public:
     explicit ObjectText(std::string& text) : text_(text) { text_ += '{'; }
@@ -26,7 +26,7 @@ class ObjectText {
         append(text);
         return *this;
     }
-    /// One that JSON has no number for is null.
+    /// Null where JSON has no such number.
     ObjectText& add_number(std::string_view name, double value) {
         begin(name);
         constexpr double kExact = 9e15;
@@ -40,7 +40,7 @@ class ObjectText {
             text_.append(digits, std::to_chars(digits, std::end(digits), value).ptr);
         return *this;
     }
-    /// A value that is JSON already.
+    /// `value` is JSON.
     ObjectText& add_json(std::string_view name, std::string_view value) {
         begin(name);
         text_ += value;
@@ -49,7 +49,6 @@ class ObjectText {
     ObjectText& add_bool(std::string_view name, bool value) {
         return add_json(name, value ? "true" : "false");
     }
-    /// An array of texts.
     template <class Words>
     ObjectText& add_words(std::string_view name, const Words& words) {
         begin(name);
@@ -62,7 +61,7 @@ class ObjectText {
         text_ += before == '[' ? "[]" : "]";
         return *this;
     }
-    /// A member that is an object; nothing else is added until it ends.
+    /// Nothing else is added until that object ends.
     ObjectText object(std::string_view name) {
         begin(name);
         return ObjectText(text_);

@@ -6,8 +6,8 @@
 
 namespace asip::model {
 
-/// A page in Markdown for people: each model with its events, commands, arguments and examples, in the order
-/// of their names. docs/services.md is this page of the standard models.
+/// Markdown for people: models with events, commands, arguments and examples, by name. docs/services.md is
+/// that of the standard models.
 std::string reference_page(const ModelSet& models);
 
 /// The page of one model alone.

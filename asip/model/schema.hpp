@@ -7,14 +7,11 @@
 
 namespace asip::model {
 
-/// services/schema.json, built into the program. Parsed at the first call.
+/// services/schema.json. Parsed at the first call.
 const nlohmann::json& service_model_schema();
 
-/// Checks a document against the part of JSON Schema that our schema uses: type, properties,
-/// patternProperties, required, additionalProperties, enum, const, pattern, items, minItems, maxItems,
-/// minLength, maxLength, minimum, maximum, minProperties, maxProperties, propertyNames, anyOf and $ref into
-/// `definitions`. Fails with the first fault as "/place: reason", the place being a JSON pointer. A keyword
-/// that is not listed is a fault of the schema and reported as such.
+/// Checks a document against the keywords of JSON Schema that our schema uses. Fails with the first fault,
+/// "/place: reason", the place being a JSON pointer; an unknown keyword is a fault.
 Expected<void> check_schema(const nlohmann::json& schema, const nlohmann::json& document);
 
 }  // namespace asip::model

@@ -14,22 +14,21 @@
 
 namespace asip::model {
 
-/// What one value is, in JSON and on the wire.
+/// What a value is, in JSON and on the wire.
 enum class ValueType {
     kInteger,
     kNumber,  ///< a decimal fraction is allowed
     kText,    ///< printable ASCII
     kColor,   ///< an integer r<<16|g<<8|b; commands also take "#rrggbb"
-    /// Arguments only: the number of items of the list named by Field::of. Computed, never given by the
-    /// caller.
+    /// Argument: the number of items of the list Field::of; computed.
     kCount,
-    /// Arguments only: one or more items, each with the fields in Field::items.
+    /// Argument: one or more items, each with the fields Field::items.
     kList,
 };
-/// The word in a model's file: "integer", "number", "text", "color", "count", "list".
+/// The word in a file: "integer", "number", "text", "color", "count", "list".
 std::string_view to_text(ValueType type);
 
-/// A field of an event or an argument of a command.
+/// Of an event, or an argument.
 struct Field {
     std::string name;
     ValueType type = ValueType::kInteger;
@@ -44,7 +43,7 @@ struct Field {
     bool braces = false;       ///< kList: `{a,b}` on the wire instead of `a,b`
 };
 
-/// How the body of an event is laid out on the wire, and the JSON value that it becomes.
+/// The layout of an event's body, and the JSON that it becomes.
 enum class EventShape {
     kPerElement,  ///< COUNT,{...}: one item for each element -> array
     kOnce,        ///< COUNT,{...}: item i is field i -> object
@@ -54,7 +53,6 @@ enum class EventShape {
     kMap,         ///< COUNT,{KEY:VALUE} -> {"KEY":VALUE}; without keys, the position is the key
 };
 
-/// An event that a service sends.
 struct EventModel {
     char tag = 0;
     std::string name;   ///< the member that carries it in JSON
@@ -63,37 +61,34 @@ struct EventModel {
     std::vector<Field> fields;
 };
 
-/// An argument of a safe form: the one that was given in this place, or a number.
+/// The argument in this place, or a number.
 struct SafeArgument {
     std::optional<std::size_t> given;  ///< place among the arguments that the caller gives
     double number = 0;
 };
 
-/// What undoes a command.
 struct SafeForm {
     std::string command;  ///< name of the command that is sent instead; may be the same
     std::vector<SafeArgument> arguments;
 };
 
-/// A command that a service executes.
 struct CommandModel {
     char tag = 0;
     std::string name;
     std::string title;  ///< for a person
     std::vector<Field> args;
     char answer = 0;  ///< tag of the event that answers it; 0: none
-    /// How long after its execution that event may come; none: the model does not say.
+    /// How long behind its execution that event may come; none: not said.
     std::optional<std::chrono::milliseconds> answer_time;
     std::optional<SafeForm> safe;  ///< none: nothing undoes it
 };
 
-/// The arguments that a caller gives: all but the counts, in order. Valid as long as `command`.
+/// All but the counts, in order. Valid as long as `command`.
 std::vector<const Field*> given_arguments(const CommandModel& command);
 
 class ModelHints;
 
-/// One kind of service: the contents of one file of services/. Not changed once loaded, so that pointers to
-/// its events and commands stay valid as long as it.
+/// The contents of one file of services/. Unchanged once loaded, so pointers into it stay valid.
 struct ServiceModel {
     std::string name;  ///< "distance"
     int version = 1;
@@ -108,7 +103,6 @@ struct ServiceModel {
     std::string source;                       ///< its JSON text, compact, without examples
     std::string example_source;               ///< the array "examples", compact; empty where there is none
 
-    /// How a description refers to it: "distance@1".
     std::string ref() const;
 
     // Each returns null where there is none. Of several commands with one tag, the first.
@@ -117,22 +111,19 @@ struct ServiceModel {
     const CommandModel* command(std::string_view command_name) const;
     const CommandModel* command_with_tag(char tag) const;
 
-    /// Whether it describes a service with this letter and, where the board gave one, this friendly name.
-    /// Case and everything except letters and digits are ignored; a name matches when it contains a word of
-    /// `match` ("ASIP Distance" and "Distance" both match "Distance").
+    /// The letter and, where the board gave one, the friendly name are of this model. Only letters and digits
+    /// count, without case; a name matches when it contains a word of `match`.
     bool matches(char letter, std::string_view friendly_name) const;
 };
 
-/// From a model's JSON, which anyone may have written. Fails with the first fault and its place,
-/// "/commands/report/args/0/type: ...", when it breaks services/schema.json, holds control characters outside
-/// its examples, or contradicts itself (two commands with one tag are allowed, two events with one tag or
-/// name are not).
+/// From JSON of anyone. Fails with the first fault and its place, "/commands/report/args/0/type: ...": it
+/// breaks services/schema.json, has control characters outside its examples, or contradicts itself (two
+/// events may not share tag or name).
 Expected<ServiceModel> service_model_from_json(const nlohmann::json& document);
-/// The same from text; fails also when it is longer than 64 KiB or not JSON.
+/// From text of at most 64 KiB.
 Expected<ServiceModel> parse_service_model(std::string_view text);
 
-/// One entry of a model's `examples`: an event, a command, or a command that is refused. The tests check
-/// each.
+/// One of a model's `examples`: an event, a command, or a refused command. The tests check each.
 struct ModelExample {
     std::string wire;      ///< "@D,e,2,{42,118}" or "D,A,100"; empty for an error example
     std::string json;      ///< compact
@@ -142,8 +133,7 @@ struct ModelExample {
 };
 std::vector<ModelExample> examples(const ServiceModel& model);
 
-/// The units of all fields of its events and of all arguments of its commands, each once, in no special
-/// order.
+/// Of all fields and arguments, each once, unordered.
 std::vector<std::string> units_of(const ServiceModel& model);
 
 }  // namespace asip::model

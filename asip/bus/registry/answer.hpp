@@ -13,45 +13,39 @@
 
 namespace asip::bus {
 
-/// An answer of a registry to a query or a forget. One that refuses has `refused` and `error` set, and
-/// otherwise only `id` and `registry`.
+/// To a query or a forget. A refusal has `refused` and `error`, else only `id` and `registry`.
 struct Answer {
     std::string id;        ///< of the request
     std::string registry;  ///< the one that answers
     std::string epoch;     ///< differs each time a registry starts counting anew
-    /// The items hold after the change events of `epoch` up to this number. In a burst, of boards whose
-    /// changes wait to be reported, they hold those changes already: their events follow, and say nothing
-    /// new.
+    /// The items hold after the change events of `epoch` up to this number. In a burst they may hold later
+    /// changes, whose events follow and say nothing new.
     std::uint64_t seq = 0;
     bool settling = false;      ///< the registry is still reading what the broker retains: more will come
     Find find = Find::kBoards;  ///< what the items are, also where there are none
     std::optional<std::size_t> total;  ///< all matches, where asked for or known anyway
     std::vector<BoardItem> boards;
-    /// Set: the answer is to a brief query, and `boards` is empty. A registry that does not know brief
-    /// queries answers with `boards`.
+    /// Set: the query was brief, and `boards` is empty. Older registries answer with `boards`.
     std::optional<BriefRows> brief;
     std::vector<ServiceItem> services;
     std::vector<HistoryItem> history;
     std::vector<std::string> models;     ///< service models, each a JSON object as text
     std::vector<std::string> forgotten;  ///< board names
     std::string cursor;                  ///< for the next page; empty: this was the last
-    /// A word for programs: "invalid", "alive", "unknown-board", "no-history", "queue-full"; empty: not
-    /// refused.
+    /// For programs: "invalid", "alive", "unknown-board", "no-history", "queue-full"; empty: not refused.
     std::string refused;
     std::string error;  ///< the reason in a sentence for a person
 
     bool operator==(const Answer&) const = default;
 };
 
-/// The payload of the answer. What is empty is left out.
+/// What is empty is left out.
 std::string encode(const Answer& answer);
-/// Reads what encode() wrote, by whichever version. Members that are unknown are passed over; a missing one,
-/// or one of another type, is read as empty. Fails when it is not a JSON object of at most 16 MiB, or when
-/// its rows are not those of a brief answer.
+/// Of any version: unknown members are passed over, missing or mistyped ones are empty. Fails where it is no
+/// JSON object of at most 16 MiB, or its rows are wrong.
 Expected<Answer> parse_answer(std::string_view payload);
 
-/// A change of a registry's catalogue. Within one epoch of one registry, events carry consecutive numbers: a
-/// gap is a lost event.
+/// A change of a registry's catalogue. Numbers are consecutive within an epoch: a gap is a lost event.
 struct ChangeEvent {
     enum class Kind {
         kAdded,        ///< board known for the first time
@@ -69,19 +63,16 @@ struct ChangeEvent {
     text::WallTime at{};    ///< by the clock of the registry
     BoardItem board;        ///< as it is after the change (without description)
     std::string was;        ///< kState: effective state before
-    /// kAdded, kState: why the board is in its state, a word of model::StateReason; may be empty.
+    /// With kAdded and kState, a word of model::StateReason; may be empty.
     std::string reason;
 
     bool operator==(const ChangeEvent&) const = default;
 };
 
-/// "added", "state", "description", "conflict", "resolved", "forgotten", "reset"
 std::string_view to_string(ChangeEvent::Kind kind);
 
-/// The payload of the event.
 std::string encode(const ChangeEvent& event);
-/// Reads what encode() wrote, by whichever version. Fails when it is not a JSON object, or of an unknown
-/// kind.
+/// Of any version. Fails where it is no JSON object, or of an unknown kind.
 Expected<ChangeEvent> parse_change_event(std::string_view payload);
 
 }  // namespace asip::bus

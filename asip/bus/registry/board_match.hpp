@@ -17,8 +17,7 @@ namespace asip::bus {
 // The one place that decides it: for programs that read the bus itself, and for a registry where no index
 // answers.
 
-/// What a query looks at of a board, its services aside. The texts are the caller's, for the duration of a
-/// call.
+/// The texts are the caller's, for the duration of a call.
 struct BoardFacts {
     std::string_view board;
     std::string_view state;  ///< effective
@@ -28,17 +27,17 @@ struct BoardFacts {
     const std::map<std::string, std::string>* labels = nullptr;  ///< null: none
 };
 
-/// The bit of "digital", "analog" or "pwm"; 0: none of these.
+/// Of "digital", "analog" or "pwm"; 0: another word.
 inline unsigned capability_bit(std::string_view word) {
     return word == "digital" ? 1 : word == "analog" ? 2 : word == "pwm" ? 4 : 0;
 }
 
-/// Whether `value` is one of `wanted`; always, where `wanted` is empty.
+/// Also where `wanted` is empty.
 inline bool is_among(const std::vector<std::string>& wanted, std::string_view value) {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), value) != wanted.end();
 }
 
-/// Whether the filters on boards hold: `board`, `state`, `chip`, `sketch`, `capability`, `labels`.
+/// By `board`, `state`, `chip`, `sketch`, `capability`, `labels`.
 inline bool matches_board(const Query& query, const BoardFacts& board) {
     if (!is_among(query.state, board.state) || !matches_pattern(query.board, board.board)) return false;
     if (!query.chip.empty() && !matches_pattern(query.chip, board.chip)) return false;
@@ -50,8 +49,7 @@ inline bool matches_board(const Query& query, const BoardFacts& board) {
     return query.capability.empty() || (board.capabilities & capability_bit(query.capability)) != 0;
 }
 
-/// Whether the filters on services hold: `service`, `kind`, `unit`. `has_unit(unit)`: whether some field of
-/// the service's events or commands has this unit.
+/// By `service`, `kind`, `unit`. `has_unit(unit)`: a field of the service's events or commands has it.
 template <class HasUnit>
 bool matches_service(const Query& query, std::string_view name, std::string_view kind,
                      const HasUnit& has_unit) {
@@ -59,21 +57,20 @@ bool matches_service(const Query& query, std::string_view name, std::string_view
            (query.unit.empty() || has_unit(query.unit));
 }
 
-/// Whether the query has a filter on services: then it asks for boards with at least one service that
-/// matches.
+/// The query has a filter on services: a board needs one that matches.
 inline bool asks_for_services(const Query& query) {
     return !query.service.empty() || !query.kind.empty() || !query.unit.empty();
 }
 
-/// Whether a board, or one service of it, is among what `query` asks for (sort, limit and cursor aside).
-/// `description` may be null; `models` gives the units of standard models.
+/// A board, or a service of it, passes all filters of `query`. `description` may be null; `models` gives the
+/// units of standard models.
 bool board_matches(const Query& query, const BoardItem& board, const model::Description* description,
                    const model::ModelSet& models);
 bool service_matches(const Query& query, const ServiceItem& service, const model::Description* description,
                      const model::ModelSet& models);
 
-/// The model of a service: its own, the standard one it refers to (another version of it where this one is
-/// unknown), or what letter and title suggest; null when there is none.
+/// Its own, the standard one that it refers to (in any version), or what letter and title suggest; may be
+/// null.
 model::ModelPtr model_of(const model::ServiceInfo& service, const model::ModelSet& models);
 
 }  // namespace asip::bus

@@ -12,49 +12,40 @@
 namespace asip::bus {
 
 /// A watcher's copy of a registry's boards: joins the pages of a snapshot to the stream of change events,
-/// with no gap and no duplicate. How to use it: subscribe to ROOT/registry/+/events, then query boards page
-/// by page (sort by name, no filter but `board`), and give everything that arrives to `page` and `event`, in
-/// the order it arrives. Each page is true for its own sequence number; the view knows which events are
-/// already in it.
-///
-/// Pure: the caller sends the queries. Whenever `needs_snapshot()` becomes true (at first, after a lost
-/// event, when the registry restarted or sent a reset) the caller queries again from the first page, with
-/// `next_query()`.
+/// without gap or duplicate. Subscribe to ROOT/registry/+/events, query boards page by page with
+/// `next_query()`, and give all that arrives to `page` and `event`, in order. Pure.
+/// Whenever `needs_snapshot()` becomes true (at first, after a lost event, a restart or a reset) query again
+/// from the first page.
 class CatalogueView {
   public:
-    /// What happened to one board, as in ChangeEvent.
     struct Change {
         ChangeEvent::Kind kind;
         BoardItem board;     ///< after the change
         std::string was;     ///< kState: the effective state before
         std::string reason;  ///< kState: why
     };
-    /// Called for each change once the first snapshot is complete; after a new snapshot, for what differs
-    /// from before.
+    /// For each change behind the first complete snapshot; after a new one, for each difference.
     using OnChange = std::function<void(const Change&)>;
 
-    /// `pattern`: only boards whose names match it; empty: all.
+    /// `pattern`: of names of boards; empty: all.
     explicit CatalogueView(OnChange on_change = {}, std::string pattern = {});
 
-    /// The query to send now; empty while there is nothing to ask (the snapshot is complete and no event was
-    /// lost). Each page given changes it; ask again after each page.
+    /// Empty: the snapshot is complete and no event was lost. Ask again after each page.
     std::optional<Query> next_query() const;
     bool needs_snapshot() const { return next_query().has_value(); }
-    /// Registry that the snapshot comes from, to send the next page's query to; empty before the first page.
+    /// Where to send the next page's query; empty before the first page.
     const std::string& registry() const { return registry_; }
 
-    /// Takes the answer to next_query(). False if it is refused, of another registry or of another epoch than
-    /// the pages before it: then call restart() and begin again.
+    /// False: a refusal, or of another registry or epoch than the pages before: call restart().
     bool page(const Answer& answer);
-    /// Events of other registries and those already in a page are ignored.
+    /// Events of other registries and those in a page are ignored.
     void event(const ChangeEvent& event);
-    /// Begins anew (no answer in time, connection lost); the boards stay until the new snapshot replaces
-    /// them.
+    /// No answer in time, or the connection was lost. The boards stay until the new snapshot.
     void restart();
 
-    /// Whether boards() is a whole snapshot with every event since applied.
+    /// boards() is a snapshot with all events since.
     bool complete() const { return complete_; }
-    /// In the order of their names; without descriptions. Changed by page() and event().
+    /// By name, without descriptions. page() and event() change it.
     const std::map<std::string, BoardItem>& boards() const { return boards_; }
 
   private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What answers and change events are made of: one board, service or change. Their `state` is effective: what
-/// was reported AND the lease not run out.
+/// What answers and change events are made of. Their `state` is effective: reported AND the lease not run
+/// out.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -24,8 +24,7 @@ namespace asip::bus {
 //     [BOARD, STATE, AGE, CHIP, SKETCH, SERVICES, CONFLICT, REASON, FOR]
 // CONFLICT may be missing: false. So may both REASON (of the state) and FOR (seconds it has been in it).
 
-/// One row. The members are those of BoardItem. The texts belong to the BriefRows it is in, or to the
-/// caller that made it.
+/// Members as in BoardItem. The texts belong to its BriefRows, or to the caller.
 struct BriefBoard {
     std::string_view board;
     std::string_view state;  ///< effective
@@ -38,19 +37,19 @@ struct BriefBoard {
     double state_age = -1;      ///< where there is a reason: seconds in the state; negative: unknown
 
     bool operator==(const BriefBoard&) const = default;
-    /// Whether nothing but name, state and age differs, of a row in the same BriefRows, and no state has a
-    /// reason; false is a maybe.
+    /// Nothing but name, state and age differs within the same BriefRows, and no state has a reason; false is
+    /// a maybe.
     bool like(const BriefBoard& other) const;
 };
 
-/// Rows and their texts. Copies share the texts: all of them belong to one thread.
+/// Copies share the texts: all belong to one thread.
 class BriefRows {
   public:
-    /// Copies the texts; one that the row before has, too, is kept once, as most boards of a fleet are alike.
+    /// Copies the texts; those of the row before are kept once, as most boards of a fleet are alike.
     void add(const BriefBoard& row);
     void reserve(std::size_t rows) { rows_.reserve(rows); }
 
-    /// May be put in another order, and thinned out.
+    /// May be reordered, and thinned out.
     std::vector<BriefBoard>& rows() { return rows_; }
     const std::vector<BriefBoard>& rows() const { return rows_; }
     std::size_t size() const { return rows_.size(); }
@@ -65,24 +64,20 @@ class BriefRows {
     std::shared_ptr<std::pmr::monotonic_buffer_resource> texts_;
 };
 
-/// Appends the JSON text of the rows, an array. Bytes that are not UTF-8 become U+FFFD; ages are cut to
-/// milliseconds.
+/// Appends an array. Bytes that are not UTF-8 become U+FFFD; ages are cut to milliseconds.
 void append_brief_rows(std::string& text, const BriefRows& boards);
 
-/// Reads the JSON text of rows. Fails with the number of the first row that is not one. Memory is bounded:
-/// never more rows than bytes / 14.
+/// Fails with the number of the first bad row. Never more rows than bytes / 14.
 Expected<BriefRows> read_brief_rows(std::string_view rows);
 
-/// A brief answer taken apart.
 struct BriefSplit {
     std::string envelope;  ///< the answer without its member "items"
     Expected<BriefRows> rows;
 };
 
-/// Nothing when `payload` is not well-formed, or not an answer that is marked as brief.
+/// Nothing: not well-formed, or no brief answer.
 std::optional<BriefSplit> split_brief(std::string_view payload);
 
-/// A service of a board.
 struct ServiceItem {
     std::string board;
     std::string state;  ///< effective state of the board
@@ -98,7 +93,7 @@ struct ServiceItem {
     bool operator==(const ServiceItem&) const = default;
 };
 
-/// Two agents that both live claim one board name.
+/// Two living agents claim one board name.
 struct Conflict {
     std::string holder;       ///< session whose description is the catalogue's
     std::string other;        ///< session that is refused
@@ -107,7 +102,7 @@ struct Conflict {
     bool operator==(const Conflict&) const = default;
 };
 
-/// A board. What is unknown is empty.
+/// What is unknown is empty.
 struct BoardItem {
     std::string board;
     std::string state;        ///< effective
@@ -129,15 +124,15 @@ struct BoardItem {
     std::string link;      ///< kind and path of the link, for a person
     model::Labels labels;  ///< and friendly names
     std::optional<Conflict> conflict;
-    /// Their `board` and `state` are left out on the wire and filled when parsed.
+    /// Their `board` and `state` are filled when parsed.
     std::vector<ServiceItem> services;
-    /// JSON text of the whole $description as last received, where the query asked for it; else empty.
+    /// The whole $description as last received, where the query asked for it.
     std::string description;
 
     bool operator==(const BoardItem&) const = default;
 };
 
-/// One change of state, or one command, that a registry with a history has kept.
+/// A change of state, or a command, from a registry's history.
 struct HistoryItem {
     std::string board;
     text::WallTime at{};
@@ -146,7 +141,7 @@ struct HistoryItem {
     std::string state;   ///< effective state after it; empty for a command
     std::string was;     ///< before it; empty for other than "state"
     std::string reason;  ///< a word of model::StateReason; of a command: why it is not "ok", as Reply::reason
-    // Of a command only:
+    // With a command only:
     std::string by{};       ///< the name that its sender gave
     std::string service{};  ///< empty: raw lines, or the whole board
     std::string request{};  ///< its beginning
@@ -158,19 +153,18 @@ struct HistoryItem {
     bool operator==(const HistoryItem&) const = default;
 };
 
-/// The same boards as rows of a brief answer.
 BriefRows brief_of(std::span<const BoardItem> boards);
 
-/// What stands in "items" of an answer.
+/// For "items" of an answer.
 nlohmann::json to_json(const BoardItem& item);
 nlohmann::json to_json(const ServiceItem& item);
 nlohmann::json to_json(const HistoryItem& item);
-/// The same as text, appended.
+/// Appends the same as text.
 void append_json(std::string& out, const BoardItem& item);
 void append_json(std::string& out, const ServiceItem& item);
 void append_json(std::string& out, const HistoryItem& item);
 
-/// Reads what registries write: a member that is missing or of another type is read as empty.
+/// A missing or mistyped member is empty.
 BoardItem read_board_item(const nlohmann::json& object);
 ServiceItem read_service_item(const nlohmann::json& object);
 HistoryItem read_history_item(const nlohmann::json& object);

@@ -10,8 +10,8 @@
 
 namespace asip::bus {
 
-/// Chooses boards by their labels: `room=lab,floor!=2,camera,!old`. All terms must hold. `KEY!=VALUE` and
-/// `!KEY` hold for boards that have no such label.
+/// Chooses boards by labels: `room=lab,floor!=2,camera,!old`. All terms must hold; `KEY!=VALUE` and `!KEY`
+/// hold without such a label.
 class LabelSelector {
   public:
     static constexpr std::size_t kMaxBytes = 1024;
@@ -19,13 +19,13 @@ class LabelSelector {
 
     /// Holds for every board.
     LabelSelector() = default;
-    /// A value with a comma, or a blank at an end, stands in quotes: `owner="Smith, Ann"`. Fails with what is
-    /// wrong and what to write; an empty text is a fault: it would choose every board.
+    /// Values with a comma, or a blank at an end, stand in quotes: `owner="Smith, Ann"`. Fails with what to
+    /// write; an empty text, too, since it would choose every board.
     static Expected<LabelSelector> parse(std::string_view text);
 
     bool empty() const { return terms_.empty(); }
     bool matches(const std::map<std::string, std::string>& labels) const;
-    /// As parse() takes it; empty: every board.
+    /// Empty: every board.
     std::string text() const;
     friend bool operator==(const LabelSelector&, const LabelSelector&) = default;
 

@@ -10,13 +10,12 @@
 #include "asip/expected.hpp"
 #include "asip/text/wall_time.hpp"
 
-/// Members of JSON objects that registries write. Reading is lenient: a member that is missing or of another
-/// type is read as empty. Writing leaves out what is empty.
+/// Members of JSON objects of registries. A missing or mistyped member is read as empty; what is empty is not
+/// written.
 namespace asip::bus::members {
 
 std::string text_of(const nlohmann::json& object, const char* key);
 std::uint64_t number_of(const nlohmann::json& object, const char* key);
-/// Seconds, cut to kMostSeconds.
 double seconds_of(const nlohmann::json& object, const char* key);
 bool flag_of(const nlohmann::json& object, const char* key);
 std::optional<int> int_of(const nlohmann::json& object, const char* key);
@@ -25,10 +24,10 @@ text::WallTime time_of(const nlohmann::json& object, const char* key);
 void put(nlohmann::json& object, const char* key, const std::string& value);
 void put(nlohmann::json& object, const char* key, text::WallTime value);
 
-/// The longest payload of a registry that is read, in bytes.
+/// In bytes, of a payload of a registry.
 inline constexpr std::size_t kMaxPayload = 16u << 20;
 
-/// The object that an answer or event is. Error: what it is instead.
+/// Error: what it is instead.
 Expected<nlohmann::json> object_from(std::string_view payload);
 
 }  // namespace asip::bus::members

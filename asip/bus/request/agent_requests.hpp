@@ -25,16 +25,14 @@ namespace asip::bus {
 //
 // The answer has all of them as they are then; its proof says that they are on the disk.
 
-/// Its payload, with its sender's name.
+/// With its sender's name.
 std::string encode(const model::LabelChange& change, const std::string& by);
-/// Whether a request of a board is one of these.
 bool is_label_request(const nlohmann::json& object);
-/// Reads one. Fails with the first fault and its place; unknown members are refused.
+/// Fails with the first fault and its place; unknown members are refused.
 Expected<model::LabelChange> read_label_request(const nlohmann::json& object);
 
-/// The proof in the answer.
 inline constexpr std::string_view kProofKept = "kept";
-/// Reasons of a refusal: the agent cannot write its state; too many requests of this kind wait.
+/// The agent cannot write its state; too many such requests wait.
 inline constexpr std::string_view kRefusedNotKept = "not-kept";
 
 struct PortRequest {
@@ -50,17 +48,16 @@ struct PortRequest {
     friend bool operator==(const PortRequest&, const PortRequest&) = default;
 };
 
-/// Its payload, with its sender's name (PortRequest of another `by` are refused while it is released).
+/// With its sender's name: while the port is released, others are refused.
 std::string encode(const PortRequest& request, const std::string& by);
-/// Whether a request of a board is one of these.
 bool is_port_request(const nlohmann::json& object);
-/// Reads one. Fails with the first fault and its place; unknown members are refused.
+/// Fails with the first fault and its place; unknown members are refused.
 Expected<PortRequest> read_port_request(const nlohmann::json& object);
 
-/// Reasons of a refusal: another has it; it was not released.
+/// Another has it; it was not released.
 inline constexpr std::string_view kRefusedReleased = "released";
 inline constexpr std::string_view kRefusedNotReleased = "not-released";
-/// Of kLoad: the board runs ASIP already; it was tried in vain.
+/// With kLoad: the board runs ASIP already; no boot loader answered.
 inline constexpr std::string_view kRefusedSpeaksAsip = "speaks-asip";
 inline constexpr std::string_view kRefusedNotLoaded = "not-loaded";
 

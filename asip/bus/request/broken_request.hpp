@@ -5,14 +5,14 @@
 
 namespace asip::bus {
 
-/// What can be read of a request that is no JSON, so that its sender gets the refusal.
+/// A request that is no JSON, so that its sender gets the refusal.
 struct BrokenRequest {
-    /// An object: of `reply_to`, `id` and `by` what stands before the fault.
+    /// Those of `reply_to`, `id` and `by` that stand before the fault.
     nlohmann::json members = nlohmann::json::object();
     std::string error;  ///< a sentence for a person
 };
 
-/// A number that no computer can hold (`1e400`) is a fault that does not end the reading.
+/// An impossible number (`1e400`) does not end the reading.
 BrokenRequest read_broken_request(std::string text);
 
 }  // namespace asip::bus

@@ -17,38 +17,34 @@
 
 namespace asip::bus {
 
-/// Demands values of boards that report on demand, for all parts of one program: it tells each such board
-/// what is wanted of it, renews that at a third of the lease, tells it again when the board announces itself,
-/// and tells it when nothing is wanted any more. Other boards hear nothing.
-///
-/// Pure: the caller subscribes to the descriptions of the boards that it wants something of, gives them to
-/// description() or take(), and publishes what due() returns, at the latest when next_deadline() has come.
+/// Demands values of boards that report on demand, for all parts of a program: tells each what is wanted,
+/// again at a third of the lease and when it announces itself, and once when nothing is. Pure: the caller
+/// subscribes to the descriptions of its boards, passes them to description() or take(), and publishes what
+/// due() returns, at next_deadline() at the latest.
 class Demander {
   public:
     static constexpr std::size_t kMaxBoards = 100'000;
 
-    /// `user`: of the broker, may be empty. `client`: one level of a topic that no other program has.
+    /// `user`: may be empty. `client`: one level of a topic that no other program has.
     Demander(const Topics& topics, std::string_view user, std::string_view client, Random random);
 
-    /// In force until the last copy of it is gone; may outlive the demander.
+    /// Holds until its last copy is gone; may outlive the demander.
     using Want = std::shared_ptr<void>;
-    /// `hz` values a second of these services of these boards are enough; it is kept within 0.001 and 1000.
-    /// Names may be patterns. One that no service can have is passed over: the rest must not suffer.
+    /// `hz` values a second, kept within 0.001 and 1000. Names may be patterns; one that no service can have
+    /// is passed over.
     [[nodiscard]] Want want(const std::string& board, const std::string& service, double hz = kUsualHz);
 
-    /// A board announced itself, on demand or not.
     void description(const std::string& board, bool on_demand, Time now);
-    /// The same from any message: one that is no description is passed over.
+    /// Messages that are no description are passed over.
     void take(const mqtt::Message& message, Time now);
 
     void connected(Time now);
     void disconnected() { connected_ = false; }
 
-    /// What is to be published now.
     std::vector<mqtt::Message> due(Time now);
     /// None: not before something else happens.
     std::optional<Time> next_deadline() const;
-    /// The same as due(), for a program that ends: nothing is wanted any more.
+    /// For a program that ends: nothing is wanted any more.
     std::vector<mqtt::Message> leave();
 
   private:

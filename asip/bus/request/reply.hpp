@@ -12,7 +12,7 @@ namespace asip::bus {
 
 // What each of these words means to a person is in reply.cpp; tests/vectors/answers.json binds it.
 
-/// Reasons of Reply::kRefused that every program knows.
+/// Reasons of Reply::kRefused.
 inline constexpr std::string_view kRefusedQueueFull = "queue-full";
 inline constexpr std::string_view kRefusedInvalid = "invalid";
 inline constexpr std::string_view kRefusedBoardNotThere = "board-not-there";
@@ -23,37 +23,35 @@ inline constexpr std::string_view kRefusedStopped = "stopped";
 /// There is nothing to renew.
 inline constexpr std::string_view kRefusedNotHeld = "not-held";
 inline constexpr std::string_view kRefusedIdReused = "id-reused";
-/// A program says it of its own command: the access rules of the broker deny the topic.
+/// Said by a program: the broker's access rules deny its command's topic.
 inline constexpr std::string_view kRefusedDenied = "denied";
 
-/// Reasons of Reply::kTimeout: something on the line to the board was lost or damaged, so that it may or may
-/// not have executed the command; and: it executed the command, but the value that was asked for did not
-/// come.
+/// Reasons of Reply::kTimeout: something was lost or damaged, so that the board may or may not have executed
+/// the command; it did, without the value that was asked for.
 inline constexpr std::string_view kTimeoutDoubt = "doubt";
 inline constexpr std::string_view kTimeoutNoValue = "no-value";
-/// Some lines of a command were sent and others were not.
+/// Some lines of a command were sent.
 inline constexpr std::string_view kTimeoutPartly = "partly";
-/// The board was not there to confirm a stop.
+/// To confirm a stop.
 inline constexpr std::string_view kTimeoutBoardNotThere = "board-not-there";
-/// A program says it of its own command: not even an agent answered.
+/// Said by a program: not even an agent answered.
 inline constexpr std::string_view kTimeoutNoAnswer = "no-answer";
-/// The same: its connection was lost before the answer came.
+/// Said by a program: its connection was lost first.
 inline constexpr std::string_view kTimeoutConnection = "connection";
 
-/// Where and under which names the answer to one request goes.
+/// Where the answer to a request goes.
 struct ReplyTo {
     std::string topic;        ///< empty: no answer is wanted
     std::string correlation;  ///< MQTT 5 correlation data, sent back as it came
     std::string id;           ///< the requester's `id`, sent back inside the JSON
-    /// The requester's name, as it says itself (a gateway: the name of the token); sent back inside the JSON.
+    /// The requester's own name (a gateway: the token's), sent back in the JSON.
     std::string by{};
     bool properties = false;  ///< asked over MQTT 5: the answer may have user properties
     bool clock = false;       ///< the agent's clock is wanted with the answer
 
     bool wanted() const { return !topic.empty(); }
 
-    /// What distinguishes this request from others of the same requester: the id, else the correlation data;
-    /// empty when there is neither, and then a repetition cannot be recognised.
+    /// The id, else the correlation data, which make a repetition known; may be empty.
     std::string key() const;
 
     friend bool operator==(const ReplyTo&, const ReplyTo&) = default;
@@ -62,13 +60,13 @@ struct ReplyTo {
 /// The one final answer to a command.
 struct Reply {
     enum class Status {
-        /// Executed; `proof` says how that is known, `answer` holds what the board answered, if anything.
+        /// Executed: `proof` says how that is known, `answer` what the board answered.
         kOk,
-        /// The board refused: `code` and `error` are from its answer.
+        /// The board refused, with `code` and `error`.
         kError,
-        /// No evidence within the time limit; `reason` may name the cause.
+        /// No evidence in time; `reason` may name the cause.
         kTimeout,
-        /// Never sent to the board: `reason` is a word for programs, `error` a sentence for a person.
+        /// Never sent to the board: `reason` a word for programs, `error` a sentence.
         kRefused,
     };
 
@@ -92,44 +90,39 @@ struct Reply {
     friend bool operator==(const Reply&, const Reply&) = default;
 };
 
-/// "ok", "error", "timeout" or "refused". Static storage.
 std::string_view to_string(Reply::Status status);
 
-/// The JSON text of a reply, `{"id":"7","status":"ok","proof":"fence"}`. Bytes of id, error and reason that
-/// are not UTF-8 are replaced; an `answer` that is not JSON becomes a JSON string.
+/// `{"id":"7","status":"ok","proof":"fence"}`. Bytes that are not UTF-8 are replaced; an `answer` that is not
+/// JSON becomes a string.
 std::string to_json_text(const Reply& reply);
 
-/// Reads what to_json_text() wrote, by whichever version: unknown members are ignored. Fails with a reason
-/// for anything that is not a JSON object with a known `status`.
+/// Of any version. Fails where it is no JSON object with a known `status`.
 Expected<Reply> parse_reply(std::string_view text);
 
-/// The message that carries `reply` (its id and `by` filled in from `to`) to the topic in `to`, with QoS 1;
-/// nothing when no answer is wanted. Where it may have user properties, the clock is one.
+/// With id and `by` from `to`, QoS 1, and the clock as user property where possible; nothing: no answer is
+/// wanted.
 std::optional<mqtt::Message> reply_message(const ReplyTo& to, Reply reply);
 
-/// Ends each sentence about a command that the board may have executed or not.
 inline constexpr std::string_view kMayHaveBeenExecuted = "; it may or may not have been executed";
 
-/// Whether the board may have executed the command or not: so behind every timeout, but for one that lacks
-/// the value alone.
+/// True for every timeout that lacks more than the value.
 bool may_have_been_executed(const Reply& reply);
 
-/// One sentence without its full stop; empty for a success. What the answer says itself (`error`) comes
-/// before what is known of its reason.
+/// Without its full stop; empty for a success. `error` comes before what is known of the reason.
 std::string sentence_of(const Reply& reply);
-/// The same where the status stands beside it already.
+/// For a place that shows the status already.
 std::string why_of(const Reply& reply);
 
-/// What came as an answer; where it is none, an answer that says so.
+/// Where `payload` is no answer, an answer that says so.
 Reply read_answer(std::string_view payload);
 
-/// A status with a reason, and what it means.
+/// A status with a reason, and its meaning.
 struct AnswerWords {
     Reply::Status status;
     std::string_view reason;
     std::string_view words;
 };
-/// All that programs of this version send or make.
+/// All that this version sends or makes.
 std::span<const AnswerWords> answer_words();
 /// Empty for a reason of a later version.
 std::string_view words_of(Reply::Status status, std::string_view reason);
