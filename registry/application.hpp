@@ -15,15 +15,15 @@
 
 namespace asip::registry {
 
-/// The program: a registry with its connection, its clock and its history file.
+/// A registry with its connection, its clock and its history file.
 class Application {
   public:
-    /// Throws std::runtime_error where a service model cannot be used.
+    /// Throws std::runtime_error on a service model that cannot be used.
     explicit Application(RegistryOptions options);
     ~Application();
 
-    /// Until SIGINT or SIGTERM, brokers that refuse the first connection for good, or another registry with
-    /// this id. Returns the exit status.
+    /// Until a signal, a refusal for good by the brokers, or another registry with this id. Returns the exit
+    /// status.
     int run();
 
   private:

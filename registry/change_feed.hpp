@@ -12,40 +12,36 @@
 
 namespace asip::registry {
 
-/// Turns what a catalogue decides into the events that watchers receive: numbered without a gap, or a reset
-/// that asks them to query again. Changes that come faster than the broker takes their events wait, those of
-/// one board together as one: however large a burst, a watcher gets each board's state in the end, and no
-/// reset. Numbers are given when an event is published. Pure.
+/// Turns decisions of a catalogue into events for watchers: numbered without a gap, or a reset that asks them
+/// to query again. Changes that are faster than the broker wait, those of one board as one: after any burst a
+/// watcher has each board's state. An event is numbered when it is published. Pure.
 class ChangeFeed {
   public:
-    /// With this many messages waiting for the broker, changes wait here.
+    /// With so many messages waiting for the broker, changes wait here.
     static constexpr std::size_t kMaxQueued = 2000;
-    /// Boards whose changes wait; of more, watchers get a reset, once nine tenths of the messages are sent.
+    /// Boards whose changes may wait; beyond, watchers get a reset once nine tenths of the messages are sent.
     static constexpr std::size_t kMaxWaiting = 500'000;
 
     explicit ChangeFeed(std::string registry) : registry_(std::move(registry)) {}
 
-    /// A new connection, under a new epoch: nothing is published until complete().
+    /// A new connection with a new epoch: nothing is published until complete().
     void begin(std::string epoch);
-    /// The connection is lost: changes until the next one are part of its reset.
+    /// Changes until the next connection are part of its reset.
     void end() { close(State::kClosed); }
-    /// The catalogue is complete: a reset is due, then changes follow it.
+    /// A reset is due, then changes follow it.
     void complete() { close(State::kResetDue); }
 
     const std::string& epoch() const { return epoch_; }
-    /// Number of the last event. What a query finds now holds all changes up to it, and those that wait.
+    /// Number of the last event. A query now finds all changes up to it, and those that wait.
     std::uint64_t seq() const { return seq_; }
 
-    /// Takes a change. It is given out by next().
     void change(const Event& event);
-    /// The next event to publish; nothing where none waits, or the broker is behind. `queued`: messages
-    /// waiting for it.
+    /// Nothing: no event waits, or the broker is behind. `queued`: messages that wait for it.
     std::optional<bus::ChangeEvent> next(const Catalogue& catalogue, Instant now, std::size_t queued);
-    /// The reset to publish, once one is due and the queue has drained.
+    /// Nothing: no reset is due, or the queue has not drained.
     std::optional<bus::ChangeEvent> reset(Instant now, std::size_t queued);
-    /// A reset is due because more boards change than may wait.
+    /// A reset is due because too many boards change.
     bool overrun() const { return state_ == State::kOverrun; }
-    /// Boards whose changes wait.
     std::size_t waiting() const { return waiting_.size(); }
 
   private:
@@ -62,8 +58,7 @@ class ChangeFeed {
     std::deque<std::string> order_;  // of waiting_; of a name that is not there, nothing is to be said
 };
 
-/// What is to be reported of one board after two changes, the second one later; nothing where a watcher needs
-/// to know of neither.
+/// The sum of two changes of one board, `second` being later; nothing: a watcher needs neither.
 std::optional<Event> together(const Event& first, const Event& second);
 
 }  // namespace asip::registry

@@ -10,11 +10,11 @@
 
 namespace asip::agent {
 
-/// Name on the bus of the service that `letter` stands for: its model's, else the letter. What belongs to no
-/// service (`#`) belongs to `io`, the core's.
+/// The bus name of the service with this letter: its model's, else the letter; `io` where no service has it
+/// (`#`).
 std::string service_named(const session::ServiceTable& services, char letter);
 
-/// `{"request":...}` on the service's error topic. As context: of a flood the oldest give way.
+/// Publishes `{"request":...}` as context: of a flood the oldest give way.
 void publish_error(const Board& board, std::string_view service, const nlohmann::json& value, Effects& out);
 
 /// A command that was not executed.
@@ -26,8 +26,7 @@ struct Failure {
     std::string_view by;        ///< its sender; empty: not known
     std::uint64_t dropped = 0;  ///< so many reports are missing before this one
 };
-/// Reports it on the error topic, because its sender wants no answer:
-/// `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.
+/// For a sender who wants no answer: `{"request":"W,0,90","reason":"queue-full","error":"...","by":"anna"}`.
 void report_failure(const Board& board, const Failure& failure, Effects& out);
 
 }  // namespace asip::agent

@@ -14,17 +14,16 @@
 
 namespace asip::agent {
 
-/// Remembers requests for a minute, so that a repeated one is answered again instead of executed again:
-/// brokers deliver at least once, and clients try again. Keeps at least kGuaranteed of them as long as their
-/// answers are short, and never more than kMaxBytes; beyond, the oldest is forgotten and counted. Keys and
-/// payloads are kept as hashes of 64 bits. Pure.
+/// Remembers requests for a minute, so that a repeated one is answered again and not executed again. Keeps at
+/// least kGuaranteed of them while their answers are short, and never more than kMaxBytes; beyond, the oldest
+/// is forgotten and counted. Keys and payloads are hashes of 64 bits. Pure.
 class RecentAnswers {
   public:
     static constexpr std::size_t kGuaranteed = 16'384;
     static constexpr std::size_t kMaxBytes = 2 << 20;
     static constexpr Duration kKept = std::chrono::minutes(1);
 
-    /// What distinguishes a request from others: its topic, its sender's reply topic and its id.
+    /// From the topic of a request, its sender's reply topic and its id.
     using Key = std::uint64_t;
     static Key key(std::string_view topic, std::string_view reply_topic, std::string_view id);
 
@@ -34,18 +33,17 @@ class RecentAnswers {
         kAnswered,      ///< the same was seen and has ended: see find()
         kOtherPayload,  ///< another request had this key
     };
-    /// `sent`: when it was sent, where it says so.
+    /// `sent`: when the request was sent, where it says so.
     Seen see(Key key, std::string_view payload, Time now, std::optional<Time> sent = {});
-    /// Nothing happens where the request was forgotten meanwhile. One that was refused may be tried again,
-    /// and is new then; not where it was sent no later: that is a copy, brokers deliver at least once.
+    /// A request that was refused may be tried again, and is new then, unless it was sent no later: that is a
+    /// copy. Nothing happens where the request was forgotten.
     void answer(Key key, const bus::Reply& reply);
-    /// The reply of an answered one, without its id; none where it was forgotten.
+    /// Without its id; none: not answered, or forgotten.
     std::unique_ptr<bus::Reply> find(Key key) const;
 
     std::size_t size() const { return entries_.size(); }
-    /// Of memory, with that of the containers.
+    /// In memory, with the containers.
     std::size_t bytes() const;
-    /// Forgotten before their minute was over.
     std::uint64_t dropped() const { return dropped_; }
 
   private:
@@ -54,7 +52,7 @@ class RecentAnswers {
         std::optional<Time> sent;
         std::uint32_t number = 0;  // distinguishes it from one that had the key before
         bool answered = false;
-        // Absent for a pending one and for the most frequent answer, "ok, by a fence".
+        // Null: pending, or the most frequent answer, "ok, by a fence".
         std::shared_ptr<const bus::Reply> reply;
         bool refused() const { return reply && reply->status == bus::Reply::Status::kRefused; }
     };
@@ -63,7 +61,6 @@ class RecentAnswers {
         Key key;
         std::uint32_t number;
     };
-    // With what the containers need themselves.
     static constexpr std::size_t kEntryBytes = sizeof(Entry) + sizeof(Turn) + sizeof(Key) + 3 * sizeof(void*);
 
     void forget_old(std::optional<Time> now);

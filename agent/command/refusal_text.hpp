@@ -8,14 +8,11 @@
 
 namespace asip::agent {
 
-/// Why a request was not queued, and what to do about it: a sentence for people. The word for programs is
-/// session::to_string() of the same.
+/// Why a request was not queued, and what to do about it, for people. Programs get session::to_string().
 std::string refusal_text(session::Refusal refusal);
 
-/// Why a queued request was not sent to the board: the word of `asip/bus/request/reply.hpp` for
-/// programs.
+/// Why a queued request was not sent: a word of `asip/bus/request/reply.hpp`.
 std::string_view reason_of(const session::Finished& end);
-/// The same for people.
 std::string not_sent_text(const session::Finished& end);
 
 }  // namespace asip::agent

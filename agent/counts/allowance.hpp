@@ -9,12 +9,11 @@
 
 namespace asip::agent {
 
-/// What is told of a flood: so much at once, then so much a second; the rest is counted. Pure.
+/// Bounds what is told of a flood: so much at once, then so much a second; the rest is counted. Pure.
 class Allowance {
   public:
     Allowance(double burst, double per_second) : burst_(burst), per_second_(per_second), left_(burst) {}
 
-    /// False: this one is not told.
     bool take(Time now) {
         if (last_)
             left_ =
@@ -27,7 +26,7 @@ class Allowance {
         left_ -= 1;
         return true;
     }
-    /// How many were not told since this was asked.
+    /// Since the last call.
     std::uint64_t take_dropped() { return std::exchange(dropped_, 0u); }
 
   private:

@@ -8,16 +8,14 @@
 
 namespace asip::agent {
 
-/// The log of one board's agent. Each line goes to standard error; a line of level info or above is kept for
-/// the topic `$log`, too, until take(). A line that is logged while on_news runs is not kept: publishing must
-/// not log for ever.
+/// The log of one board's agent: each line goes to standard error, those of level info and above also to the
+/// topic `$log`, by take(). What is logged while on_news runs is not kept: publishing must not log for ever.
 class BoardLog {
   public:
-    /// `called`: which board each line is about, a field; none: the process has only one. `on_news`: there
-    /// may be something to publish.
+    /// `called`: a field that names the board of each line; none: the process has only one.
     BoardLog(std::optional<std::pair<std::string, std::string>> called, std::function<void()> on_news);
 
-    /// The board's name is known: lines name it from now on, where they name anything.
+    /// Lines name the board from now on, where they name any.
     void board_is(const std::string& name);
 
     void write(program::log::Level level, std::string_view text, program::log::Fields fields = {});
@@ -36,7 +34,7 @@ class BoardLog {
         write(program::log::Level::kError, text, fields);
     }
 
-    /// Payloads for `$log`, as LogFeed::take().
+    /// See LogFeed::take().
     std::vector<std::string> take() { return feed_.take(); }
 
   private:

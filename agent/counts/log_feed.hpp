@@ -12,9 +12,8 @@
 
 namespace asip::agent {
 
-/// Lines of the log as payloads for the bus. Bounded in rate and in memory: kBurst lines at once, then
-/// kPerSecond, and while the agent takes none of them the newest kMaxKept. What is dropped is counted in the
-/// next line that is kept. Pure.
+/// Lines of the log for the bus: kBurst at once, then kPerSecond, and the newest kMaxKept until they are
+/// taken. The next line counts what was dropped. Pure.
 class LogFeed {
   public:
     static constexpr double kBurst = 50;
@@ -22,10 +21,10 @@ class LogFeed {
     static constexpr std::size_t kMaxKept = 32;
     static constexpr std::size_t kMaxTextBytes = 512;
 
-    /// `time`: of day, as it is to be shown.
+    /// `time`: of day, as text.
     void add(program::log::Level level, std::string_view text, std::span<const program::log::Field> fields,
              const std::string& time, Time now);
-    /// What is to be published, in order; JSON texts. Nothing is kept.
+    /// JSON texts, in order. Nothing is kept.
     std::vector<std::string> take();
 
   private:

@@ -10,19 +10,18 @@
 
 namespace asip::agent {
 
-/// Notices a board that restarts again and again, as one does whose power is too weak: what to say of it.
-/// Pure.
+/// Notices a board that restarts again and again, as boards with weak power do. Pure.
 class Restarts {
   public:
     static constexpr Duration kMinute = std::chrono::minutes(1);
-    /// So often at most what is announced of it changes.
+    /// Between two changes of the announced text.
     static constexpr Duration kBetweenTexts = std::chrono::seconds(5);
-    /// So many within a minute are no chance.
+    /// Within a minute: no chance.
     static constexpr std::size_t kMany = 3;
-    /// More are not counted.
     static constexpr std::size_t kMax = 1000;
 
-    /// True: it has its own line in the log; those of a board that does it again and again have one together.
+    /// True: this restart has a line of its own in the log; those of a board that does it again and again
+    /// share one.
     bool restarted(Time now) {
         forget(now);
         if (times_.size() < kMax) times_.push_back(now);
@@ -30,7 +29,7 @@ class Restarts {
         return !many();
     }
     bool many() const { return due_.has_value(); }
-    /// What to say has changed: text() is to be announced, and logged where to_log() says so.
+    /// True: text() is to be announced, and logged where to_log() says so.
     bool tick(Time now) {
         to_log_ = false;
         if (!due_ || now < *due_) return false;
@@ -50,10 +49,8 @@ class Restarts {
         text_ = std::move(text);
         return changed || to_log_;
     }
-    /// Once a minute.
     bool to_log() const { return to_log_; }
     std::optional<Time> next_deadline() const { return due_; }
-    /// Empty: nothing.
     const std::string& text() const { return text_; }
 
   private:

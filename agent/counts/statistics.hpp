@@ -14,12 +14,12 @@
 
 namespace asip::agent {
 
-/// What an agent counts from its start on, and the document that it publishes of it (docs/service-bus.md,
-/// "Statistics"). Its size is bounded, whatever boards and clients do. Counters never go back: programs that
-/// read the documents see a restart of the agent by its session. Pure.
+/// What an agent counts, and the document that it publishes of it (docs/service-bus.md, "Statistics").
+/// Bounded, whatever boards and clients do. Counters never go back: readers see a restart by the session.
+/// Pure.
 class Statistics {
   public:
-    /// Numbers that other rooms count, taken when a document is made.
+    /// Numbers that other rooms count.
     struct Sources {
         const session::BoardSession& session;
         mqtt::Counters bus;
@@ -34,23 +34,18 @@ class Statistics {
     // --- the board and its link
     void link_opened(Time now);
     void received(std::string_view bytes) { bytes_in_ += bytes.size(); }
-    /// Lines are counted by their line ends.
     void sent(std::string_view bytes);
-    /// `code`: of the protocol; unknown codes may come from any board.
+    /// `code`: of the protocol, or any other.
     void board_error(int code);
 
     // --- commands and values
-    /// A value was replaced by a newer one while the bus was away.
     void value_superseded() { ++superseded_; }
-    /// A hold was not renewed in time.
     void hold_expired() { ++expired_holds_; }
-    /// A message on `$stop` was obeyed.
     void stopped() { ++stops_; }
-    /// The one answer to a command of the bus. `proven`: its sender wanted an answer. `took`: from its
-    /// arrival on.
+    /// `proven`: the sender wanted an answer. `took`: from the command's arrival on.
     void answered(const bus::Reply& reply, bool proven, Duration took);
 
-    /// JSON text. Quantiles are of the time since the document before.
+    /// JSON. Quantiles cover the time since the last document.
     std::string document(const Sources& sources, Time now);
 
   private:

@@ -14,32 +14,30 @@
 
 namespace asip::agent {
 
-/// Collects what the board's description says besides the board's own words: link, agent, labels, numbers of
-/// elements, and periods. Each note_...() returns true when the description has changed, so that it must be
-/// announced again. Pure.
+/// Collects what a description says beside the board's own words: link, agent, labels, numbers of elements,
+/// and periods. note_...() returns true where the description changed, so that it must be announced. Pure.
 class Describer {
   public:
-    /// Both references must outlive it.
     Describer(const Board& board, const model::ModelSet& models, const ReportOptions& reports);
 
     // Not announced by themselves: they are in the next description.
     void link_opened(model::LinkInfo link) { link_ = std::move(link); }
     void line_rate_changed(unsigned baud) { link_.baud = static_cast<int>(baud); }
-    /// The board was identified; `changed`: it may be another board than before.
+    /// `changed`: it may be another board than before.
     void board_found(bool changed, const ReportPeriods& periods);
     bool note_agent(model::AgentInfo agent);
     bool note_labels(const LabelBook& labels);
     bool note_warnings(std::vector<std::string> warnings);
     bool note_stop(const std::optional<model::StopInfo>& stopped);
-    /// An event of a service, decoded, shows how many elements that has.
+    /// A decoded event shows how many elements its service has.
     bool note_event(const std::string& name, const nlohmann::json& event);
-    /// A request ended, which may have changed pin modes and periods.
+    /// A request ended that may have changed pin modes and periods.
     bool note_settings(const ReportPeriods& periods);
 
     const model::LinkInfo& link() const { return link_; }
-    /// The name for a board that has none and was given none: from the port or address it is at.
+    /// For a board without any: from its port or address.
     std::string name_from_link() const;
-    /// Everything but board name, session, seq and lease, which the announcer fills in.
+    /// Without board name, session, seq and lease, which the announcer fills in.
     model::Description description();
 
   private:

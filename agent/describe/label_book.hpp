@@ -13,43 +13,36 @@
 
 namespace asip::agent {
 
-/// The labels and friendly names of the board: those of the configuration, which cannot be changed over the
-/// bus, and those that were set over the bus, which are kept on the disk. Pure: it says in the effects what
-/// to write. Requests are handled one after the other: each is answered when what it asked for is on the
-/// disk, and counts from then on.
+/// Labels and friendly names of the board: those of the configuration, which are fixed, and those that were
+/// set over the bus, which are kept on the disk. Requests are answered one after the other, each once it is
+/// on the disk; from then on it counts. Pure.
 class LabelBook {
   public:
-    /// How many requests may wait for the disk.
     static constexpr std::size_t kMaxWaiting = 64;
     /// A disk is not written for each mode that a program sets.
     static constexpr Duration kBetweenWrites = std::chrono::seconds(10);
 
-    /// `board` must outlive it. `fixed`: the labels of the configuration.
+    /// `fixed`: the labels of the configuration.
     LabelBook(const Board& board, model::Labels fixed) : board_(board), fixed_(std::move(fixed)) {}
 
-    /// What was kept of this board. A fault: it is told in the description and in each answer, until labels
-    /// are set anew.
+    /// The description and each answer tell a fault until labels are set anew.
     void load(Expected<model::Labels> kept);
 
-    /// Names are checked against the services and pins of the board, where those are known.
+    /// Names are checked against the board's services and pins, where those are known.
     void request(const LabelRequest& request, Effects& out);
-    /// What became of Effects::keep_labels: where that was put which could not be read; empty: there was
-    /// none.
+    /// What became of Effects::keep_labels: where an unreadable file was put; empty: there was none.
     void kept(const Expected<std::filesystem::path>& result, Effects& out);
 
-    /// Modes that commands set: pin and mode. They hold at once, and are written to the disk within
-    /// kBetweenWrites.
+    /// Modes that commands set hold at once, and are on the disk within kBetweenWrites.
     void note_modes(const std::vector<std::pair<int, int>>& modes, Time now);
-    /// What waits to be written is due now.
     void hurry(Time now) {
         if (write_modes_at_) write_modes_at_ = now;
     }
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const { return begun_ ? std::nullopt : write_modes_at_; }
 
-    /// All that holds now.
     const model::Labels& current() const { return current_; }
-    /// Why labels that were kept are not among them; empty: all are.
+    /// Why labels that were kept do not count; empty: all do.
     const std::string& fault() const { return fault_; }
 
   private:

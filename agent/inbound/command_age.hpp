@@ -12,33 +12,30 @@
 
 namespace asip::agent {
 
-/// Finds out when a command was sent, so that no command is executed late. Four signs are joined here: the
-/// agent's clock in the command, the MQTT expiry, pauses of this process, and checks that show a delayed
-/// delivery. Pure: time comes in.
+/// Finds out when a command was sent, so that none is executed late, by four signs: the agent's clock in the
+/// command, the MQTT expiry, pauses of this process, and checks that show a delayed delivery. Pure.
 class CommandAge {
   public:
     explicit CommandAge(const Random& random) : clock_(random) {}
 
-    /// When a message was sent that is read now. `reading`: of the agent's clock, from the envelope; empty
-    /// where the sender gives none.
+    /// To be called as the message is read. `reading`: of the agent's clock, from the envelope; may be empty.
     Arrival sent_at(const mqtt::Message& message, std::string_view reading, Time now) const;
 
-    /// The agent's clock, for answers. Senders put the reading into their commands.
+    /// A reading for answers; senders put it into their commands.
     std::string clock(Time now) const { return clock_.read(now); }
 
     // --- what it learns from
-    /// The process runs. Call it before anything else is done at `now`. `timer_due`: when the process had
-    /// asked to be woken; `continuations`: how often it went on after a stop. Returns since when it did not
-    /// run, if it was paused; then a check is due.
+    /// Call it before anything else is done at `now`. `timer_due`: when the process had asked to be woken;
+    /// `continuations`: how often it went on after a stop. Returns the beginning of a pause of the process;
+    /// then a check is due.
     std::optional<Time> runs(Time now, std::optional<Time> timer_due, unsigned continuations);
-    /// A command was read. True: the first check is due now.
+    /// True: the first check is due now.
     bool commanded(Time now, bool qos1) { return delivery_.commanded(now, qos1); }
-    /// A new connection: nothing that was delayed on the old one comes over it.
+    /// Nothing that was delayed on the old connection comes over the new one.
     void connection_changed() { delivery_ = {}; }
-    /// Checks of the connection (mqtt::Client::check), see DelayedDelivery.
+    /// Checks of the connection, see DelayedDelivery.
     std::optional<Time> next_check() const { return delivery_.next_check(); }
     void check_sent(Time now) { delivery_.sent(now); }
-    /// True: the answer came too late.
     bool check_answered(Time now) { return delivery_.answered(now); }
 
   private:

@@ -3,9 +3,9 @@
 
 namespace asip::agent {
 
-/// Counts from now on how often this process goes on after a stop (SIGCONT). Call it once.
+/// Begins to count SIGCONT. Call it once.
 void count_continuations();
-/// How often it did. The count is right as soon as the process runs again, before it reads anything.
+/// The count is right as soon as the process runs again, before it reads anything.
 unsigned continuations();
 
 }  // namespace asip::agent

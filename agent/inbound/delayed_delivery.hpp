@@ -10,18 +10,16 @@
 
 namespace asip::agent {
 
-/// Detects that messages are delivered late, by a slow network or a stalled broker. It uses checks: questions
-/// to the broker whose answers come in order with the messages (mqtt::Client::check). If a check is answered
-/// late, messages that are received now may be as old as the last check that was answered in time.
-///
-/// Checks are sent only while the board is commanded, and after a pause of the agent itself. Pure. A new
-/// connection begins with a new object: nothing that was delayed on the old one comes over it.
+/// Detects late delivery, by a slow network or a stalled broker, with checks: questions to the broker whose
+/// answers come in order with the messages (mqtt::Client::check). Behind a late answer, messages may be as
+/// old as the last check that was answered in time.
+/// Checks are sent only while the board is commanded, and after a pause of the agent. A new connection begins
+/// with a new object. Pure.
 class DelayedDelivery {
   public:
     static constexpr Duration kEvery = std::chrono::seconds(1);
-    /// For so long after a command there are checks.
     static constexpr Duration kInUse = std::chrono::seconds(60);
-    /// An answer that takes longer is late, unless the usual one takes more than a quarter of that.
+    /// An answer after this time is late, unless the usual one takes more than a quarter of that.
     static constexpr Duration kLate = ProcessPauses::kLate;
     static constexpr int kTimesUsual = 4;
     /// After a late answer: the broker reads what its clients sent meanwhile piece by piece.

@@ -13,11 +13,9 @@
 
 namespace asip::agent {
 
-/// Tells people what is wrong between this agent and its broker: each fault once, in words that say what to
-/// do. Keeps what has been said; reads no clock.
+/// Tells people what is wrong between agent and broker: each fault once, with what to do.
 class BrokerReports {
   public:
-    /// What the sentences name.
     struct Agent {
         std::string board;
         std::string topic_root;
@@ -25,27 +23,27 @@ class BrokerReports {
         std::string broker;
     };
 
-    /// `log` must outlive it. `agent` is called when there is something to say.
+    /// `agent` is called when there is something to say.
     BrokerReports(BoardLog& log, std::function<Agent()> agent) : log_(log), agent_(std::move(agent)) {}
 
     // Each is called with what the MQTT client reports, in its order.
     void connected(const mqtt::Connected& connected, const mqtt::Counters& counters);
-    /// Each attempt may fail the same way; it is said once.
+    /// Failures that repeat are said once.
     void failed(const mqtt::ConnectionFailure& failure, bool was_connected);
     void subscription_refused(const std::string& filter, const std::string& reason);
-    /// This machine has credentials for boards, but none for this board.
+    /// This machine has credentials for boards, but none for this one.
     void credentials_missing(const std::string& board, const std::string& folder);
-    /// The broker took an announcement. True: the first one over this connection.
+    /// The broker took an announcement. True: the first of this connection.
     bool announced();
-    /// The broker may have refused something of this connection: looks what, and says it.
+    /// Says whether the broker may have refused something on this connection.
     void look_for_rejections(const mqtt::Counters& counters);
-    /// The broker ended the connection each time when it was given an announcement.
+    /// The broker ended each connection over an announcement.
     void announcing_denied();
-    /// What the broker said of the message that it refused last. Before look_for_rejections().
+    /// The broker's words about its last refusal. Before look_for_rejections().
     void denied(const std::string& reason) { denial_ = reason; }
-    /// A request names a topic on which this agent does not answer. Once for each connection.
+    /// A request names a topic where this agent does not answer. Once a connection.
     void stray_answer(const std::string& topic);
-    /// Values and answers that were dropped since the last call.
+    /// Since the last call.
     void look_for_drops(const mqtt::Counters& counters);
 
   private:

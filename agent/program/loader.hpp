@@ -12,7 +12,7 @@
 
 namespace asip::agent {
 
-/// Loads firmware into a board, by avrdude, which runs beside the agent: each boot loader in turn until one
+/// Loads firmware into a board by avrdude, beside the agent: one boot loader after the other until one
 /// answers.
 class Loader {
   public:
@@ -23,14 +23,12 @@ class Loader {
         std::string firmware;
         std::vector<link::BootLoader> loaders;
     };
-    /// Called on the event loop.
     struct Handlers {
         std::function<void(std::string_view step, int percent)> on_progress;
         std::function<void(const Expected<void>&)> on_done;
     };
 
-    /// `io` must outlive it. Where it is destroyed before its end, avrdude is ended, and no handler is called
-    /// any more.
+    /// Its end ends avrdude, and no handler is called any more.
     Loader(boost::asio::io_context& io, Order order, Handlers handlers);
     ~Loader();
     Loader(const Loader&) = delete;

@@ -14,18 +14,17 @@
 
 namespace asip::agent {
 
-/// When the board is restarted by the DTR line of its serial port: never, at each open, or where it answers
-/// nothing.
+/// When the DTR line restarts the board: never, at each open, or where the board is silent.
 enum class ResetPolicy { kNever, kAlways, kIfSilent };
 
-/// Where point-to-point clients connect, or a board with a network listens. The framing is known from the
-/// configuration, or recognised by what the other side sends first.
+/// Where point-to-point clients connect, or a board with a network listens. The framing is given, or
+/// recognised.
 struct ListenAddress {
     link::TcpAddress address;
     ClientFraming::Kind framing = ClientFraming::Kind::kUnknown;
 };
 
-/// All options of one board's agent, checked. Made by checked_options().
+/// The checked options of one board's agent.
 struct AgentOptions {
     BridgeOptions bridge;
     mqtt::Options mqtt;
@@ -37,7 +36,7 @@ struct AgentOptions {
     std::string tcp;                    ///< HOST:PORT[/FRAMING]; empty: `serial`
     ListenAddress tcp_address;          ///< the same, read
     std::vector<ListenAddress> listen;  ///< for point-to-point clients
-    /// A client that sent nothing for so long is taken to want plain lines.
+    /// After this silence a client is taken to want plain lines.
     Duration listen_silence = std::chrono::seconds(5);
     Duration statistics = std::chrono::seconds(15);  ///< between two documents; 0: none
     unsigned baud = 57600;                           ///< at which a serial board starts

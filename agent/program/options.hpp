@@ -10,8 +10,7 @@
 
 namespace asip::agent {
 
-/// The options as text, as they are written on the command line, in the environment and in the configuration
-/// file. The values here are the defaults that `--help` shows. Times are texts with a unit: "2s", "20ms".
+/// The options as text, with the defaults that `--help` shows. Times have a unit: "2s", "20ms".
 struct RawOptions {
     program::BrokerOptions broker;
     program::LogOptions log;
@@ -34,13 +33,13 @@ struct RawOptions {
     double patience = 8;
 };
 
-/// Makes all options known to `app` and `settings`, which fill `raw`.
+/// Declares all options, which fill `raw`.
 void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw);
 
-/// The standard models, and those of the folder of --services, where one is given.
+/// The standard models, and those of the folder of --services.
 Expected<model::ModelSet> load_models(const std::string& folder);
 
-/// What they mean, without the models; or what is wrong with one of them, by its name.
+/// The options without the models; or the fault of one of them.
 Expected<AgentOptions> checked_options(RawOptions raw);
 
 }  // namespace asip::agent

@@ -3,8 +3,7 @@
 
 namespace asip::agent {
 
-/// asip-agent, from its command line to its exit status (asip/program/exit_status.hpp). Prints help and
-/// errors of the command line itself; everything else goes to the log.
+/// Runs asip-agent; returns its exit status (asip/program/exit_status.hpp).
 int run_program(int argc, const char* const* argv);
 
 }  // namespace asip::agent

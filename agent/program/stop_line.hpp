@@ -11,20 +11,17 @@
 
 namespace asip::agent {
 
-/// A connection to the broker for stops alone. A broker delivers the messages of one connection one behind
-/// the other: a stop must not wait behind what others may send to a board. The boards of a process that have
-/// the same credentials share one.
-///
-/// One thread: all calls and handlers on the io_context.
+/// A connection to the broker for stops alone: messages of one connection come one behind the other, and a
+/// stop must not wait behind others. Boards of a process with the same credentials share one. One thread: all
+/// calls and handlers on the io_context.
 class StopLine {
   public:
-    /// What a board is told.
     struct Handlers {
         std::function<void(const mqtt::Message&)> on_stop;
-        /// Stops for this board arrive, or do not: `why`, for a person. Called for each attempt to connect.
+        /// Whether stops arrive; `why`, for a person. Called for each attempt to connect.
         std::function<void(bool heard, const std::string& why)> on_heard;
     };
-    /// Stops of one board arrive while it lives. It may outlive the line.
+    /// Stops of one board arrive while this lives. It may outlive the line.
     class [[nodiscard]] Listening {
       public:
         Listening() = default;
@@ -41,11 +38,11 @@ class StopLine {
 
     StopLine(boost::asio::io_context& io, mqtt::Options options);
 
-    /// `topic` must be that of one board. Handlers are not called from inside this call.
+    /// `topic`: of one board. No handler is called from inside this call.
     Listening listen(std::string topic, Handlers handlers);
 
-    /// What answers a stop leaves on this connection: on that of the board it waits behind an acknowledgement
-    /// for each command that arrived, and brokers read these one at a time.
+    /// Sends the answer to a stop here: on the board's connection it would wait behind the acknowledgement of
+    /// each command.
     void answer(mqtt::Message message) { client_->publish(std::move(message), mqtt::Priority::kUrgent); }
 
   private:
@@ -54,18 +51,17 @@ class StopLine {
         Handlers handlers;
     };
     void tell(bool heard, const std::string& why);
-    /// Those that are left, for each handler may end some.
     std::vector<std::shared_ptr<Entry>> entries();
 
     std::vector<std::weak_ptr<Entry>> entries_;
     std::shared_ptr<mqtt::Client> client_;
 };
 
-/// The stop lines of a process: one for each set of credentials.
+/// The stop lines of a process, one for each set of credentials.
 class StopLines {
   public:
     explicit StopLines(boost::asio::io_context& io) : io_(io) {}
-    /// The line that connects as `options` do. It lives as long as it is held, and connects at once.
+    /// It lives as long as it is held, and connects at once.
     std::shared_ptr<StopLine> line(const mqtt::Options& options);
 
   private:

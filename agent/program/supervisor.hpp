@@ -17,20 +17,20 @@
 
 namespace asip::agent {
 
-/// The program: an agent for each board of the plan, in one event loop. One board of a command line: the
-/// program ends with it, and SIGHUP changes nothing. Boards of a file: each is started again when it ends,
-/// later each time (2 s to 1 min), and SIGHUP reads the file anew.
+/// Runs an agent for each board of the plan, in one event loop. With one board of a command line, the program
+/// ends with it. Boards of a file are started again when they end, later each time (2 s to 1 min), and SIGHUP
+/// reads the file anew.
 class Supervisor {
   public:
-    /// `read_again`: the plan of the same file as it is now.
+    /// `read_again`: the plan of the same file now.
     Supervisor(Plan plan, std::function<Expected<Plan>()> read_again);
     ~Supervisor();
 
-    /// Runs until a signal comes, or the only board ends. Returns the exit status. Call it once.
+    /// Until a signal comes, or the only board ends. Returns the exit status. Call it once.
     int run();
 
   private:
-    /// A board of the plan, whether its agent runs now or waits to be started again.
+    /// It runs now, or waits to be started again.
     struct Board;
     // Boards
     void start_all();

@@ -12,15 +12,14 @@
 
 namespace asip::catalogue {
 
-/// Where the previous page ended. As text "BOARD/SERVICE/KEY": names hold no '/'; the key of sort orders
-/// by anything but the name comes last.
+/// Where the previous page ended, as text "BOARD/SERVICE/KEY": names hold no '/', and sort keys come last.
 struct Cursor {
     std::string board, service, key;
 
     std::string text() const { return board + '/' + service + '/' + key; }
 };
 
-/// A query, checked, with everything looked up that can be. Lives as long as `query` and the table of kinds.
+/// A checked query, with everything looked up. Lives as long as `query` and the table of kinds.
 struct QueryPlan {
     enum class Sort { kName, kState, kChip, kSketch, kLastSeen };
 
@@ -35,7 +34,7 @@ struct QueryPlan {
     std::size_t limit = 0;    ///< 1 to bus::Query::kMaxPage
     bool by_service = false;  ///< some filter looks at services
 
-    /// What every board that can match begins with.
+    /// A prefix of every board that can match.
     std::string_view name_prefix() const {
         return std::string_view(query.board).substr(0, query.board.find_first_of("*?"));
     }
@@ -47,12 +46,11 @@ struct QueryPlan {
         return view == nullptr || !view->service || view->service(b.name, service.name);
     }
     bool some_service_matches(const Board& b) const;
-    /// Whether only filters are used that the indices answer by themselves: then their sizes are the total.
+    /// True: indices answer all filters by themselves, so that their sizes are the total.
     bool counted_by_index() const;
 };
 
-/// Error: a sentence that names the member of the query that is wrong. `kinds` is settled. `view` may be
-/// null.
+/// Error: a sentence that names the wrong member. `kinds` is settled. `view` may be null.
 Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& kinds, const View* view);
 
 }  // namespace asip::catalogue

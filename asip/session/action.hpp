@@ -14,94 +14,87 @@ namespace asip::session {
 // What a BoardSession gives its caller: what it has to do, and what it has to know. Values that own their
 // texts.
 
-/// Names one submitted request; not used twice by one session, never 0.
+/// Not used twice by one session, never 0.
 using RequestId = std::uint64_t;
-/// A sender of requests; the caller chooses the number. Requests of one client keep their order.
+/// A sender of requests, numbered by the caller. Requests of one client keep their order.
 using ClientId = std::uint64_t;
-/// Whether an event of the right service and tag can be the answer to a request; one that cannot is damaged.
+/// Whether an event of the right service and tag can be the answer; else it is damaged.
 using AnswerCheck = std::function<bool(const protocol::Event&)>;
 
-/// How a request ended. Each submitted request ends exactly once, not later than its deadline.
+/// How a request ended. Each request ends exactly once, by its deadline.
 enum class Ending {
-    /// Its fence came back, and there was no sign of damage since it was sent. Where a value was asked for,
-    /// it is in Finished::answer.
+    /// Its fence came back without a sign of damage. Finished::answer holds the value, if one was asked for.
     kExecuted,
-    /// The same, for a request that asked for no proof.
+    /// The same, without proof.
     kUnproven,
     /// The board refused it: see Finished::code.
     kBoardError,
-    /// Sent, but something on the line was lost or damaged meanwhile, or the board restarted: it may or may
-    /// not have been executed.
+    /// Something was lost or damaged meanwhile, or the board restarted: it may or may not have been executed.
     kDoubt,
-    /// Executed, but the value that it asked for did not come.
+    /// Executed, but its value did not come.
     kNoValue,
-    /// Sent, and no answer in time: it may or may not have been executed.
+    /// No answer in time: it may or may not have been executed.
     kTimeout,
-    /// Not sent, and never will be: see Finished::not_sent.
+    /// It never will be sent: see Finished::not_sent.
     kNotSent,
 };
 
-/// Why a request was not sent.
 enum class NotSent {
     kBoardGone,  ///< the link was lost, or the board no longer answers
     kDeadline,   ///< its deadline came before its turn
     kStopped,    ///< BoardSession::cancel_waiting()
 };
 
-/// Write these bytes to the link, in order.
 struct Write {
     std::string bytes;
 };
 
-/// Wait until all that was written has left, set the rate of the link, then call
-/// BoardSession::line_rate_set() with whether that succeeded. Nothing is written in between.
+/// When all that was written has left, set the rate of the link, then call BoardSession::line_rate_set().
+/// Nothing is written in between.
 struct SetLineRate {
     unsigned baud = 0;
 };
 
-/// One complete line from the board that did not answer a question of the session itself.
+/// A line from the board that answers no question of the session itself.
 struct BoardLine {
     protocol::ParsedLine line;
-    /// The client whose request this line answers, or whose request it is an error of. Events, and whatever
-    /// cannot be attributed to one request, have none and concern everybody.
+    /// The client whose request this line answers or refuses. Events and unattributed lines have none: they
+    /// concern all.
     std::optional<ClientId> owner;
 };
 
-/// The board is known, or known again, and requests are sent. What it is: BoardSession::identity().
+/// The board is known (again) and requests are sent: BoardSession::identity().
 struct Identified {
     bool changed = true;  ///< false: the same board with the same services as before
 };
 
-/// The board restarted, but the link stayed. Its settings are being restored; an Identified follows.
+/// The board restarted. Its settings are being restored; an Identified follows.
 struct BoardReset {
     std::string why;  ///< how it was noticed, for a log
 };
 
-/// The board no longer answers although the link is up. The session continues to ask; requests are refused
-/// until the next Identified.
+/// The board no longer answers. The session asks on; requests are refused until the next Identified.
 struct BecameSilent {};
 
-/// No question was answered for SessionOptions::patience, at any rate, before the board was known; reported
-/// once per link_up. The session continues to ask.
+/// No question was answered for SessionOptions::patience, before the board was known; once per link_up. The
+/// session asks on.
 struct NoAnswer {
     bool heard_bytes = false;  ///< something arrived: without a banner a wrong rate, or not an ASIP board
     bool heard_banner = false;
 };
 
-/// The line rate in use changed, for logs and descriptions.
+/// For logs and descriptions.
 struct LineRateChanged {
     unsigned baud = 0;
     std::string why;  ///< for a log
 };
 
-/// Bytes that are no message of this protocol were dropped, or an event cannot be the answer that it seems
-/// to be.
+/// Bytes were dropped that are no message, or an event cannot be the answer that it seems to be.
 struct Garbage {
     std::string reason;  ///< for a log
     std::string sample;  ///< the first bytes, at most 32, unprintable ones replaced by '?'
 };
 
-/// A submitted request ended.
 struct Finished {
     RequestId id = 0;
     Ending ending = Ending::kTimeout;

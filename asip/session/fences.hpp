@@ -10,24 +10,24 @@
 
 namespace asip::session {
 
-/// A question whose answer proves that the board executed what was sent before it.
+/// A question whose answer proves that what was sent before it was executed.
 struct Fence {
     std::string line;   ///< "#,V,x4T", "#,E,x4T", "#,?" or "#,N"
     std::string token;  ///< empty on a board without the echo extension
-    /// The digest in its answer is that of the requests in flight behind the fence before, and of this one.
+    /// Its answer has a digest of this fence and of the requests behind the fence before.
     bool verifies = false;
 
     bool sent() const { return !line.empty(); }
     bool is_answered_by(const protocol::Event& event) const;
 };
 
-/// The token in the answer to a fence: empty where there is none. And the digest behind it.
+/// The token in the answer to a fence, which may be empty; and the digest behind it.
 std::string_view fence_token(const protocol::Event& event);
 std::optional<std::int64_t> fence_digest(const protocol::Event& event);
 
-/// Makes fences. With the echo extension, and with verified fences, each has a token of three letters and
-/// digits: the tokens of a session begin at a random one, go in random strides, and do not repeat within
-/// 238,328 fences. Without it, two questions take turns.
+/// Makes fences. With the extensions echo and verified fences, each has a token of three letters and digits,
+/// which go in random strides from a random beginning and do not repeat within 238,328 fences. Without them,
+/// two questions take turns.
 class Fences {
   public:
     static constexpr std::size_t kTokenBytes = 3;
@@ -45,9 +45,8 @@ class Fences {
     bool verified() const { return echo_ && verified_; }
 
     Fence next();
-    /// Without the extension: the question of the two that is not `avoid`, by its first three characters.
+    /// Without the extension: the question that does not begin with the first three characters of `avoid`.
     Fence next_but(std::string_view avoid);
-    /// Whether `line` is one of the questions that serve as fences.
     bool is_fence_question(std::string_view line) const;
 
   private:

@@ -14,72 +14,66 @@
 
 namespace asip::session {
 
-/// What was sent and has not ended: batches of requests, each closed by a fence, and requests that were
-/// executed and wait for their value. Decides how each ends.
-///
-/// An error of the board names one request of a batch: they differ in service or tag. Requests of one client
-/// need not differ where it wants no proof, or where the fence is a verified one: the digest tells
-/// which of them had an error.
+/// What was sent and has not ended: batches of requests, each closed by a fence, and executed requests that
+/// wait for their value. Decides how each ends.
+/// An error names one request of a batch by service and tag. Two of one client may share both where no proof
+/// is wanted, or where the digest of a verified fence tells which had the error.
 class InFlight {
   public:
-    /// What a line from the board meant to us.
     struct Meaning {
         bool is_fence = false;          ///< the answer to a fence of ours, of now or of before
         std::optional<ClientId> owner;  ///< the answer to this client's question, or its error
         bool is_value = false;          ///< a request waits for such an event, or ended before it came
-        /// An error that belongs to no request, or to one of the session's own that no digest speaks for.
+        /// An error of no request, or of one of the session's own without a digest.
         bool unexplained = false;
         bool contradicts = false;  ///< a fence: the board read something else than what was sent
     };
 
     bool empty() const { return batches_.empty(); }
-    /// Bytes that may be in the board's receive buffer.
+    /// In the board's receive buffer, at most.
     std::size_t bytes() const { return bytes_; }
     bool has_open_batch() const { return !batches_.empty() && !batches_.back().fence.sent(); }
     bool open_batch_wants_proof() const;
     Time last_sent() const { return batches_.back().last_sent; }
-    /// Whether the open batch may be closed now: not while the board may not have read a long request yet.
+    /// False: the board may not have read a long request yet.
     bool may_close(Time now) const { return now >= batches_.back().close_after; }
     Time close_after() const { return batches_.back().close_after; }
-    /// Whether a fence is out that is not overdue.
+    /// A fence is out and not overdue.
     bool fence_out() const;
     bool overdue() const { return !batches_.empty() && batches_.front().overdue; }
     std::size_t batches() const { return batches_.size(); }
     /// Nothing may follow before its fence is back.
     bool is_barrier() const;
 
-    /// Whether `next` cannot join the open batch. `verified`: the digest that comes with its fence tells
-    /// which of several requests an error belongs to.
+    /// `next` cannot join the open batch. `verified`: a digest tells which request an error belongs to.
     bool conflicts(const Request& next, bool verified) const;
-    /// Whether some batch holds a request with this line, or was closed with it.
+    /// Some batch holds a request with this line, or was closed with it.
     bool holds_question(std::string_view line) const;
 
-    /// Whether one that waits for the same kind of event is under way: one event may be the end of both, and
-    /// come too early for the second.
+    /// A request that waits for the same kind of event is under way. One event might end both, and come too
+    /// early for the second.
     bool awaits_value_of(const Request& next) const;
 
-    /// Whether a request is under way that sets the period of that service to 0.
+    /// A request under way sets the period of that service to 0.
     bool turns_reports_off(char service) const;
-    /// Then the board has sent what others asked for that ended without it, as far as fences show until then
-    /// that it does not stand still (see_again()): one behind that moment shows that it does not come any
-    /// more. Time::min(): no other request did.
+    /// By this time the board has sent the values that earlier requests gave up waiting for. A fence answered
+    /// later proves that none is left. Time::min(): there were no such requests.
     Time owed_until(const Request& next, Time now) const;
-    /// When the next fence is to be sent so that it shows that.
+    /// When the next fence is due for that proof.
     Time see_again() const { return last_back_ + longest_gap() / 2; }
-    /// The same where one is to be sent though no client waits; Time::max(): none is. A client that has
-    /// little time would never wait for it.
+    /// When a fence is due for that proof though no client waits, since one in a hurry never would;
+    /// Time::max(): none is.
     Time look_at() const;
     void looked();
-    /// Whether the value of such a request was seen to take longer than its fence.
+    /// Such a value was seen to take longer than its fence.
     bool comes_behind_fence(const Request& next) const;
 
-    /// Whether the fence of some request is back and its value is not.
+    /// The fence of some request is back and its value is not.
     bool awaits_values() const { return !awaiting_.empty(); }
 
-    /// `bytes`: on the wire, with line end and checksum.
-    /// True: only an event behind its fence can be its value.
+    /// `bytes`: on the wire, with line end and checksum. True: only an event behind its fence can be its
+    /// value.
     bool add(Request request, std::size_t bytes, bool reports, Time close_after, Time now);
-    /// The one added last cannot be proven.
     void doubt_last() { batches_.back().items.back().doubted = true; }
     /// Closes the open batch, or sends a fence with nothing before it.
     void close(Fence fence, std::size_t bytes, Time now);
@@ -93,25 +87,23 @@ class InFlight {
     /// Something was lost or damaged, or the board restarted: nothing that is in flight can be proven now.
     void doubt();
 
-    /// Ends what has reached its deadline.
     void expire(Time now, std::vector<RequestEnd>& ended);
-    /// Fences that are not back after `answer_timeout` are overdue: what they closed is no longer taken to be
-    /// in the board's buffer. The number of those that became so now.
+    /// Makes fences overdue that are not back after `answer_timeout`: what they closed no longer counts as in
+    /// the board's buffer. Returns how many are overdue since now.
     unsigned mark_overdue(Time now, Duration answer_timeout);
 
-    /// Ends everything: in doubt, or as timed out.
     void end_all(Ending ending, std::vector<RequestEnd>& ended);
-    /// The board restarted: it sends nothing any more that a client asked for before.
+    /// After its restart the board owes no value.
     void forget_owed() { owed_.clear(); }
 
-    /// Not after the moment when one of the above changes something.
+    /// Not later than the next of these events.
     Time next_deadline(Duration answer_timeout) const;
 
   private:
-    // Between two fences further apart the board may have stood still for too long to be sure that it has
-    // sent what it was asked for: a good part of the least answer time of a service.
+    // After a longer gap between two fences the board may have stood still, and not have sent what it was
+    // asked for.
     static constexpr Duration kLongestGap = std::chrono::milliseconds(100);
-    // Of fences that come back: two seconds.
+    // Fences that come back, for a value that is owed: two seconds.
     static constexpr unsigned kLooks = 40;
 
     struct Item {
@@ -130,7 +122,6 @@ class InFlight {
         bool suspected = false;                                  // one of the unclear errors may be its own
         bool wants_value() const { return request.answer_tag != 0; }
     };
-    /// A request that ended without its value, which may still come.
     struct Owed {
         std::uint64_t number;
         char service;
@@ -140,7 +131,6 @@ class InFlight {
         Duration answer_time;
         unsigned looks = kLooks;  // so many fences more are sent for it alone
     };
-    /// An error that may belong to several requests of a batch.
     struct Unclear {
         int code;
         std::string text;
@@ -163,7 +153,7 @@ class InFlight {
     };
 
     class Explanation;  // in_flight_digest.cpp
-    // Gives each unclear error to the request that the digest says. False: the digest contradicts the batch.
+    // By the digest. False: the digest contradicts the batch.
     static bool settle_errors(Batch& batch, const protocol::Event& event);
     Item* find_question(const protocol::Event& event);
     void goes_on(Time now);

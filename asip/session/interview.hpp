@@ -15,7 +15,7 @@
 
 namespace asip::session {
 
-/// What a board answered about itself. Whatever it did not answer is empty; nothing here is guessed.
+/// What a board answered about itself; the rest is empty, never guessed.
 struct Identity {
     protocol::BoardInfo info;
     std::string stored_name;                      ///< from the identity extension; empty if it has none
@@ -27,40 +27,37 @@ struct Identity {
     protocol::AnalogMap analog_pins;
     protocol::PortMap port_map;
 
-    /// The service with this letter, or null. Valid as long as `services` is not changed.
+    /// Null: none. Valid while `services` is not changed.
     const protocol::ServiceName* find_service(char letter) const;
 };
 
-/// Whether both are the same board with the same services, whatever the modes of their pins and
-/// the line rate are.
+/// Modes of pins and the line rate aside.
 bool same_board(const Identity& a, const Identity& b);
-/// Whether they are two boards for sure, or one with another sketch.
+/// Two boards for sure, or one with another sketch.
 bool is_other_board(const Identity& a, const Identity& b);
 
-/// The state machine that asks a board what it is: one question at a time, each up to three times. Only `#,?`
-/// must be answered; what a board refuses or does not answer stays empty. Answers may come late; services and
-/// pins are asked for once more in the end where they did not come at all. That a board has no extensions is
-/// believed where it refuses `#,X` twice, or twice answers `#,?` and not `#,X`.
+/// Asks a board what it is: one question at a time, each up to three times. Only `#,?` must be answered.
+/// Answers may come late; services and pins that did not come are asked for again in the end. A board has no
+/// extensions where it refuses `#,X` twice, or twice answers `#,?` and not `#,X`.
 class Interview {
   public:
     enum class Progress { kAsking, kDone, kFailed };
 
-    /// `services` as a banner named them, for boards that do not answer `#,N`. `with_checksums`: turn them on
-    /// as soon as the board is known to have them, and ask everything again. The question goes to `lines`.
+    /// `services`: of a banner, for boards that do not answer `#,N`. `with_checksums`: turn them on once the
+    /// board is known to have them, and ask everything again. The question goes to `lines`.
     Interview(std::string services, bool with_checksums, Time now, std::vector<std::string>& lines);
 
-    /// True: the line was the answer to our question.
+    /// True: it answered our question.
     bool on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines);
     bool on_error(const protocol::ErrorReply& error, Time now, std::vector<std::string>& lines);
     void on_deadline(Time now, Duration answer_timeout, std::vector<std::string>& lines);
-    /// Asks the same again, as if it had not been asked.
+    /// As if it had not been asked.
     void repeat(Time now, std::vector<std::string>& lines);
 
     Progress progress() const { return progress_; }
     Time next_deadline(Duration answer_timeout) const { return asked_ + answer_timeout; }
-    /// When done.
     Identity& identity() { return identity_; }
-    /// When done: a question besides `#,?` that the board answered, `#,N` if it can be.
+    /// When done: a question besides `#,?` that the board answered, preferably `#,N`.
     std::string other_question() const;
 
   private:

@@ -19,8 +19,8 @@
 
 namespace asip::session {
 
-/// The state machine behind BoardSession: what is known in every state, and one state with its own data. Each
-/// state has a source file; machine.cpp leads from one to the other.
+/// Behind BoardSession: what is known in every state, and one state with its own data and source file;
+/// machine.cpp leads from one to the other.
 class Machine {
   public:
     Machine(SessionOptions options, const Random& random);
@@ -51,22 +51,18 @@ class Machine {
 
   private:
     struct Down {};
-    /// Asking `#,?` at one rate after the other.
     struct Searching {
         Search search;
         Time since;
     };
-    /// It answered: asking what it is.
     struct Identifying {
         Interview interview;
         int turn = 1;          // of the search before it
         bool answers = false;  // something that reads as ASIP came since the question
     };
-    /// It is known: trying a faster rate.
     struct SteppingUp {
         RateChange change;
     };
-    /// Requests are sent.
     struct Ready {
         Time garbage_since;
         unsigned garbage = 0;

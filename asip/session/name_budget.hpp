@@ -7,14 +7,14 @@
 
 namespace asip::session {
 
-/// How often a board may be given a name. Each time the board writes its EEPROM, whose cells last for 100,000
-/// writes: unlimited, they are worn out within an hour. kAtOnce names, and then one each kEvery. Pure.
+/// How often a board may be given a name: each write wears its EEPROM, whose cells last for 100,000. kAtOnce
+/// names, then one each kEvery. Pure.
 class NameBudget {
   public:
     static constexpr unsigned kAtOnce = 10;
     static constexpr Duration kEvery = std::chrono::minutes(10);
 
-    /// Whether the line stores a name: `#,I,NAME`.
+    /// The line stores a name: `#,I,NAME`.
     static bool concerns(std::string_view line) { return line.starts_with("#,I,"); }
 
     unsigned left(Time now) const {
@@ -22,7 +22,6 @@ class NameBudget {
         const auto back = static_cast<unsigned>(std::min<Duration::rep>((now - since_) / kEvery, kAtOnce));
         return std::min(left_ + back, kAtOnce);
     }
-    /// Not where none is left.
     void spend(Time now) {
         const auto before = left(now);
         since_ = before == kAtOnce ? now : since_ + kEvery * (before - left_);

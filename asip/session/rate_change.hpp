@@ -11,10 +11,10 @@
 
 namespace asip::session {
 
-/// The rates that a board with the line-rate extension may be moved to.
+/// The rates that a board may be moved to.
 class Rates {
   public:
-    /// The fastest rate allowed that has not failed.
+    /// The fastest allowed rate that has not failed.
     unsigned best(unsigned max_baud) const;
     void mark_bad(unsigned baud) { bad_.insert(baud); }
     void forget_bad() { bad_.clear(); }
@@ -23,9 +23,8 @@ class Rates {
     std::set<unsigned> bad_;
 };
 
-/// The state machine that moves a board to a faster rate and tries that with a burst of fences. It never goes
-/// back by itself: when a rate fails, the session searches the board anew (it returns to its start rate, or
-/// stays and is found there).
+/// Moves a board to a faster rate and tries that with a burst of fences. When a rate fails, the session
+/// searches the board anew, which returns to its start rate or stays.
 class RateChange {
   public:
     enum class Step {
@@ -38,13 +37,13 @@ class RateChange {
         kFailed,
     };
 
-    /// `token_start`: two letters or digits that begin every token; answers to another change have others.
+    /// `token_start`: two letters or digits that begin every token of this change.
     RateChange(unsigned baud, std::string token_start, Time now, std::vector<std::string>& lines);
 
     Step step() const { return step_; }
     unsigned baud() const { return baud_; }
 
-    /// True: the line was meant for us. In kSwitching the shell has to set the rate.
+    /// True: the line was for us. In kSwitching the shell has to set the rate.
     bool on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines);
     bool on_error(const protocol::ErrorReply& error);
     void on_garbage();

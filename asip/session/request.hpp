@@ -7,7 +7,6 @@
 
 namespace asip::session {
 
-/// A request line on its way to the board.
 struct Request {
     RequestId id = 0;  ///< 0: the session's own, whose end is not reported
     ClientId client = 0;
@@ -18,24 +17,23 @@ struct Request {
     char answer_tag = 0;     ///< tag of the event that answers it, of the same service; 0: none
     Duration answer_time{};  ///< how long after its fence that event may come
     AnswerCheck is_answer{};
-    /// Nothing else between its fences: an error of it would not name it, or it changes how the line works.
+    /// Alone between its fences: its error would not name it, or it changes how the line works.
     bool alone = false;
 
     char service() const { return line[0]; }
     char tag() const { return line[2]; }
-    /// Its answer has its own service and tag (`#,?`, `I,M`): nothing but the answer looks like that.
+    /// Only the answer has its service and tag (`#,?`, `I,M`).
     bool is_question() const;
-    /// It turns checksums on or off: what follows it has another form.
+    /// It turns checksums on or off.
     bool changes_line() const { return service() == '#' && tag() == 'C'; }
 };
 
-/// The events of its tag that the board sends without being asked.
+/// Events of a value's tag that the board sends unasked.
 struct SelfReports {
     Time until = Time::min();  ///< then none is on its way any more; Time::max(): not known
     Duration every{};          ///< their period; 0: none, or not known
 };
 
-/// How a request ended.
 struct RequestEnd {
     Request request;
     Ending ending = Ending::kTimeout;
@@ -45,11 +43,10 @@ struct RequestEnd {
     protocol::ParsedLine answer{};
 };
 
-/// Whether `service` and `tag` are those of a question that the board answers with an event of the same
-/// service and tag.
+/// `service` and `tag` are those of a question that is answered with the same two.
 bool is_question(char service, char tag);
 
-/// Whether the answer to such a question has the form that the protocol demands. Other events: true.
+/// The answer to such a question has the form of the protocol. Other events: true.
 bool is_well_formed(const protocol::Event& event);
 
 }  // namespace asip::session

@@ -15,8 +15,8 @@
 
 namespace asip::session {
 
-/// Requests that were not sent yet: a queue for each client, served in turn, before all of them the session's
-/// own requests, and before those the urgent ones. Of one client each request comes after the one before.
+/// Requests that were not sent yet: urgent ones, then the session's own, then those of clients in turn.
+/// Requests of one client keep their order.
 class WaitingRequests {
   public:
     void push(Request request);
@@ -29,8 +29,7 @@ class WaitingRequests {
     bool changes_line() const;
     std::size_t size_of(ClientId client) const;
 
-    /// Passes over clients whose next request is not to be sent now; they keep their place. False: all of
-    /// them.
+    /// Passes over clients whose next request may not go now; they keep their place. False: none may.
     template <class MayGo>
     bool turn_to(MayGo&& may_go) {
         if (!urgent_.empty() || !own_.empty()) return true;
@@ -41,17 +40,16 @@ class WaitingRequests {
         std::rotate(turns_.begin(), turn, turn + 1);
         return true;
     }
-    /// The request whose turn it is. Not when empty().
+    /// Not when empty().
     const Request& front() const;
     Request pop();
 
-    /// Not after the earliest deadline of what waits; Time::max() where nothing has one.
+    /// Not later than the earliest deadline; Time::max(): there is none.
     Time earliest_deadline() const { return earliest_; }
-    /// Takes out what has reached its deadline.
     std::vector<Request> take_expired(Time now);
     /// Takes out all requests of clients, and forgets the session's own.
     std::vector<Request> take_all();
-    /// Takes out what clients wait for, but for what is urgent.
+    /// Takes out what clients wait for and is not urgent.
     std::vector<Request> take_queued();
     void forget_own() { own_.clear(); }
 
@@ -64,12 +62,12 @@ class WaitingRequests {
     Time earliest_ = Time::max();
 };
 
-/// The state machine that paces requests and proves them. Requests and fences together never take more than
-/// the board's receive buffer holds. A fence that is not back in time is overdue: until some fence is back,
-/// nothing but fences is sent. A 0.4 board has no tokens in its fences: one is out at a time.
+/// Paces requests and proves them: requests and fences together never exceed the board's receive buffer.
+/// While a fence is overdue nothing but fences is sent. Fences of a 0.4 board have no tokens: one is out at a
+/// time.
 class RequestQueue {
   public:
-    /// What the receive buffer of an Arduino holds: 64 bytes less one.
+    /// Of an Arduino: 64 bytes less one.
     static constexpr std::size_t kReceiveBufferBytes = 63;
     /// How much of it is used while the board reports by itself.
     static constexpr std::size_t kWhileReporting = 48;
@@ -80,9 +78,9 @@ class RequestQueue {
     /// `verified`: the board digests what it reads.
     void use_echo(bool verified) { fences_.use_echo(verified); }
     void use_questions(std::string second) { fences_.use_questions(std::move(second)); }
-    /// Bytes each line gets more on the wire.
+    /// That a line gets on the wire.
     void set_checksum_bytes(std::size_t bytes) { checksum_bytes_ = bytes; }
-    /// Time one byte takes on the line; zero where it has no rate.
+    /// Zero: the line has no rate.
     void set_byte_time(Duration time) { byte_time_ = time; }
     /// The board read what is not in flight here.
     void forget_digest() {
@@ -91,21 +89,19 @@ class RequestQueue {
     }
     /// Without line end and checksum.
     void set_longest_request(std::size_t bytes) { longest_request_ = bytes; }
-    /// What waits and is not urgent is kept until this is undone.
+    /// While on, what is not urgent waits.
     void hold_back(bool on) { held_back_ = on; }
-    /// The board sends events by itself, at least now and then.
+    /// The board sends events by itself.
     void set_reporting(bool on) { reporting_ = on; }
 
     WaitingRequests& waiting() { return waiting_; }
     const WaitingRequests& waiting() const { return waiting_; }
 
-    /// The next request of a client does not fit where the board collects it, with so many bytes behind it.
+    /// The next request of a client, with so many bytes behind it, exceeds the board's line buffer.
     bool next_is_too_long_for(std::size_t checksum_bytes) const;
-    /// Checksums are being turned on or off.
     bool switching_line() const;
 
-    /// Lines to write now, without line end and checksum, in order. `reports(request)`: the SelfReports of
-    /// the value that it asks for.
+    /// Lines to write now, without line end and checksum. `reports(request)`: the SelfReports of its value.
     template <class Reports>
     std::vector<std::string> pump(Time now, Reports&& reports) {
         std::vector<std::string> lines;
@@ -137,16 +133,16 @@ class RequestQueue {
     /// Ends what has reached its deadline, notices overdue fences.
     void on_time(Time now, Duration answer_timeout, std::vector<RequestEnd>& ended);
 
-    /// The link or the board went, or the board restarted. What waits stays.
+    /// Link or board went, or the board restarted. What waits stays.
     void abandon_in_flight(Ending ending, std::vector<RequestEnd>& ended);
     void abandon_waiting(std::vector<RequestEnd>& ended);
     void cancel_waiting(std::vector<RequestEnd>& ended);
-    /// The board said that it restarted: what it still owed does not come any more.
+    /// What the board owed does not come any more.
     void board_restarted() { in_flight_.forget_owed(); }
-    /// The board was found again: no fence of before is missing any more.
+    /// The board was found again: no earlier fence is missing.
     void restart();
 
-    /// A fence with nothing before it, to see whether the board lives. Nothing when one is out already.
+    /// Sends a fence alone, to see whether the board lives, unless one is out.
     void probe();
 
     Time next_deadline(Duration answer_timeout) const;
@@ -155,11 +151,11 @@ class RequestQueue {
     bool idle() const { return waiting_.empty() && in_flight_.empty(); }
     /// Nothing but fences is sent.
     bool stalled() const { return stalled_; }
-    /// The next lines begin with a fence that shows whether the board still executes requests.
+    /// The next lines begin with a fence that shows whether the board executes requests.
     bool will_resynchronise() const { return stalled_ && !in_flight_.fence_out(); }
     /// The next line does not wait for such a fence, and little is on its way.
     bool urgent_while_stalled() const;
-    /// Fences lost in a row.
+    /// In a row.
     unsigned lost_fences() const { return lost_fences_; }
     std::uint64_t fence_timeouts() const { return fence_timeouts_; }
 

@@ -9,9 +9,8 @@
 
 namespace asip::session {
 
-/// The services of one board with their models and with the names by which commands and events reach them:
-/// the model's name, and the letter for a service that has no model or is not the first of its kind. The one
-/// place where these names are given, for agents and for clients that talk to a board directly.
+/// The services of a board with their models and their names on the bus: the model's name; the letter for a
+/// service without model, or not the first of its kind. Agents and direct clients take names from here alone.
 class ServiceTable {
   public:
     struct Entry {
@@ -22,8 +21,7 @@ class ServiceTable {
     };
 
     ServiceTable() = default;
-    /// The services of `board` in its order. Models are shared with `models`, which need not outlive the
-    /// table.
+    /// In the order of `board`. `models` need not outlive the table.
     ServiceTable(const Identity& board, const model::ModelSet& models);
 
     // Each returns null where there is none; valid as long as the table.

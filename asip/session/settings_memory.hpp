@@ -8,20 +8,19 @@
 
 namespace asip::session {
 
-/// What clients had set on a board and what has to be set again after it restarted: pin modes and auto-event
-/// periods. Output values are never in here: a relay must not click because a board rebooted.
+/// What is set again after a board restarted: pin modes and periods of events. Never output values: a relay
+/// must not click because a board rebooted.
 class SettingsMemory {
   public:
-    /// A request the board executed. `#,R` forgets everything: its sender wanted a fresh board.
+    /// `#,R` forgets everything: its sender wanted a fresh board.
     void executed(std::string_view line);
     /// A request that was taken for executed and then refused.
     void refused(std::string_view line);
 
-    /// Whether a request is one of those that are remembered.
     static bool is_setting(std::string_view line);
 
     bool empty() const { return modes_.empty() && periods_.empty(); }
-    /// Request lines that set everything again: modes first, by pin.
+    /// Requests that set everything again: modes first, by pin.
     std::vector<std::string> restore() const;
     std::optional<unsigned> period(char service) const;
 
@@ -30,7 +29,7 @@ class SettingsMemory {
     std::map<char, unsigned> periods_;  // service -> ms
 };
 
-/// Pin and mode of an `I,P,pin,mode` request.
+/// `I,P,pin,mode`
 struct ModeRequest {
     int pin;
     int mode;

@@ -11,8 +11,7 @@
 
 namespace asip::session {
 
-/// The line as bytes: cuts what arrives into lines, puts checksums on what is sent and takes them off what
-/// arrives, and knows the rate.
+/// The line as bytes: cuts what arrives into lines, adds and removes checksums, and knows the rate.
 class Wire {
   public:
     enum class Checksums {
@@ -22,7 +21,7 @@ class Wire {
     };
     static constexpr std::size_t kChecksumBytes = 3;
 
-    /// `baud`: 0 where the link has no rate.
+    /// `baud`: 0: none.
     void open(unsigned baud);
 
     unsigned baud() const { return baud_; }
@@ -30,21 +29,21 @@ class Wire {
     bool has_rates() const { return start_baud_ != 0; }
     bool at_start_rate() const { return baud_ == start_baud_; }
     void set_rate(unsigned baud, std::string why, Actions& out);
-    /// Time of one byte on the line; zero where the link has no rate.
+    /// Of one byte; zero: the link has no rate.
     Duration byte_time() const;
-    /// Whether a checksum costs less than 0.1 ms a line.
+    /// A checksum costs less than 0.1 ms a line.
     bool is_fast() const;
 
-    /// Writes the lines, each with a line end. `#,C,1` and `#,C,0` change the form of what follows them.
+    /// Each with a line end. `#,C,1` and `#,C,0` change the form of what follows them.
     void write(const std::vector<std::string>& lines, Actions& out);
     Checksums checksums() const { return checksums_; }
     bool writes_checksums() const { return checksums_ != Checksums::kOff; }
     void forget_checksums() { checksums_ = Checksums::kOff; }
-    /// Lines that bring a board to the wanted form, whichever it has now.
+    /// They bring a board to the wanted form from either.
     std::vector<std::string> switching_lines(bool on);
 
     protocol::LineReader& reader() { return reader_; }
-    /// What one received line is without its checksum. `damaged`: it should have had one, or has a wrong one.
+    /// A received line without its checksum. `damaged`: the checksum is missing or wrong.
     struct Received {
         std::string_view text;
         bool damaged = false;
