@@ -7,15 +7,14 @@
 
 namespace asip::mqtt {
 
-/// Waiting times between attempts. They double from `first` up to `max`; each is drawn at random from its
-/// upper half, so that programs that lost the same broker do not return in step.
+/// Waiting times that double from `first` to `max`, each drawn from its upper half, so that programs that
+/// lost the same broker do not return in step.
 class Backoff {
   public:
     Backoff(Duration first, Duration max) : first_(first), max_(max), next_(first) {}
 
-    /// How long to wait before the next attempt.
     Duration next(const Random& random);
-    /// An attempt succeeded: the next wait is `first` again.
+    /// The next wait is `first` again.
     void reset() { next_ = first_; }
 
   private:

@@ -11,32 +11,28 @@
 
 namespace asip::mqtt {
 
-/// Which broker is tried next, when, and with which version of MQTT: decided from how the attempts before
-/// ended. Pure.
+/// Decides from ended attempts which broker is tried next, when, and with which version of MQTT. Pure.
 class BrokerList {
   public:
-    /// The consequence of the end of an attempt or a connection.
     struct Next {
         Duration wait{};  ///< before the next attempt
-        /// To be reported; none when only the version of MQTT was too high.
+        /// None: only the version of MQTT was too high.
         std::optional<ConnectionFailure> failure;
     };
 
-    /// `brokers` is not empty.
+    /// Not empty.
     BrokerList(std::vector<BrokerAddress> brokers, Version version, Backoff backoff);
 
-    /// The one to try now.
     const BrokerAddress& current() const { return brokers_[current_].address; }
     std::size_t size() const { return brokers_.size(); }
-    /// Whether to try it with MQTT 5.
     bool with_v5() const { return brokers_[current_].version.v5(); }
 
-    /// It accepted the connection.
+    /// The broker accepted the connection.
     void accepted();
-    /// The accepted connection ended after `held`. If that was long, the next attempt follows at once where
-    /// there are several brokers. After three short connections in a row the next broker is tried.
+    /// The accepted connection ended after `held`. After a long one the next attempt follows at once where
+    /// there are several brokers; after three short ones in a row the next broker is tried.
     Next lost(const ConnectionEnd& end, Duration held, const Random& random);
-    /// The attempt failed. `tried_v5`: what with_v5() was.
+    /// `tried_v5`: what with_v5() was.
     Next failed(const ConnectionEnd& end, bool tried_v5, const Random& random);
 
   private:

@@ -33,24 +33,22 @@ struct ConnectionFailure {
     BrokerAddress broker{};
     int code = 0;        ///< reason code of CONNACK or DISCONNECT, where there was one
     std::string text{};  ///< one line for a person, with what to check
-    /// The failure may pass by itself: a certificate that is not valid yet, by our clock.
+    /// For example, a certificate is not valid yet, by our clock.
     bool may_pass = false;
-    /// Every broker of the list has failed fatally, and none has ever accepted a connection: a program should
-    /// stop and report it. The client itself tries on.
+    /// Every broker failed fatally, and none has ever accepted: a program should stop and report it. The
+    /// client tries on.
     bool hopeless = false;
-    /// How many connections in a row, this one included, were closed without a reason soon after a message of
-    /// ours: access rules may have denied it.
+    /// How many connections in a row were closed without a reason soon after a message of ours: access rules
+    /// may deny it.
     unsigned after_sending = 0;
 
-    /// Whether trying this broker again cannot help until a user changes something: kTls, kBadCredentials or
-    /// kTakenOver, unless it may pass.
+    /// Only a user can change it: kTls, kBadCredentials or kTakenOver, unless it may pass.
     bool fatal() const;
 };
 
-/// One word for logs and statistics: "unreachable", "tls", ... Static storage.
+/// For logs and statistics: "unreachable", "tls", ...
 std::string_view name_of(ConnectionFailure::Kind kind);
 
-/// An accepted connection.
 struct Connected {
     BrokerAddress broker;
     bool v5 = false;                   ///< false: 3.1.1, and properties are not carried
@@ -58,15 +56,15 @@ struct Connected {
     std::size_t max_packet_bytes = 0;  ///< the broker's limit; 0: it named none
 };
 
-/// What publish() did. How a message of QoS 1 ends that is kSent or kQueued is reported by on_published or
-/// on_publish_denied, unless it is dropped from the queue or expires, which is counted.
+/// The end of a QoS 1 message that is kSent or kQueued is told by on_published or on_publish_denied, unless
+/// it was dropped or expired, which is counted.
 enum class PublishResult {
     kSent,     ///< handed to the socket
     kQueued,   ///< waits: not connected, or the broker is slower than we are
     kRefused,  ///< queue full of messages that may not be dropped, or MQTT cannot carry topic or payload
 };
 
-/// Counted since construction, except where "now" stands.
+/// Since construction, except where "now" stands.
 struct Counters {
     std::uint64_t published = 0;  ///< QoS 0: handed over; QoS 1: acknowledged
     std::uint64_t received = 0;
@@ -82,89 +80,82 @@ struct Counters {
     std::size_t unacknowledged = 0;     ///< now: sent with QoS 1 and not acknowledged
 };
 
-/// One connection to a bus, kept up: connects, and after any loss connects again, to the next broker of the
-/// list with jittered backoff, subscribes to everything again, and sends what was queued. Messages of QoS 1
-/// arrive at least once: one that was not acknowledged is sent again over the next connection.
-///
-/// Runs on the io_context it is given, on the one thread that runs it; every handler is called from there,
-/// never from inside a call of one of the member functions. Handlers may call any member function, but must
-/// not destroy the client. Host names are looked up without blocking; a lookup that takes longer than
-/// Options::connect_timeout counts as unreachable.
+/// A connection to a bus, kept up: after any loss it connects again, to the next broker of the list with
+/// jittered backoff, subscribes again, and sends what was queued. Messages of QoS 1 arrive at least once.
+/// Runs on one io_context and thread. Handlers are called from there, never from inside a member function;
+/// they may call any member function, and must not destroy the client. Host names are looked up without
+/// blocking, within Options::connect_timeout.
 class Client {
   public:
     struct Handlers {
-        /// The connection is accepted and subscriptions are sent: what is published from here on reaches us,
-        /// too. Announce and probe here.
+        /// Subscriptions are sent, so what is published from here on reaches us, too. Announce and probe
+        /// here.
         std::function<void(const Connected&)> on_connected;
-        /// An established connection was lost; the next attempt is under way.
+        /// The next attempt is under way.
         std::function<void(const ConnectionFailure&)> on_disconnected;
-        /// An attempt failed; the next is under way.
+        /// The next attempt is under way.
         std::function<void(const ConnectionFailure&)> on_connect_failed;
-        /// A message of a subscription. Valid during the call only.
+        /// Valid during the call only.
         std::function<void(const Message&)> on_message;
-        /// The broker acknowledged this QoS 1 message. Where QoS 0 is used in its place: it was handed over.
+        /// The broker acknowledged a QoS 1 message, or got it where QoS 0 is used instead.
         std::function<void(const std::string& topic)> on_published;
-        /// The broker refuses this subscription: access rules, or a broker in trouble. Called for the first
-        /// refusal on a connection. The subscription is tried again (1 s to 30 s apart); after three refusals
-        /// of a required one the client tries the next broker of the list.
+        /// The broker refuses a subscription; called once a connection. It is tried again (1 s to 30 s
+        /// apart); after three refusals of a required one the client tries the next broker.
         std::function<void(const std::string& filter, const std::string& reason)> on_subscribe_refused;
-        /// Why a message was not published, and with Options::packet_log each line of libmosquitto's own log.
+        /// Why a message was not published, and with Options::packet_log each line of libmosquitto's log.
         std::function<void(const std::string& line)> on_debug;
-        /// All required subscriptions are granted; where none is required, all. Called after on_connected,
-        /// and again whenever the last missing one is granted.
+        /// All required subscriptions are granted, or all where none is required. Behind on_connected, and
+        /// again whenever the last missing one is granted.
         std::function<void()> on_subscribed;
-        /// The broker denied this QoS 1 message: access rules, quota. It is not sent again. MQTT 5 only:
-        /// on 3.1.1 brokers deny in silence.
+        /// The broker denied a QoS 1 message (rules, quota), which is not sent again. MQTT 5 only: 3.1.1
+        /// brokers deny in silence.
         std::function<void(const std::string& topic, const std::string& reason)> on_publish_denied{};
     };
 
-    /// Handlers that are empty are not called. `io` must outlive the client.
+    /// Empty handlers are not called.
     Client(boost::asio::io_context& io, Options options, Handlers handlers);
-    /// Drops the connection without DISCONNECT: the broker publishes the will.
+    /// Without DISCONNECT: the broker publishes the will.
     ~Client();
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
 
-    /// Begins to connect. Call once.
+    /// Call once.
     void start();
-    /// From Handlers::on_connect_failed: the next attempt is so much later, in place of what was planned.
+    /// From Handlers::on_connect_failed: when the next attempt is.
     void retry_in(Duration wait);
 
-    /// Sends what is queued, sends DISCONNECT (no will is published) and calls `done` within `limit`, also
-    /// when the broker hangs or there is no connection. Nothing else is called afterwards.
+    /// Sends what is queued and DISCONNECT (no will is published), and calls `done` within `limit`, whatever
+    /// the broker does. Nothing else is called afterwards.
     void stop(Duration limit, std::function<void()> done);
 
-    /// Replaces the will from the next connection on.
+    /// From the next connection on.
     void set_will(Message will);
 
-    /// Adds a subscription, now and on each reconnection; the same filter again replaces its options.
+    /// For this and all later connections; the same filter again replaces its options.
     void subscribe(std::string filter, SubscribeOptions options = {});
-    /// Messages that are under way may still arrive.
+    /// Messages under way may still arrive.
     void unsubscribe(const std::string& filter);
 
-    /// Asks the broker for an answer that comes in order with messages: the broker wrote whatever is received
-    /// behind the answer after this call. (It is the answer to UNSUBSCRIBE of a filter that the client never
-    /// subscribed to.) `answered` is called once, or never if the connection ends before. False: not
-    /// connected, or the check before has no answer yet.
+    /// Asks the broker for an answer in order with messages: what is received behind it was written after
+    /// this call. (It answers UNSUBSCRIBE of an unknown filter.) `answered` is called once, or never if the
+    /// connection ends before. False: not connected, or the check before has no answer yet.
     bool check(std::function<void()> answered);
 
-    /// Publishes, or queues in order. Of retained messages that wait, the newest of a topic replaces the
-    /// older. May be called before start(), and while there is no connection. `priority` decides what is
-    /// dropped first when the queue is full; of the order only that Priority::kUrgent leaves ahead of all.
-    /// A message with expiry_seconds that is not retained is dropped and counted when it waited, or was not
-    /// acknowledged, for so long, or for less than a second less; also on 3.1.1, where brokers do not know of
-    /// it.
+    /// Publishes, or queues in order; of waiting retained messages the newest of a topic stays. Works before
+    /// start() and without a connection. `priority` decides what a full queue drops first; only
+    /// Priority::kUrgent changes the order. A message with expiry_seconds that is not retained is dropped and
+    /// counted when it waited for so long, also on 3.1.1.
     PublishResult publish(Message message, Priority priority = Priority::kContext);
 
-    /// Forgets what is queued and not yet handed over, for a program that announces anew on each connection.
+    /// For a program that announces anew on each connection.
     void discard_queued(Priority priority);
 
     bool connected() const;
-    /// Connected, and all required subscriptions are granted; where none is required, all.
+    /// Connected, with all required subscriptions, or all where none is required.
     bool subscribed() const;
-    /// Whether the present connection is MQTT 5; false while there is none.
+    /// False while there is no connection.
     bool v5() const;
-    /// The name of this client: as in the options, or made up.
+    /// As in the options, or made up.
     const std::string& client_id() const;
     Counters counters() const;
 

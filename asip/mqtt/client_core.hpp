@@ -17,35 +17,34 @@
 #include "asip/mqtt/quirks/ties_identifiers.hpp"
 #include "asip/mqtt/subscriptions.hpp"
 
-/// What a ClientCore has its caller do, and what it has the caller tell the program, in order.
+/// What a ClientCore has its caller do, or tell the program, in order.
 namespace asip::mqtt::action {
-/// Find the broker's address and connect. Ends in connection_up() or connection_down().
+/// Ends in connection_up() or connection_down().
 struct Connect {
     BrokerAddress broker{};
     bool v5 = true;
     std::string client_id{};
     std::optional<Message> will{};
 };
-/// Send SUBSCRIBE, then call subscribe_sent().
+/// Then call subscribe_sent().
 struct Subscribe {
     std::string filter;
     SubscribeOptions options{};
 };
-/// Send UNSUBSCRIBE.
 struct Unsubscribe {
     std::string filter;
 };
-/// Send UNSUBSCRIBE of a filter that the client never subscribed to, then call check_sent().
+/// Send UNSUBSCRIBE of an unknown filter, then call check_sent().
 struct Check {};
-/// Send the message ClientCore::to_send(), then call publish_sent().
+/// Send ClientCore::to_send(), then call publish_sent().
 struct Publish {};
-/// Send DISCONNECT. connection_down() follows.
+/// Send DISCONNECT; connection_down() follows.
 struct Goodbye {};
-/// End the connection without DISCONNECT. connection_down() follows, with this failure.
+/// End the connection without DISCONNECT; connection_down() follows, with this failure.
 struct Fail {
     ConnectionFailure failure;
 };
-/// End the connection or the attempt without DISCONNECT. No call about it follows.
+/// End the connection or attempt without DISCONNECT; no call about it follows.
 struct Abandon {};
 // What the program is told: see Client::Handlers.
 struct Established {
@@ -84,26 +83,21 @@ namespace asip::mqtt {
 
 using Actions = std::vector<action::Action>;
 
-/// Whether a message can be published on this topic.
 bool can_be_topic(const std::string& text);
 
-/// What a broker's CONNACK says.
+/// From the broker's CONNACK.
 struct Accepted {
     Connected connected;
     int max_qos = 2;                      ///< the highest QoS that the broker takes
     std::size_t receive_maximum = 65535;  ///< how many messages of QoS 1 may be unacknowledged
 };
 
-/// All that a Client decides: which broker, when to connect again, what to send, and when a broker is given
-/// up.
-///
-/// Pure: it reads no clock and does no input or output. Each call appends what the caller has to do. The
-/// caller performs these actions in order, one after the other, and reports what came of them. It calls
-/// tick() about once a second while there is a connection, and when next_deadline() has come. Times do not go
-/// back.
+/// All decisions of a Client: which broker, when to connect again, what to send, when a broker is given up.
+/// Pure. The caller performs the appended actions in order, and reports what came of them. It calls tick()
+/// about once a second while connected, and at next_deadline(). Times do not go back.
 class ClientCore {
   public:
-    /// `secrets`: what is appended to the name of this client, see Identifier.
+    /// `secrets`: see Identifier.
     explicit ClientCore(Options options, Identifier::Secrets secrets);
 
     // What the program asks for: see Client.
@@ -120,33 +114,32 @@ class ClientCore {
     bool connected() const { return phase_ == Phase::kUp; }
     bool subscribed() const { return connected() && subscriptions_.usable(); }
     bool v5() const { return connected() && v5_; }
-    /// As they were given, with defaults for what was left out.
+    /// With defaults for what was left out.
     const Options& options() const { return options_; }
     Counters counters() const;
 
     // What became of actions. A packet id that is missing means that the packet could not be sent.
     void subscribe_sent(const std::string& filter, std::optional<int> id, Time now);
     void check_sent(std::optional<int> id);
-    /// The message of action::Publish.
+    /// For action::Publish.
     const Message& to_send() const { return sending_->entry.message; }
-    /// `error`: of libmosquitto. `writable`: the next message would go straight to the socket, too.
+    /// `error`: of libmosquitto. `writable`: the next message would go straight to the socket.
     void publish_sent(int error, int id, bool writable, Time now, Actions& out);
 
     // What happens on the connection.
     void connection_up(const Accepted& accepted, Time now, Actions& out);
-    /// The attempt failed, or the connection ended.
     void connection_down(const ConnectionEnd& end, Time now, Actions& out);
     /// A message would go straight to the socket.
     void may_write(Time now, Actions& out);
-    /// Whether the program is to be told of this message.
+    /// True: tell the program.
     bool message_received(const Message& message, Time now);
     void publish_answered(int id, int reason_code, Time now, Actions& out);
     void subscribe_answered(int id, const std::vector<int>& granted, Time now, Actions& out);
     void unsubscribe_answered(int id, Actions& out);
 
-    /// `unread`: bytes from the broker wait to be read, so it is this program that is slow.
+    /// `unread`: bytes wait to be read, so this program is slow.
     void tick(bool unread, Time now, Actions& out);
-    /// When tick() is due at the latest, beside the calls of each second.
+    /// Beside the calls of each second.
     std::optional<Time> next_deadline() const;
 
   private:
@@ -186,7 +179,7 @@ class ClientCore {
     bool stopping() const { return stop_.has_value(); }
     bool window_open(const Message& message) const;
     int qos_of(const Message& message) const { return hurries_ ? 0 : qos_limit_.of(message.qos); }
-    /// Appends what the program is told, unless it has stopped the client.
+    /// Unless the program has stopped the client.
     void tell(action::Action action, Actions& out) const;
 
     Options options_;

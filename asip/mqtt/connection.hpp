@@ -18,11 +18,11 @@
 
 namespace asip::mqtt {
 
-/// What one connection reports to its owner. Called from the io_context only.
+/// Reports of a connection, from the io_context only.
 class ConnectionEvents {
   public:
     virtual void connection_up(const Connected& connected) = 0;
-    /// Once, and the last call: the attempt failed, the connection was lost, or goodbye() is through.
+    /// The last call: the attempt failed, the connection was lost, or goodbye() is through.
     virtual void connection_down(const ConnectionEnd& end) = 0;
     virtual void message_received(Message message) = 0;
     virtual void publish_answered(int id, int reason_code) = 0;
@@ -36,11 +36,9 @@ class ConnectionEvents {
     ~ConnectionEvents() = default;
 };
 
-/// One libmosquitto instance from its first TCP packet to its end, on an io_context. It is used for one
-/// connection and then thrown away, so no state of an old connection can reach a new one.
-///
-/// libmosquitto may close its socket inside almost any call. So the io_context watches a duplicate of that
-/// socket, which stays valid until Asio has noticed.
+/// A libmosquitto instance for one connection, so that no state of an old connection reaches a new one.
+/// libmosquitto may close its socket inside almost any call; so the io_context watches a duplicate, which
+/// stays valid until Asio has noticed.
 class Connection : public std::enable_shared_from_this<Connection> {
   public:
     Connection(boost::asio::io_context& io, const Options& options, BrokerAddress broker, std::string host,
@@ -49,29 +47,29 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
     void open();
 
-    /// Sends DISCONNECT; connection_down() follows when the broker has seen it, or never if it hangs.
+    /// Sends DISCONNECT; connection_down() follows, unless the broker hangs.
     void goodbye();
 
-    /// Ends without goodbye and reports nothing more.
+    /// Ends without DISCONNECT and without a report.
     void abandon();
 
-    /// Ends without goodbye and reports `failure` as the reason, from the io_context.
+    /// Ends without DISCONNECT; reports `failure` from the io_context.
     void fail(ConnectionFailure failure);
 
     bool up() const { return phase_ == Phase::kUp; }
     bool v5() const { return v5_; }
-    /// The highest QoS that the broker takes; known once up().
+    /// Of the broker, once up().
     int max_qos() const { return max_qos_; }
-    /// How many messages of QoS 1 may be unacknowledged at the broker (MQTT 5.0, 3.2.2.3.3). libmosquitto
-    /// holds further ones back.
+    /// Unacknowledged QoS 1 messages that the broker allows (MQTT 5.0, 3.2.2.3.3). libmosquitto holds back
+    /// more.
     std::size_t receive_maximum() const { return receive_maximum_; }
-    /// Whether bytes from the broker wait to be read, so that it is this program that is slow.
+    /// Bytes wait to be read, so this program is slow.
     bool has_unread() const;
 
-    /// Whether a PUBLISH would go straight to the socket.
+    /// A PUBLISH would go straight to the socket.
     bool ready_to_write() const { return up() && !mosquitto_want_write(mosquitto_.get()); }
 
-    /// Returns libmosquitto's error code; `id` is what publish_answered() will name.
+    /// Returns libmosquitto's error; publish_answered() will name `id`.
     int publish(const Message& message, int& id);
     int subscribe(const std::string& filter, const SubscribeOptions& options, int& id);
     int unsubscribe(const std::string& filter, int& id);

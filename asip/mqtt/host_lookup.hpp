@@ -12,11 +12,11 @@
 
 namespace asip::mqtt {
 
-/// Finds the addresses of a broker without blocking. The owner keeps this alive until `done` was called or
-/// cancel() has returned and the io_context has run: let `done` hold the owner.
+/// Finds a broker's addresses without blocking. It lives until `done` was called, or cancel() returned and
+/// the io_context ran: let `done` hold the owner.
 class HostLookup {
   public:
-    /// The addresses, the first to try at the end; or why there are none.
+    /// The first to try stands at the end.
     using Done = std::function<void(Expected<std::vector<std::string>>)>;
 
     explicit HostLookup(boost::asio::io_context& io) : resolver_(io), timer_(io) {}

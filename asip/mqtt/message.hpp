@@ -12,13 +12,11 @@
 
 namespace asip::mqtt {
 
-/// The names of user properties that programs of this bus know. Of a received message the first of each is
-/// kept, with a value up to kMaxUserPropertyBytes; the others are dropped.
+/// User properties of this bus. The first of each is kept, up to kMaxUserPropertyBytes; others are dropped.
 inline constexpr std::array<std::string_view, 2> kUserProperties{"by", "clock"};
 inline constexpr std::size_t kMaxUserPropertyBytes = 256;
 
-/// One message of the bus, to be published or as it arrived. The members from `response_topic` on travel as
-/// MQTT 5 properties and are left out, silently, on a 3.1.1 connection.
+/// Members from `response_topic` on travel as MQTT 5 properties, and are left out on a 3.1.1 connection.
 struct Message {
     std::string topic{};
     std::string payload{};  ///< any bytes
@@ -27,12 +25,12 @@ struct Message {
 
     std::string response_topic{};  ///< where an answer is wanted; empty: nowhere
     std::string correlation{};     ///< correlation data, any bytes
-    /// For how long it is of use: neither sender nor broker delivers it later. When received: what is left.
+    /// Neither sender nor broker delivers it later. When received: what is left.
     std::optional<std::uint32_t> expiry_seconds{};
-    /// When received: those of kUserProperties only.
+    /// When received: only kUserProperties.
     std::vector<std::pair<std::string, std::string>> user_properties{};
 
-    /// What it takes in memory, in bytes: everything in it.
+    /// In memory.
     std::size_t bytes() const {
         auto sum = topic.size() + payload.size() + response_topic.size() + correlation.size();
         for (const auto& each : user_properties)
@@ -40,14 +38,14 @@ struct Message {
         return sum;
     }
 
-    /// It is of use for `time` from now on: rounded up to seconds, at least one.
+    /// Rounded up to seconds, at least one.
     void expire_after(std::chrono::nanoseconds time) {
         const auto seconds = std::chrono::ceil<std::chrono::seconds>(time).count();
         expiry_seconds = static_cast<std::uint32_t>(std::max<std::int64_t>(seconds, 1));
     }
 };
 
-/// What is dropped first when the outgoing queue is full, and what does not wait in it.
+/// What a full queue drops first, and what does not wait in it.
 enum class Priority {
     kContext,       ///< what a board reports: the oldest is dropped
     kReply,         ///< answers to commands: not dropped; refused only when the queue is twice as full

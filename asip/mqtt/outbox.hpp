@@ -12,13 +12,10 @@
 
 namespace asip::mqtt {
 
-/// The messages that wait to be published: bounded, in order, and the least important dropped first.
-///
-/// Urgent messages leave first, all others in the order in which they came. A retained message replaces a
-/// waiting one of the same topic, with the higher QoS of both: a message that expires takes the place of the
-/// older one, since it is renewed again and again; any other goes to the back. When `max` is exceeded the
-/// oldest context values are dropped. Replies and announcements are taken up to twice `max` and then refused,
-/// urgent messages up to three times.
+/// The messages that wait to be published: bounded, in order, urgent ones first.
+/// A retained message replaces a waiting one of its topic, with the higher QoS of both: in its place if it
+/// expires, since it is renewed again and again, else at the back. Beyond `max` the oldest context values are
+/// dropped; replies and announcements are refused beyond twice `max`, urgent messages beyond three times.
 class Outbox {
   public:
     struct Bounds {
@@ -29,14 +26,13 @@ class Outbox {
         Message message;
         Priority priority;
         std::uint64_t order;  ///< for put_back()
-        /// When it expires. None without an expiry, and for retained messages: they describe a state, and
-        /// wait for as long as it takes.
+        /// None: without an expiry, or retained, which describes a state and waits.
         std::optional<Time> until;
         Time since{};  ///< when it was published
 
-        /// Also when less is left than a whole second, the unit of MQTT, after it has waited.
+        /// Also with less than a second left, the unit of MQTT, after it has waited.
         bool expired(Time now) const;
-        /// Sets the expiry of the message to what is left, in whole seconds.
+        /// The expiry becomes what is left, in whole seconds.
         void age(Time now);
 
       private:
@@ -51,11 +47,11 @@ class Outbox {
     /// The entry that leaves next. Precondition: !empty().
     const Entry& front() const { return first()->front(); }
 
-    /// The same, taken out. Precondition: !empty().
+    /// Precondition: !empty().
     Entry pop();
 
-    /// Returns an entry that was popped and not delivered to its old place, whatever the bounds. It is
-    /// dropped if a newer retained message of its topic waits.
+    /// Returns an entry that was not delivered to its place, whatever the bounds, unless a newer retained
+    /// message of its topic waits.
     void put_back(Entry entry);
 
     void discard(Priority priority);
@@ -79,7 +75,7 @@ class Outbox {
 
     Bounds max_;
     Queue queues_[kPriorities];
-    /// Waiting retained messages by topic; the newest of a topic is the only one.
+    /// Waiting retained messages, one for each topic.
     struct Place {
         Queue* queue;
         Queue::iterator entry;

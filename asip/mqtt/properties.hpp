@@ -14,15 +14,14 @@ struct FreeProperties {
 };
 using Properties = std::unique_ptr<mosquitto_property, FreeProperties>;
 
-/// What a PUBLISH of `message` carries; null when there is nothing to carry.
+/// Null: there is nothing to carry.
 Properties publish_properties(const Message& message);
 
-/// What a will of `message` carries: as for a PUBLISH.
 inline Properties will_properties(const Message& message) {
     return publish_properties(message);
 }
 
-/// Fills in the members of `message` that travel as properties. `list` may be null.
+/// Fills in the members that travel as properties. `list` may be null.
 void read_properties(const mosquitto_property* list, Message& message);
 
 }  // namespace asip::mqtt

@@ -9,15 +9,13 @@
 
 namespace asip::mqtt {
 
-/// Hands each message to the parts of a program that asked for it. Each registration is a handle: when it
-/// ends, its callback ends with it, so that a callback may refer to whatever owns the handle.
-///
-/// Handles may outlive the router, and may be made and ended inside callbacks: one that has ended is not
-/// called any more, not even for the message that is being dispatched. One thread.
+/// Hands messages to the parts of a program that asked for them. A registration is a handle: its end ends its
+/// callback, even for the message that is being dispatched. Handles may outlive the router, and be made and
+/// ended inside callbacks. One thread.
 class Router {
   public:
     using OnMessage = std::function<void(const Message&)>;
-    /// Called when the last handle for this filter has ended: the moment to unsubscribe.
+    /// The last handle for this filter has ended: unsubscribe.
     using OnUnused = std::function<void(const std::string& filter)>;
 
     class [[nodiscard]] Subscription {
@@ -37,10 +35,9 @@ class Router {
 
     explicit Router(OnUnused on_unused = {});
 
-    /// `filter` as MQTT matches it: `+` one level, `#` the rest. Subscribing at the broker is left to the
-    /// caller.
+    /// `filter` as in MQTT. The caller subscribes at the broker.
     Subscription add(std::string filter, OnMessage on_message);
-    /// Calls every callback whose filter matches, in the order in which they were added.
+    /// In the order in which callbacks were added.
     void dispatch(const Message& message);
 
   private:
@@ -48,8 +45,7 @@ class Router {
     std::shared_ptr<State> state_;
 };
 
-/// Whether MQTT delivers `topic` to a subscription to `filter`. False for a filter or topic that is not
-/// valid.
+/// As MQTT delivers. False where either is not valid.
 bool topic_matches(const std::string& filter, const std::string& topic);
 
 }  // namespace asip::mqtt

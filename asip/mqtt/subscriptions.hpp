@@ -15,21 +15,19 @@
 
 namespace asip::mqtt {
 
-/// What is asked of the broker for one filter.
+/// For one filter.
 struct SubscribeOptions {
     int qos = 0;            ///< 0 or 1
     bool no_local = false;  ///< MQTT 5: not what this client itself publishes
-    /// MQTT 5: whether retained messages are delivered when we subscribe. On 3.1.1 they always are, marked as
-    /// retained.
+    /// Retained messages are delivered when we subscribe (MQTT 5; on 3.1.1 always, marked as retained).
     bool retained = true;
-    /// The connection is of no use without it: it is asked for before those that are optional, and a broker
-    /// that refuses it kMaxRefusals times in a row is left for the next one of the list.
+    /// The connection is useless without it: it goes first, and a broker that refuses it kMaxRefusals times
+    /// in a row is left.
     bool required = false;
 };
 
-/// Which subscriptions are wanted and how far the broker has granted them. A refused one is due again after a
-/// growing pause (1 s to 30 s). Pure: the caller sends what is due and reports what the broker answered. The
-/// cost of a call does not grow with the number of subscriptions that are granted.
+/// Which subscriptions are wanted and granted. A refused one is due again after 1 s to 30 s. The cost of a
+/// call does not grow with granted ones. Pure.
 class Subscriptions {
   public:
     static constexpr int kMaxRefusals = 3;
@@ -45,27 +43,25 @@ class Subscriptions {
         bool give_up = false;  ///< required, and refused kMaxRefusals times in a row
     };
 
-    /// The same filter again replaces its options and is due again.
+    /// Replaces the filter's options; it is due again.
     void add(const std::string& filter, SubscribeOptions options);
     void remove(const std::string& filter);
 
-    /// A new connection: nothing is granted, everything is due.
+    /// Nothing is granted, everything is due.
     void restart();
 
-    /// What is to be sent now, required ones first. It is not due again before it is answered, or not_sent()
-    /// says that it could not be sent.
+    /// Required ones first. Nothing is due again before it is answered, or not_sent().
     std::vector<Due> take_due(Time now);
-    /// `id`: the packet id that the broker will answer.
+    /// `id`: of the packet.
     void sent(int id, const std::string& filter, Time now);
     void not_sent(const std::string& filter);
 
-    /// The broker's answer to the packet `id`.
+    /// The broker's answer to packet `id`.
     std::optional<Refusal> answered(int id, bool granted, Time now, const Random& random);
 
-    /// Whether the broker has granted all required ones; where none is required, all. True when there are
-    /// none.
+    /// All required ones are granted, or all where none is required; also when there are none.
     bool usable() const { return (required_.wanted > 0 ? required_ : optional_).all_granted(); }
-    /// When the oldest packet without an answer was sent.
+    /// When the oldest unanswered packet was sent.
     std::optional<Time> waiting_since() const;
 
   private:

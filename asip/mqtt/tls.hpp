@@ -10,24 +10,20 @@
 
 namespace asip::mqtt {
 
-/// The TLS settings of one connection, and what its handshake found wrong with the broker's certificate. We
-/// verify ourselves instead of letting libmosquitto do it: then the name that is verified (and sent as SNI)
-/// may differ from the address that is connected to, so that names can be resolved without blocking.
-///
-/// Trusts the certificates of `ca_file`, else those of the system (SSL_CERT_FILE and SSL_CERT_DIR in the
-/// environment replace them, as for every program that uses OpenSSL).
+/// TLS of one connection, and what was wrong with the broker's certificate. We verify instead of
+/// libmosquitto, so that the verified name (and SNI) may differ from the address. Trusts `ca_file`, else the
+/// system's certificates (or SSL_CERT_FILE and SSL_CERT_DIR).
 class Tls {
   public:
-    /// `host`: name or address that the certificate must be for. Error: the file that cannot be used, and
-    /// why.
+    /// `host`: whom the certificate must be for. Error: the unusable file, and why.
     static Expected<std::unique_ptr<Tls>> make(const Options& options, std::string host);
 
-    /// Has pointers to this object: this must outlive every use of it.
+    /// It points to this object.
     SSL_CTX* context() const { return context_.get(); }
 
-    /// Why the certificate was refused, in words; empty: it was not, or not yet.
+    /// Why the certificate was refused; empty: it was not.
     const std::string& refusal() const { return refusal_; }
-    /// The certificate is refused for a reason that time may change: it is not valid yet, by our clock.
+    /// The certificate is not valid yet, by our clock.
     bool may_pass() const { return may_pass_; }
 
   private:

@@ -28,18 +28,17 @@ struct ButtonEvent {
     friend bool operator==(const ButtonEvent&, const ButtonEvent&) = default;
 };
 
-/// Whether its level is that of a contact, which bounces.
+/// Its level is that of a contact, which bounces.
 bool is_contact(const Property& property);
-/// Whether it has events.
+/// It has events.
 bool is_button(const Property& property);
 
-/// Whether a report of a service is all that its value takes: what is counted together, set, or behind a
-/// contact is known by the board's agent alone, and of a pin that floats nothing is.
+/// A report of its service is all that its value takes. What is counted together, set, or behind a contact
+/// only the agent knows, and of a floating pin nothing is known.
 bool is_reported(const Property& property);
 
-/// A level behind a contact that bounces: a new one is taken at once, and what comes until the contact was
-/// quiet for kQuiet is bouncing; then the level that it has counts. The rule of presses stands here, too.
-/// Pure.
+/// A level behind a bouncing contact: a new one counts at once, then nothing until the contact was quiet for
+/// kQuiet; then its present level. The rule of presses stands here, too. Pure.
 class Contact {
   public:
     static constexpr Duration kQuiet = std::chrono::milliseconds(20);
@@ -47,19 +46,17 @@ class Contact {
     static constexpr Duration kDouble = std::chrono::milliseconds(400);
     static constexpr Duration kRecent = std::chrono::seconds(1);  ///< an event is told for so long
 
-    /// The board says a level; `known`: the one that counts now, nothing where none is known. True: it counts
-    /// at once.
+    /// `known`: the level that counts now, if any. True: the new one counts at once.
     bool heard(double level, std::optional<double> known, Time now);
     /// The level that counts since the contact is quiet; nothing: none is waited for.
     std::optional<double> settled(Time now);
-    /// A level counts that is another one than before. `next`: the number of the next event.
+    /// A new level counts. `next`: the number of the next event.
     void changed(bool pressed, Time now, std::uint64_t& next);
     /// True: it is held from now on.
     bool tick(Time now, std::uint64_t& next);
-    /// When settled() or tick() may have something.
     std::optional<Time> next_deadline() const;
     std::vector<ButtonEvent> events(Time now) const;
-    /// Nobody presses it that we know of.
+    /// No press goes on that we know of.
     void let_go() { hold_at_.reset(); }
 
   private:

@@ -11,15 +11,14 @@
 #include "asip/property/known_values.hpp"
 #include "asip/property/property_json.hpp"
 
-/// The retained documents by which an agent tells the properties of its board, and how they stand.
+/// The retained documents by which an agent tells properties and values.
 namespace asip::property {
 
 inline constexpr int kDocumentVersion = 1;
 inline constexpr std::size_t kMaxListBytes = std::size_t{128} * 1024;
 inline constexpr std::size_t kMaxValuesBytes = std::size_t{32} * 1024;
 
-/// One message about the board of a session: of two sessions the later one counts, of one session the highest
-/// `seq`.
+/// The later session counts; within one the highest `seq`.
 struct DocumentHead {
     std::string board;
     std::string session;
@@ -34,11 +33,10 @@ struct PropertyList {
     friend bool operator==(const PropertyList&, const PropertyList&) = default;
 };
 std::string to_text(const PropertyList& list, Members members = Members::kNeeded);
-/// From what anyone may have published. Fails with the first fault: another version, more than the bounds,
-/// two properties with one id, members of a wrong type.
+/// From what anyone may have published. Fails with the first fault.
 Expected<PropertyList> parse_list(std::string_view text);
 
-/// One value in BOARD/$values.
+/// In BOARD/$values.
 struct ShownValue {
     nlohmann::json value{};
     How how = How::kNone;
@@ -52,25 +50,23 @@ struct ValueDocument {
     DocumentHead head;
     std::string clock;  ///< the agent's clock when it was made, see bus::AgentClock
     std::map<std::string, ShownValue, std::less<>> values;  ///< by id of the property
-    /// In the answer of an agent: the levels and analog values of all pins that it heard of, electrical:
+    /// In an agent's answer: levels and analog values of all pins that it heard of, electrical:
     /// {"digital":{"2":1},"analog":{"0":320}}. Null: not asked for.
     nlohmann::json pins{};
-    /// In such an answer: the properties of the services, where they were asked for.
+    /// The same: properties of services.
     std::vector<Property> properties{};
     std::size_t left_out = 0;  ///< that did not fit
-    /// How often within the session the board restarted, or came back: nothing that it reported before
-    /// counts.
+    /// How often within the session the board restarted, or came back: earlier reports do not count.
     std::uint64_t restarts = 0;
     friend bool operator==(const ValueDocument&, const ValueDocument&) = default;
 };
 
-/// All that is known, or of the services that `of` accepts. Values beyond kMaxValuesBytes are left out.
+/// Of all services, or of those that `of` accepts. Values beyond kMaxValuesBytes are left out.
 template <class Of>
 ValueDocument values_of(const KnownValues& known, Time now, const Of& of);
 ValueDocument values_of(const KnownValues& known, Time now);
 std::string to_text(const ValueDocument& document, Members members = Members::kNeeded);
-/// What was done with buttons, with the id of each, in the order of their numbers: those behind `last`, which
-/// is the highest of all then.
+/// What was done with buttons, in the order of numbers, behind `last`, which becomes the highest.
 std::vector<std::pair<std::string, ButtonAct>> new_acts(
     const std::map<std::string, ShownValue, std::less<>>& values, std::uint64_t& last);
 Expected<ValueDocument> parse_values(std::string_view text);

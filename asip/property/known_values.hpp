@@ -15,14 +15,12 @@
 
 namespace asip::property {
 
-/// How a value is known.
 enum class How {
     kNone,      ///< it is not: Known::why
     kReported,  ///< the board said it by itself
     kAnswered,  ///< the board said it when it was asked
     kSet        ///< a command that the board executed set it
 };
-/// Why a value is not known.
 enum class Unknown {
     kNever,    ///< nothing was reported or set yet
     kRestart,  ///< the board restarted, was away, or may have
@@ -38,36 +36,35 @@ struct Known {
     Time since{};  ///< when it was last said or set; of an unknown one, when it became so
 };
 
-/// How one board stands, by what it reported and which commands it executed. Pure; the agent's. Raw values
-/// are kept, so that another meaning shows the same level anew.
+/// How a board stands, by its reports and executed commands; the agent's. Raw values are kept, so that
+/// another meaning shows the same level anew. Pure.
 class KnownValues {
   public:
-    /// The list is another one now. What was known of a property that is read or set in the same way stays.
+    /// What was known of a property that is read or set in the same way stays.
     void use(std::vector<Property> properties, Time now);
     const std::vector<Property>& properties() const { return properties_; }
 
     // Each of these says whether it changed more than the time of a value.
 
-    /// What a service published, decoded by its model.
+    /// Published by a service, decoded by its model.
     bool reported(std::string_view service, const nlohmann::json& published, How how, Time now);
-    /// A command that the board executed, or perhaps did.
+    /// The board executed it, or perhaps did.
     bool executed(std::string_view service, const model::RequestValues& request, bool perhaps, Time now);
     /// The board restarted, or was away.
     bool forget(Time now);
-    /// To be called when next_deadline() has come: contacts are quiet again, buttons are held.
+    /// At next_deadline(): contacts are quiet again, buttons are held.
     bool tick(Time now);
     std::optional<Time> next_deadline() const { return due_; }
 
-    /// A pin is about to become an input: a level that the board says from now on is its level there.
+    /// A pin is about to become an input: levels count from now on.
     void input_begins(std::string_view io, int pin);
-    /// The board executed that. Boards say the level of a pin that is high: without an event it is low.
+    /// The board executed that. It says the level of a high pin; without an event it is low.
     bool input_began(std::string_view io, int pin, Time now);
 
-    /// What was heard of pins, electrical: {"digital":{"2":1},"analog":{"0":320}}.
+    /// Electrical: {"digital":{"2":1},"analog":{"0":320}}.
     nlohmann::json pins(std::string_view io) const;
     /// By the number of the property.
     Known known(std::size_t property) const;
-    /// What was done with a button lately.
     std::vector<ButtonEvent> events(std::size_t property, Time now) const;
 
   private:
@@ -93,8 +90,8 @@ class KnownValues {
 
     std::vector<Property> properties_;
     std::vector<Raw> raws_;  // one for each property
-    /// Levels and analog values of all pins, also of those that are no property yet, by service and pointer:
-    /// a board says the level of a new input before it confirms the mode.
+    /// Of all pins, by service and pointer: a board says the level of a new input before it confirms the
+    /// mode.
     std::map<std::string, Heard, std::less<>> pins_;
     std::uint64_t next_event_ = 1;
     std::optional<Time> due_;

@@ -9,12 +9,11 @@
 
 namespace asip::property {
 
-/// The model of a service; null: none is known, and the service has no properties.
+/// Null: none is known, and the service has no properties.
 using FindModel = std::function<model::ModelPtr(const model::ServiceInfo&)>;
 
-/// All that a board shows and lets be set, in the order of its services, pins last. The same description
-/// gives the same list, and the id of a property depends on its model alone. What the models lack costs the
-/// properties something, never the list.
+/// In the order of services, pins last. The same description gives the same list, and an id depends on its
+/// model alone. Gaps in models cost properties something, never the list.
 std::vector<Property> properties_of(const model::Description& description, const FindModel& find_model);
 
 }  // namespace asip::property

@@ -9,8 +9,7 @@
 
 #include "asip/model/meaning.hpp"
 
-/// What can be read or set on a board, made once of its description, models and meanings, and read by every
-/// program: docs/properties.md.
+/// What can be read or set on a board, from description, models and meanings: docs/properties.md.
 namespace asip::property {
 
 inline constexpr std::size_t kMaxProperties = 256;  ///< of a board
@@ -18,7 +17,7 @@ inline constexpr std::size_t kMaxOfService = 64;
 inline constexpr double kFullBrightness = 255;  ///< of a light
 inline constexpr double kMaxColor = 0xffffff;
 
-/// What a property is to a person: the value that it has, and whether that can be set.
+/// What a property is to a person.
 enum class Kind {
     kSensor,        ///< a number, a text, or one of the choices; read only
     kBinarySensor,  ///< true or false; read only
@@ -30,7 +29,7 @@ enum class Kind {
     kSelect         ///< one of the choices, and can be set
 };
 
-/// Where a value stands in what a service publishes.
+/// In what a service publishes.
 struct Place {
     std::string service;
     std::string pointer;  ///< JSON pointer: "/distance/0", "/digital/13", "/heading/heading"
@@ -38,7 +37,7 @@ struct Place {
     friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// A command of a service that sets a value. A missing argument is the value.
+/// A command that sets a value. A missing argument is the value.
 struct Call {
     std::string service;
     std::string command;
@@ -46,8 +45,7 @@ struct Call {
     friend bool operator==(const Call&, const Call&) = default;
 };
 
-/// How a command changes a value: the property's own call, and others (`stop` sets the power of a motor to
-/// 0).
+/// How a command changes a value: the property's own, and others (`stop` sets a motor's power to 0).
 struct Setter {
     std::string command;
     std::optional<std::size_t> element_at;  ///< the argument that must be `element`; none: it is for all
@@ -69,7 +67,7 @@ struct Property {
     std::optional<double> min, max, step;
     std::optional<double> none;  ///< the raw number by which the board says that it has no value
     std::size_t max_length = 0;  ///< of a text; 0: no text
-    /// Of a select: its words and their numbers. Of a switch and a binary sensor: {"off", N} and {"on", M}.
+    /// A select's words and numbers; {"off", N} and {"on", M} of a switch and a binary sensor.
     std::vector<std::pair<std::string, double>> choices;
     std::optional<Place> read;   ///< none: what was set is all that is known
     std::optional<Call> write;   ///< of a light: its brightness
@@ -78,7 +76,7 @@ struct Property {
     std::vector<Setter> setters;
     std::string refused;  ///< why it cannot be set now, in a sentence; empty: it can, if settable()
     model::Meaning meaning;
-    /// Its meaning makes the pin an input, and no mode does: nothing holds its level, which tells nothing.
+    /// Its meaning makes the pin an input, and no mode does: its level tells nothing.
     bool floating = false;
     bool advanced = false;  ///< hidden at first: it moves something, or few people need it
 
@@ -87,20 +85,18 @@ struct Property {
     friend bool operator==(const Property&, const Property&) = default;
 };
 
-/// The words of `type` and `access` on the bus.
 std::string_view type_of(const Property& property);
 std::string_view access_of(const Property& property);
 
-/// As JSON: a whole number without a point, as boards take it.
+/// A whole number has no point, as boards take it.
 nlohmann::json json_number(double value);
 
-/// The service of the property with this id: "servo" of servo/0/angle.
+/// "servo" of servo/0/angle.
 inline std::string_view service_of(std::string_view id) {
     return id.substr(0, id.find('/'));
 }
 
-/// The id as other systems take it, which allow `a-z0-9-` alone: "servo-0-angle". Two ids never give the
-/// same.
+/// For systems that allow `a-z0-9-` alone: "servo-0-angle", unique.
 std::string plain_id(std::string_view id);
 
 }  // namespace asip::property

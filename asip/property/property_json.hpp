@@ -5,7 +5,6 @@
 #include "asip/property/property.hpp"
 #include "asip/text/json_reader.hpp"
 
-/// A property as JSON.
 namespace asip::property {
 
 inline constexpr std::size_t kMaxWordBytes = 256;  ///< of any text in a document
@@ -16,7 +15,7 @@ enum class Members {
 };
 
 nlohmann::json to_json(const Property& property, Members members);
-/// Either of them.
+/// From either form.
 Property read_property(text::JsonReader& reader);
 
 }  // namespace asip::property

@@ -12,22 +12,22 @@
 
 namespace asip::property {
 
-/// Those of one service that has a model; the pins of the I/O service are elsewhere.
+/// Of one service that has a model; without the I/O service's pins.
 std::vector<Property> service_properties(const model::Description& description,
                                          const model::ServiceInfo& service, const model::ServiceModel& model);
-/// Those of the pins, by their meanings and by the modes that commands set.
+/// By the pins' meanings and the modes that commands set.
 std::vector<Property> pin_properties(const model::Description& description, const model::ServiceInfo& io);
 
 bool is_number(const model::Field& field);
-/// The different numbers of a field's names, each with the first of its words.
+/// The different numbers of a field's names, each with its first word.
 std::vector<std::pair<std::string, double>> named_numbers(const model::Field& field);
-/// {"off", N}, {"on", M} of a field that has two values; empty: it has others.
+/// {"off", N}, {"on", M} of a field with two values; empty: it has others.
 std::vector<std::pair<std::string, double>> two_values(const model::Field& field,
                                                        const model::FieldHints& hints);
-/// Whether its words are all that a field can be.
+/// A field can be nothing else.
 bool names_say_all(const model::Field& field);
 
-/// What brings a whole service to its safe state, where that is one command: "T,P,0,0".
+/// The command that brings a whole service to its safe state: "T,P,0,0".
 std::optional<Call> stop_call(const std::string& service, const model::ServiceModel& model);
 
 /// "stop-all" -> "stop all"

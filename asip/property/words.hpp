@@ -17,7 +17,7 @@ std::string value_text(const Property& property, const nlohmann::json& value, bo
 /// "unknown: nothing was reported or set yet".
 std::string unknown_text(Unknown why);
 
-/// The properties that a person means: the one of this id, else those below it ("servo/0", "io").
+/// The one of this id, else those below it ("servo/0", "io").
 std::vector<std::size_t> properties_named(const std::vector<Property>& properties, std::string_view id);
 
 }  // namespace asip::property

@@ -9,8 +9,8 @@
 
 namespace asip::mqtt {
 
-/// A broker that closes the connection, without a reason, when its access rules deny a message: tells a
-/// person so when it happens again and again. Pure.
+/// Brokers that close the connection without a reason when access rules deny a message: tells a person when
+/// it repeats. Pure.
 class ClosesWhenDenied {
   public:
     static constexpr Duration kSoon = std::chrono::seconds(1);    ///< between the message and the end
@@ -24,8 +24,7 @@ class ClosesWhenDenied {
         largest_ = std::max(largest_, bytes);
     }
 
-    /// How long to wait at the least before the next connection: the more often it happened the longer, up to
-    /// a minute. `brokers`: how many the list has.
+    /// Before the next connection: longer each time, up to a minute. `brokers`: how many the list has.
     Duration pause(std::size_t brokers) const {
         const unsigned often = times_ / static_cast<unsigned>(std::max<std::size_t>(1, brokers));
         if (often < kTimes) return {};
@@ -33,8 +32,8 @@ class ClosesWhenDenied {
                                   std::chrono::seconds(1) * (1u << std::min(often - kTimes + 1, 6u)));
     }
 
-    /// An established connection ended, which had been up for so long. From the third time on, `failure` says
-    /// what to check, and after_sending counts.
+    /// An established connection ended. From the third time on, `failure` says what to check, and
+    /// after_sending counts.
     void ended(ConnectionFailure& failure, Duration was_up, const std::string& user, Time now) {
         const bool closed = failure.kind == ConnectionFailure::Kind::kClosed && failure.code == 0;
         const bool denied = closed && was_up < kShort && sent_ != Time{} && now - sent_ < kSoon;

@@ -6,28 +6,25 @@
 
 namespace asip::mqtt {
 
-/// A broker that delivers messages of QoS 0 and none of QoS 1. Mosquitto does so for the rest of a connection
-/// after it took 20 messages that are larger than this client takes (Options::max_packet_bytes). The client
-/// sends itself a message with QoS 0, and when that came, one with QoS 1. A slow broker delays both; the
-/// client leaves the connection only where the second one alone is missing. Pure.
+/// Brokers that deliver messages of QoS 0 and none of QoS 1. Mosquitto does so for the rest of a connection
+/// after 20 messages above Options::max_packet_bytes. The client sends itself a message of QoS 0, then one of
+/// QoS 1, and leaves the connection where only the second is missing: a slow broker delays both. Pure.
 class StandStill {
   public:
-    /// `every`: time between two looks; zero: never.
+    /// Between two looks; zero: never.
     explicit StandStill(Duration every) : every_(every) {}
 
-    /// A new connection.
     void restart(Time now) {
         step_ = Step::kIdle;
         since_ = now;
     }
-    /// The QoS of the message that is to be published now; none: no message is due.
+    /// The QoS of the message to publish now; none: no message is due.
     std::optional<int> due(Time now) const {
         if (every_ == Duration::zero()) return std::nullopt;
         if (step_ == Step::kIdle && now - since_ >= every_) return 0;
         if (step_ == Step::kFirstCame) return 1;
         return std::nullopt;
     }
-    /// The message that was due is published.
     void sent(Time now) {
         step_ = step_ == Step::kIdle ? Step::kFirstSent : Step::kSecondSent;
         since_ = now;
@@ -41,9 +38,9 @@ class StandStill {
     void heard(Time now) {
         if (step_ == Step::kSecondSent) since_ = now;
     }
-    /// Bytes from the broker wait to be read.
+    /// Bytes wait to be read.
     void behind(Time now) { heard(now); }
-    /// Whether to leave this connection.
+    /// Leave this connection.
     bool found(Time now) const { return step_ == Step::kSecondSent && now - since_ >= every_ / 6; }
 
   private:

@@ -5,14 +5,13 @@
 
 namespace asip::mqtt {
 
-/// A broker that knows no MQTT 5: which version the next attempt at it speaks. Pure.
+/// Brokers that know no MQTT 5: the version of the next attempt. Pure.
 class VersionChoice {
   public:
-    /// A broker that is just going down closes connections before it answers, too. So 3.1.1 is tried only
-    /// after so many attempts in a row.
+    /// A broker that goes down closes connections unanswered, too: 3.1.1 is tried after so many in a row.
     static constexpr int kClosedUntil311 = 2;
-    /// One that hangs does not answer, either. But an attempt that ends in silence takes seconds, and a
-    /// broker that took MQTT 5 before is not suspected.
+    /// A hanging broker is silent, too. But such attempts take seconds, and a broker that took MQTT 5 before
+    /// is not suspected.
     static constexpr int kSilentUntil311 = 1;
 
     explicit VersionChoice(Version wanted) : wanted_(wanted) {}
@@ -26,15 +25,15 @@ class VersionChoice {
         took_v5_ = v5();
         closed_with_v5_ = silent_to_v5_ = 0;
     }
-    /// An attempt failed. Where 3.1.1 fails in the same way the version was not the reason.
+    /// Where 3.1.1 fails in the same way the version was not the reason.
     void failed(const ConnectionEnd& end, bool tried_v5) {
         refused_v5_ = refused_v5_ || end.version_refused;
         closed_with_v5_ = end.closed_unanswered && tried_v5 ? closed_with_v5_ + 1 : 0;
         const bool silent = end.failure.kind == ConnectionFailure::Kind::kNoAnswer && !end.closed_unanswered;
         silent_to_v5_ = silent && tried_v5 && !took_v5_ ? silent_to_v5_ + 1 : 0;
     }
-    /// Whether the same broker is to be tried again with another version. Silence may be a broker that hangs:
-    /// the next one of the list is not kept waiting for it.
+    /// Try the same broker with another version. After silence the next one of the list goes first: the
+    /// broker may hang.
     bool suspected() const { return wanted_ == Version::kBest && closed_with_v5_ > 0; }
 
   private:

@@ -6,11 +6,9 @@
 
 namespace asip::mqtt {
 
-/// A cluster that ties a client identifier to the node where it was first used: after that node died, it
-/// refuses the identifier's subscriptions at the other nodes, or forgets them when the node is back, and the
-/// client hears nothing any more. So where there are several brokers, each connection after the first one has
-/// a new identifier. Identifiers are the name of the client with a secret behind it: a client that knows one
-/// can end the connection. Pure.
+/// Clusters that tie a client identifier to its first node: after that node died they refuse the identifier's
+/// subscriptions elsewhere, or forget them when it is back. So with several brokers each connection has a new
+/// identifier: the client's name and a secret, since whoever knows one can end the connection. Pure.
 class Identifier {
   public:
     using Secrets = std::function<std::string()>;
@@ -23,11 +21,10 @@ class Identifier {
           current_(first_) {}
 
     const std::string& current() const { return current_; }
-    /// An accepted connection has ended.
     void connection_lost() {
         if (several_brokers_) current_ = name_ + "-" + secrets_();
     }
-    /// The broker refused the identifier. Its rules may name those that a user may have.
+    /// The broker's rules may name the identifiers of a user.
     void refused() { current_ = first_; }
 
   private:
