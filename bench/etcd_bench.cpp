@@ -30,7 +30,7 @@ using test::ChildProcess;
 constexpr const char* kEtcd = "/usr/bin/etcd";
 constexpr int kQueries = 300;
 constexpr int kClients = 8;
-// Of etcd's keep-alives, each waits for its answer: with more at once it is asked for more.
+// Each of etcd's keep-alives waits for its answer: with more at once it is asked for more.
 constexpr int kKeepers = 32;
 constexpr int kAtOnce = 50;
 constexpr auto kRenewing = std::chrono::seconds(5);
@@ -223,7 +223,7 @@ class Registry {
         return renewed / seconds;
     }
 
-    /// Of the last renewals none may have been dropped on the way.
+    /// None of the last renewals may have been dropped on the way.
     void expect_arrived(bench::MqttClient& asker, std::uint32_t renewed, std::uint32_t boards) {
         for (std::uint32_t number = renewed - std::min(boards, 200u); number < renewed; ++number) {
             const auto answer = ask(asker, BoardTexts::name(number % boards));

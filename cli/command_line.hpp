@@ -50,7 +50,7 @@ class CommandLine {
   private:
     CommandLine();
     std::string other_commands() const;
-    /// Of words that are read before any verb was added: the one that should be a verb.
+    /// The one that should be a verb, among words that are read before any verb was added.
     std::string first_argument(const std::vector<std::string>& words) const;
     /// The same words, where `--` is among them with the options before it and all arguments behind it.
     std::vector<std::string> arguments_last(std::vector<std::string> words) const;

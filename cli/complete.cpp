@@ -102,7 +102,7 @@ std::string type_of(const CLI::Option& option) {
 
 Words values(const CLI::App& app, const CLI::Option& option, const std::string& start, const Words& arguments,
              const NameSources& names) {
-    // Of `distance,se` only the last part is still open.
+    // In `distance,se` only the last part is still open.
     const bool list = option.get_delimiter() == ',' || type_of(option) == "SELECTOR";
     const auto comma = list ? start.rfind(',') : std::string::npos;
     const auto before = comma == std::string::npos ? std::string() : start.substr(0, comma + 1);

@@ -21,7 +21,7 @@ struct ProgramOptions {
     std::string tokens;               ///< file; empty: none
     std::string services;             ///< folder of further models; empty: none
     http::ServerLimits limits;
-    /// Of each dialect one; where it is not enabled what it left on the broker is cleared.
+    /// One for each dialect; where it is not enabled what it left on the broker is cleared.
     std::vector<exports::MakeExport> exports;
     std::set<std::string> exports_on;  ///< those that are, by what sends their commands
 };

@@ -33,7 +33,7 @@ class WebhookAnswer {
     void add(std::string_view bytes);
     /// Nothing that follows changes the verdict.
     bool complete() const;
-    /// Of what came until now; nothing: no status did. `now`: for a time until which to wait.
+    /// By what came until now; nothing: no status did. `now`: for a time until which to wait.
     std::optional<Verdict> verdict(const WebhookAddress& asked,
                                    std::chrono::system_clock::time_point now) const;
 

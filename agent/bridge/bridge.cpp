@@ -211,7 +211,7 @@ model::StateReason Bridge::reason_to_be_online() const {
     return is_stopped() ? model::StateReason::kLatched : model::StateReason::kNone;
 }
 
-// Of a board that is not there the state says why it is not.
+// Another state says why the board is not there.
 void Bridge::show_stop(Time now, Effects& out) {
     if (describer_.note_stop(latch_.stopped())) describe_again(now);
     if (announcer_->state() == model::BoardState::kOnline)

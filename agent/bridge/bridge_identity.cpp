@@ -88,7 +88,7 @@ void Bridge::compare_with_first(bool flashed, Time now, Effects& out) {
 
 void Bridge::unreached(model::StateReason reason, const std::string& why, model::LinkInfo link, Time now,
                        Effects& out) {
-    // Of a board that was here link_down() has said how it went.
+    // link_down() has said how a board went that was here.
     if (port_.phase() != PortLoan::Phase::kOurs || (found_ && reason == model::StateReason::kUnplugged))
         return;
     unreached_ = why;

@@ -37,7 +37,7 @@ std::string name_of_port(std::string_view path, std::string_view host) {
     std::string name(host.substr(0, host.find('.')));
     name += "-usb-" + short_controller(controller) + "-";
     name += rest.substr(socket + 1, interface - socket - 1);
-    // Of a board with several ports all but the first have a number of their own.
+    // All but the first port of a board have a number of their own.
     auto more = rest.substr(interface + 1);
     if (more.ends_with("-port0")) more.remove_suffix(6);
     if (more != "1.0") name += "-" + std::string(more);

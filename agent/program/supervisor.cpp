@@ -24,7 +24,7 @@ namespace {
 
 constexpr Duration kFirstPause = std::chrono::seconds(4);
 constexpr Duration kLongestPause = std::chrono::minutes(1);
-// Of a board that has a process to itself: what is in its way is a person's, or a broker's that comes up.
+// For a board with a process to itself, which waits for a person, or for a broker that comes up.
 constexpr Duration kFirstPauseAlone = std::chrono::minutes(1);
 constexpr Duration kLongestPauseAlone = std::chrono::minutes(5);
 // A board that was served for so long begins with short pauses again.

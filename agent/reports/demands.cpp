@@ -20,7 +20,7 @@ void Demands::erase(Entries::iterator entry) {
     entries_.erase(entry);
 }
 
-// Of the user with most, the one that would end first.
+// The one that would end first, of the user with most, goes.
 bool Demands::make_room(const std::string& user) {
     if (entries_.size() < kMax) return true;
     const auto most = std::max_element(users_.begin(), users_.end(),

@@ -16,7 +16,7 @@ using program::log::Level;
 
 namespace {
 
-// Of a stop that has nothing to undo: only an answer of the board shows that it is there.
+// For a stop that has nothing to undo: only an answer of the board shows that it is there.
 constexpr const char* kQuestion = "#,?";
 
 std::string milliseconds(Duration time) {

@@ -35,7 +35,7 @@ class Shares {
     /// With jobs, or above others in use.
     std::size_t names() const { return accounts_.size(); }
     Duration now() const { return clock_(); }
-    /// Of this thread alone.
+    /// This thread's alone.
     static Duration processor_time();
 
   private:

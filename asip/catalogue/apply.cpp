@@ -12,7 +12,7 @@ using model::BoardState;
 
 // Two messages that say one state name its beginning alike within this time: delays and whole seconds.
 constexpr Duration kSameMoment = std::chrono::seconds(5);
-// Of two messages with ages in whole seconds the one that is this much older was published first.
+// Ages are whole seconds: a message that is this much older than another was published first.
 constexpr Duration kApart = std::chrono::seconds(2);
 
 bool valid_session(std::string_view text) {

@@ -15,7 +15,7 @@ void BoardSet::settle(const NameOrder& order) {
             }
         }
     } else {
-        // Of a slot's alternating additions and removals only an odd one out has an effect: that of the
+        // A slot's additions and removals alternate, so only an odd one out has an effect: that of the
         // first.
         std::stable_sort(pending_.begin(), pending_.end(),
                          [&](const auto& a, const auto& b) { return less(a.first, b.first); });

@@ -100,7 +100,7 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events,
     wheel_.set(slot, due, now);
 }
 
-// Of a board that is remembered the answer may change with what becomes known of the clocks, so it is asked
+// The answer about a remembered board may change with what becomes known of the clocks, so it is asked
 // for again at the latest a day later.
 Time Catalogue::Impl::forgotten_at(Board& b, Time now) const {
     const bool told = b.says_state && b.since != Time{} && b.since == b.reported_since;

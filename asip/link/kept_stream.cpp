@@ -13,7 +13,7 @@ namespace asip::link {
 namespace {
 
 constexpr auto kRetry = std::chrono::milliseconds(250);
-// Of a port that is there: opening it may move its lines under another program, and is of no use soon.
+// For a port that is there: opening it may move its lines under another program, and hardly helps.
 constexpr auto kRetryRefused = std::chrono::milliseconds(1000);
 constexpr auto kDtrLow = std::chrono::milliseconds(100);
 constexpr Duration kConnectTimeout = std::chrono::seconds(5);

@@ -93,7 +93,7 @@ mqtt::Message Announcer::will() const {
     return will;
 }
 
-/// Of descriptions and probes, what others say matters: each of ours would come back otherwise. Of states our
+/// Only descriptions and probes of others matter: each of ours would come back otherwise. Of states our
 /// own will, too, which the broker may hold for a message of ours. A stored description may be of a session
 /// that is later than ours, as a clock went back.
 std::vector<Announcer::Subscription> Announcer::subscriptions(const bus::Topics& topics,

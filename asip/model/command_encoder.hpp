@@ -55,14 +55,14 @@ Expected<EncodedCommand> encode_control_json(const ServiceModel* model, char let
 
 /// With type, range and unit: "angle 0..180 degrees".
 std::string describe(const Field& field);
-/// Of all arguments: "servo 0..255, angle 0..180 degrees"; may be empty.
+/// All arguments: "servo 0..255, angle 0..180 degrees"; may be empty.
 std::string usage(const CommandModel& command);
 /// What undoes a command, with the arguments' names: "M,s,motor"; empty: nothing does.
 std::string safe_usage(const ServiceModel& model, const CommandModel& command);
 
 struct RequestValues {
     const CommandModel* command = nullptr;  ///< of the model
-    /// Of each of given_arguments(), in order: numbers (a color is one), texts, and arrays for lists and for
+    /// For each of given_arguments(), in order: numbers (a color is one), texts, and arrays for lists and for
     /// items with several fields.
     nlohmann::json values;
 };

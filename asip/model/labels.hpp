@@ -32,7 +32,7 @@ struct Labels {
     std::map<int, int> modes{};
 
     bool empty() const { return *this == Labels(); }
-    /// Of a service or a pin; empty: it has none.
+    /// The name of a service or a pin; may be empty.
     std::string service(const std::string& name) const;
     std::string pin(int number) const;
     friend bool operator==(const Labels&, const Labels&) = default;

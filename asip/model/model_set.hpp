@@ -52,7 +52,7 @@ class ModelSet {
 /// Fails with "FILE: /place: reason" on a file that is unreadable, above 64 KiB or not valid.
 Expected<ServiceModel> load_service_model(const std::string& path);
 
-/// Of "distance@1", or another version where this one is unknown; may be empty.
+/// Those of "distance@1", or of another version where this one is unknown; may be empty.
 std::vector<std::string> units_of(const ModelSet& models, std::string_view reference);
 
 }  // namespace asip::model

@@ -65,7 +65,7 @@ std::string suggest_name(std::string_view text) {
     while (!name.empty() && name.back() == '-')
         name.pop_back();
     if (name.size() > kMaxNameBytes) {
-        // Of a port's name the maker is at the beginning, serial number and interface are at the end.
+        // A port's name begins with its maker, and ends with serial number and interface.
         constexpr std::size_t kBegin = 12;
         std::string_view end = std::string_view(name).substr(name.size() - (kMaxNameBytes - kBegin - 2));
         std::string_view begin = std::string_view(name).substr(0, kBegin);

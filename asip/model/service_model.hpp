@@ -28,7 +28,7 @@ enum class ValueType {
 /// The word in a file: "integer", "number", "text", "color", "count", "list".
 std::string_view to_text(ValueType type);
 
-/// Of an event, or an argument.
+/// A field of an event, or an argument.
 struct Field {
     std::string name;
     ValueType type = ValueType::kInteger;
@@ -133,7 +133,7 @@ struct ModelExample {
 };
 std::vector<ModelExample> examples(const ServiceModel& model);
 
-/// Of all fields and arguments, each once, unordered.
+/// The units of all fields and arguments, each once, unordered.
 std::vector<std::string> units_of(const ServiceModel& model);
 
 }  // namespace asip::model

@@ -302,7 +302,7 @@ ConnectionEnd Connection::why_closed(int error) const {
         return {refused_by(broker_, connack_code_, options_), v5_ && is_version_refusal(connack_code_)};
     }
     const bool connecting = phase_ == Phase::kConnecting;
-    // Of a refusal in the words of 3.1.1 libmosquitto 2.0.21 tells no code.
+    // libmosquitto 2.0.21 tells no code of a refusal in the words of 3.1.1.
     if (connecting && v5_ && error == MOSQ_ERR_MALFORMED_PACKET) {
         return {refused_by(broker_, MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION, options_), true};
     }

@@ -58,7 +58,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
     bool up() const { return phase_ == Phase::kUp; }
     bool v5() const { return v5_; }
-    /// Of the broker, once up().
+    /// The broker's, once up().
     int max_qos() const { return max_qos_; }
     /// Unacknowledged QoS 1 messages that the broker allows (MQTT 5.0, 3.2.2.3.3). libmosquitto holds back
     /// more.

@@ -81,8 +81,8 @@ struct Options {
     Duration retry_first = std::chrono::milliseconds(100);
     Duration retry_max = std::chrono::seconds(2);
 
-    /// Of what waits to be sent, in messages and in Message::bytes(). Beyond, the oldest context values are
-    /// dropped; announcements and replies may take twice as much.
+    /// Bounds of what waits to be sent, in messages and in Message::bytes(). Beyond, the oldest context
+    /// values are dropped; announcements and replies may take twice as much.
     std::size_t max_queued_messages = 4096;
     std::size_t max_queued_bytes = 4u << 20;
 

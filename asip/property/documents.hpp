@@ -61,7 +61,7 @@ struct ValueDocument {
     friend bool operator==(const ValueDocument&, const ValueDocument&) = default;
 };
 
-/// Of all services, or of those that `of` accepts. Values beyond kMaxValuesBytes are left out.
+/// The values of the services that `of` accepts. Values beyond kMaxValuesBytes are left out.
 template <class Of>
 ValueDocument values_of(const KnownValues& known, Time now, const Of& of);
 ValueDocument values_of(const KnownValues& known, Time now);

@@ -90,8 +90,8 @@ class KnownValues {
 
     std::vector<Property> properties_;
     std::vector<Raw> raws_;  // one for each property
-    /// Of all pins, by service and pointer: a board says the level of a new input before it confirms the
-    /// mode.
+    /// What all pins said, by service and pointer: a board says the level of a new input before it confirms
+    /// the mode.
     std::map<std::string, Heard, std::less<>> pins_;
     std::uint64_t next_event_ = 1;
     std::optional<Time> due_;

@@ -258,7 +258,7 @@ class ServiceProperties {
             undoes_.insert(stop->command);
     }
 
-    /// Of commands that the model says set values of others; and of those without arguments, behind which
+    /// For commands that set values of others by their model, and for those without arguments, behind which
     /// nothing that was set is known.
     void add_setters() {
         for (const auto& command : model_.commands) {

@@ -12,7 +12,7 @@
 
 namespace asip::property {
 
-/// Of one service that has a model; without the I/O service's pins.
+/// Those of one service that has a model; without the I/O service's pins.
 std::vector<Property> service_properties(const model::Description& description,
                                          const model::ServiceInfo& service, const model::ServiceModel& model);
 /// By the pins' meanings and the modes that commands set.

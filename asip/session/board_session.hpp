@@ -170,7 +170,7 @@ class BoardSession {
     unsigned baud() const;
     /// In the board's receive buffer, never above kReceiveBufferBytes.
     std::size_t bytes_in_flight() const;
-    /// Of all clients and of the session itself.
+    /// Those of all clients, and of the session itself.
     std::size_t queued() const;
     bool checksums() const;
     const SessionCounters& counters() const;

@@ -134,7 +134,7 @@ SelfReports Machine::self_reports(const Request& request) const {
     return reports;
 }
 
-// Of events that come without a request.
+// Notes an event that comes without a request.
 void Machine::note_report(const protocol::Event& event, Time now) {
     if (event.service == '#') return;
     last_report_ = now;

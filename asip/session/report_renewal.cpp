@@ -14,7 +14,7 @@ constexpr Duration kRenewAfter = std::chrono::seconds(30);
 // How long beyond two periods a report may be missing.
 constexpr Duration kFirstPatience = std::chrono::milliseconds(500);
 constexpr Duration kLongestPatience = std::chrono::seconds(60);
-// Of reports that no request asked for the period is that between so many of them, as sketches set it.
+// Sketches may set a period themselves: it is measured between so many reports.
 constexpr int kGaps = 16;
 constexpr Duration kLongestGap = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kRound(5);

@@ -67,7 +67,7 @@ class WaitingRequests {
 /// time.
 class RequestQueue {
   public:
-    /// Of an Arduino: 64 bytes less one.
+    /// An Arduino's: 64 bytes less one.
     static constexpr std::size_t kReceiveBufferBytes = 63;
     /// How much of it is used while the board reports by itself.
     static constexpr std::size_t kWhileReporting = 48;

@@ -31,7 +31,7 @@ class Search {
     Step next(Time now);
     /// Something reads as ASIP: the next question is asked at this rate.
     void heard() { heard_ = true; }
-    /// Of whatever kind.
+    /// Bytes of any kind came.
     void bytes_came() { bytes_came_ = true; }
 
   private:

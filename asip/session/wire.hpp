@@ -29,7 +29,7 @@ class Wire {
     bool has_rates() const { return start_baud_ != 0; }
     bool at_start_rate() const { return baud_ == start_baud_; }
     void set_rate(unsigned baud, std::string why, Actions& out);
-    /// Of one byte; zero: the link has no rate.
+    /// For one byte; zero: the link has no rate.
     Duration byte_time() const;
     /// A checksum costs less than 0.1 ms a line.
     bool is_fast() const;

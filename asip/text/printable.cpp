@@ -30,7 +30,7 @@ bool is_c1(std::string_view text, std::size_t at) {
     return second >= 0x80 && second <= 0x9f;
 }
 
-/// Of a character that no one sees, at the beginning: its bytes. 0: another one is there.
+/// The bytes of a character that no one sees, at the beginning; 0: another one is there.
 std::size_t unseen_bytes(std::string_view text) {
     if (text.starts_with("\xd8\x9c")) return 2;
     if (text.starts_with("\xef\xbb\xbf")) return 3;

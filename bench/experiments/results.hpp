@@ -33,7 +33,7 @@ struct Results {
 struct Summary {
     double mean, median, p99, max;
 };
-/// Of at least one sample, in any order and unit.
+/// Summary of at least one sample, in any order and unit.
 Summary summary(std::vector<double> samples);
 
 }  // namespace asip::experiments

@@ -46,7 +46,7 @@ SimulatedBoard::SimulatedBoard(const bus::Topics& topics, const BoardKind& kind,
 
 std::vector<member::Announcer::Subscription> SimulatedBoard::subscriptions(const bus::Topics& topics,
                                                                            const std::string& name) {
-    // Of all these the required ones are asked for first, and the claim of a name hears of its holder by its
+    // The required ones are asked for first, and the claim of a name hears of its holder by its
     // description.
     auto all = member::Announcer::subscriptions(topics, name);
     for (auto& [filter, how] : all)

@@ -20,7 +20,7 @@ struct EventNumbers {
     std::uint64_t resets = 0;    ///< beyond the one of each connection of the registry
     std::uint64_t gaps = 0;      ///< places where the numbers do not go on by one
     std::uint64_t left_out = 0;  ///< numbers that are missing there
-    // Of the last event; no epoch: none was received.
+    // The last event's; no epoch: none was received.
     std::string epoch{};
     std::uint64_t seq = 0;
 

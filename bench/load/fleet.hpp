@@ -19,7 +19,7 @@ namespace asip::load {
 
 /// How many boards there are, and how they are connected and announced.
 struct FleetOptions {
-    /// Of each connection; the fleet adds a number to the client identifier, and the will.
+    /// For each connection; the fleet adds a number to the client identifier, and the will.
     mqtt::Options mqtt;
     std::string topic_root = "asip";
     std::string prefix = "load-";

@@ -19,7 +19,7 @@ void Fleet::publish(std::size_t board, member::Announcements& out) {
     if (!client) return;
     Slot& slot = slots_[board];
     for (auto& publication : out.publish) {
-        // Of an announcement the description expires, and a state after a century.
+        // The description of an announcement expires, and a state after a century.
         const auto& expiry = publication.message.expiry_seconds;
         const bool description = expiry && *expiry < model::kStateExpirySeconds;
         if (description && !slot.said) slot.said = Clock::now();
@@ -125,7 +125,7 @@ void Fleet::acknowledged(const std::string& topic_text) {
 }
 
 void Fleet::report_values() {
-    // Of what the machine cannot keep up with, no more than a second is made up for.
+    // A machine that cannot keep up makes up for a second at most.
     values_due_ = std::min(values_due_, options_.values_per_second * static_cast<double>(slots_.size()) + 1);
     for (std::size_t looked_at = 0; values_due_ >= 1 && looked_at < slots_.size(); ++looked_at) {
         const std::size_t board = next_value_++ % slots_.size();

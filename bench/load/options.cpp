@@ -52,7 +52,7 @@ constexpr const char* kExamples =
     "Exit status: 0 every board was announced, registries agree, and no answer is wrong; 1 not so; 2 bad "
     "option; 3 no broker; 6 the\nnames of boards are held by others.";
 
-// Of each connection: its socket, a second name of it, and the two ends by which libmosquitto can be woken.
+// Each connection has its socket, a second name of it, and the two ends by which libmosquitto can be woken.
 constexpr std::size_t kFilesOfAConnection = 4;
 constexpr std::size_t kOtherFiles = 64;
 constexpr std::size_t kMaxBoards = 1'000'000;

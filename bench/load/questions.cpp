@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxCursor = 256;  // what a registry takes
 
-// Of 20 questions, in the order of the kinds.
+// Among 20 questions, in the order of the kinds.
 constexpr std::array<std::size_t, kQuestionKinds> kShares{14, 2, 2, 1, 1};
 constexpr std::size_t kAllShares = 20;
 // Has no factor in common with them: each kind is spread over the 20.

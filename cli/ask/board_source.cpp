@@ -10,7 +10,7 @@
 namespace asip::cli {
 namespace {
 
-/// Of all pages of one answer. Ten times what the largest catalogues need: a registry that goes on behind
+/// For all pages of one answer: ten times what the largest catalogues need. A registry that goes on behind
 /// them would go on for ever.
 constexpr std::size_t kMaxPagesBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxPages = 100'000;
@@ -231,7 +231,7 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
 
 void BoardSource::on_announcement(
     std::function<void(const std::string& board, const std::string& session)> handler) {
-    // Of two agents with one name the view shows one.
+    // The view shows one of two agents with one name.
     session_.on_board(
         [this, handler = std::move(handler)](const std::string& board, const mqtt::Message* said) {
             if (said == nullptr || said->retain || said->topic != environment_.topics.description(board))

@@ -25,7 +25,7 @@ struct KnownBoard {
     std::optional<model::Description> description;  ///< none: it takes part by its names only
     std::string description_fault{};                ///< or this is wrong with it
 
-    /// Of a board without one, for a person: `publishes no description`, or what is wrong with it.
+    /// For a person, about a board without one: `publishes no description`, or what is wrong with it.
     std::string why_no_description() const;
     std::vector<std::string> service_names() const;
 };

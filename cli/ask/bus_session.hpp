@@ -70,7 +70,7 @@ class BusSession {
     caller::Caller& caller() const;
     catalogue::BusView& boards() const { return caller().boards(); }
 
-    /// Of boards that report on demand: `hz` values a second are enough, as long as the handle lives, which
+    /// For boards that report on demand: `hz` values a second are enough, as long as the handle lives, which
     /// may end after the session. `board` and `service` may be patterns; an empty service is all of them.
     /// Which boards do is in their descriptions: subscribe to those, too, or use demand().
     [[nodiscard]] bus::Demander::Want want(const std::string& board, const std::string& service,

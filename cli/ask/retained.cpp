@@ -68,7 +68,7 @@ std::string why_unreadable(const bus::TopicRef& ref, const Retained& message) {
     return description->board == ref.board ? std::string() : "describes another board: " + description->board;
 }
 
-/// Of what is no topic of a board or registry: requests to forget, commands to what a gateway exports, and
+/// Topics of no board or registry: requests to forget, commands to what a gateway exports, and
 /// what reads like a command.
 bool looks_like_command(const bus::Topics& topics, std::string_view topic) {
     const bool of_registry = topic.starts_with(topics.root() + "/registry/");

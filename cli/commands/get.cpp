@@ -23,7 +23,7 @@
 namespace asip::cli {
 namespace {
 
-/// Of fields, in an error.
+/// Fields that an error names.
 constexpr std::size_t kMaxNamed = 32;
 
 /// BOARD/SERVICE/FIELD taken apart; FIELD may hold more slashes.

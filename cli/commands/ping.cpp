@@ -193,7 +193,7 @@ class Pinger {
         }
     }
 
-    /// Of each board: answered at least once.
+    /// Whether each board answered at least once.
     int status() const {
         int status = program::kExitOk;
         for (const auto& one : boards_) {

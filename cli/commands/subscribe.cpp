@@ -147,7 +147,7 @@ class Subscriber {
     }
 
   private:
-    /// Of a pattern only where it cannot be done without: they may be thousands.
+    /// For a pattern only where it cannot be done without: they may be thousands.
     std::set<std::string> described() const {
         std::set<std::string> boards;
         for (const auto& target : targets_)

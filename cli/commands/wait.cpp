@@ -86,7 +86,7 @@ class Waiter {
         return "the board is " + state_text(*known);
     }
 
-    /// Of what is retained the description may arrive before the state that contradicts it; an old one
+    /// A retained description may arrive before the state that contradicts it; an old one
     /// without an agent has none. Boards without states are those that are heard.
     bool reported(const bus::BoardItem& known) const {
         const bool all_retained = retained_ && retained_->passed();

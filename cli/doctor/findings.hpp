@@ -41,7 +41,7 @@ struct Observations {
     std::string registry{};                 ///< that answered; empty: none
     std::vector<bus::BoardItem> boards{};   ///< as the registry, else the bus, has them
     std::map<std::string, std::string> bad_documents{};  ///< topic, reason
-    /// Of each board, seen announcing while we looked.
+    /// By board: the sessions that announced it while we looked.
     std::map<std::string, std::set<std::string>> sessions{};
     std::map<std::string, PingResult> pings{};  ///< of boards whose state is "online"
     /// By our clock: the registry wrote its answers between the two.

@@ -19,7 +19,7 @@ struct Profile {
     std::string name;
     OptionValues options;
 
-    /// Of the option; empty: it is not there.
+    /// Empty: the option is not there.
     std::string value(const std::string& option) const;
 };
 

@@ -29,7 +29,7 @@ std::string item_type(const CommandModel& command, const Field& list) {
     return pascal_case(command.name) + pascal_case(list.name) + "Item";
 }
 
-/// Of a single value.
+/// The type of a single value.
 std::string value_type(const Field& field) {
     if (field.type == ValueType::kText) return "std::string";
     return field.type == ValueType::kNumber ? "double" : "std::int64_t";

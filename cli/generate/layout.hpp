@@ -22,7 +22,7 @@ struct WholeRange {
     double low, high;
     bool fits(double least, double most) const { return low >= least && high <= most; }
 };
-/// Of an integer or a color; where the model has no bounds, those of 32 bits.
+/// The range of an integer or a color; where the model has no bounds, those of 32 bits.
 WholeRange whole_range(const model::Field& field);
 
 /// A voltage or a level that stands for a value until real hardware is there: `low` to `high` is 0 to 5 V of

@@ -14,7 +14,7 @@ Outcome<void> check_clock();
 std::string joined(const std::vector<std::string>& words);
 
 Outcome<void> ensure_authority(const SecureFolder& folder, SecureReport& report);
-/// Of the broker; made anew where it does not fit its key, the authority or the hosts.
+/// The broker's certificate is made anew where it does not fit its key, the authority or the hosts.
 Outcome<void> ensure_certificate(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report);
 /// A new one in any case.
 Outcome<void> write_certificate(const SecureFolder& folder, const SecuredBus& bus);

@@ -22,7 +22,7 @@ bool is_of_containers(const std::string& interface) {
                        [&](const char* prefix) { return interface.starts_with(prefix); });
 }
 
-/// Of an address in the memory of all its kinds, as getifaddrs gives them.
+/// An address of any kind, as getifaddrs gives it, as text.
 std::string text_of(const sockaddr& address) {
     std::array<char, INET6_ADDRSTRLEN> text{};
     if (address.sa_family == AF_INET) {

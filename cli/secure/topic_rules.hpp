@@ -35,7 +35,7 @@ struct TopicRule {
     Rights of(Role role) const;  ///< not for Role::kAdmin, who may do everything
 };
 
-/// Of each kind of topic, and of those of answers.
+/// The rules of each kind of topic, and of those of answers.
 const std::vector<TopicRule>& topic_rules();
 
 /// Whether a user of this role and name may read (write) on this topic, which follows `rule` and has no root.

@@ -77,7 +77,7 @@ Expected<Dashboard> parse_kept_dashboard(std::string_view text);
 std::string kept_text(const Dashboard& dashboard);
 /// What clients are shown: without links.
 nlohmann::json to_json(const Dashboard& dashboard);
-/// Of title and widgets: another one for whatever an editor changes.
+/// Made of title and widgets: whatever an editor changes gives another one.
 std::string etag_of(const Dashboard& dashboard);
 /// What a client with this link may do.
 Rights rights_of(const std::string& dashboard, const DashboardLink& link);

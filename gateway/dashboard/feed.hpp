@@ -31,7 +31,7 @@ class DashboardFeed final : public Feed {
         std::string name;
         Rights rights;
         double max_hz = 10;
-        /// Of these properties of a board, by id.
+        /// For these properties of a board, by id.
         std::function<PropertyFeed::Options(const std::string& board, const std::set<std::string>& ids)>
             properties;
         std::function<Budget::Part()> part;  ///< of the reader

@@ -12,7 +12,7 @@
 
 namespace asip::gateway::exports {
 
-// Of what another system sends.
+// A command that another system sends is not longer.
 inline constexpr std::size_t kMaxCommandBytes = 4096;
 inline constexpr int kMaxCommandDepth = 4;
 inline constexpr std::size_t kShownBytes = 60;  ///< of it, in a sentence
@@ -45,7 +45,7 @@ class Dialect {
     virtual std::vector<std::string> retained(const std::string& place) const = 0;
     /// Filters for what it retains, which a command never matches.
     virtual std::vector<std::string> watched() const;
-    /// Of all that is retained the topics that are this export's own.
+    /// The topics of this export, among all that is retained.
     virtual std::vector<std::string> ours(const Retained& found, const std::string& place) const = 0;
 
     // --- the gateway
@@ -119,7 +119,7 @@ class Dialect {
         std::string board;     ///< as id_of() calls it
         std::string property;  ///< its id
     };
-    /// Of a command's topic; nothing: it is none.
+    /// Nothing: it is no topic of a command.
     virtual std::optional<Command> command_of(std::string_view topic) const = 0;
     /// What a command asks for, as a value of the property. Fails with a sentence.
     virtual Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const = 0;

@@ -39,7 +39,7 @@ class Export {
         /// To what others publish from now on. It stays when the connection comes anew.
         std::function<void(const std::string& filter)> watch;
         std::function<void(const std::string& filter)> unsubscribe;
-        // Of the gateway:
+        // What the gateway does:
         std::function<bool()> ready;  ///< the catalogue holds all that is on the bus
         std::function<std::vector<std::string>()> boards;
         std::function<std::optional<Present>(const std::string& board)> board;

@@ -44,7 +44,7 @@ struct ExportedBoard {
     }
 };
 
-/// Of a board as the catalogue has it, with its whole description. Nothing: it has none. `list`: its
+/// `item`: with its whole description; nothing: it has none. `list`: its
 /// properties, as its agent says; null: they are made here.
 std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const std::vector<Property>* list,
                                             const property::FindModel& find_model);

@@ -102,7 +102,7 @@ class HomeAssistant final : public Dialect {
     /// The value of an property for its state topic; null: it is not known. Empty: the topic is cleared.
     std::string state_text(const Property& property, const nlohmann::json& value) const override;
 
-    /// Of a command's topic; nothing: it is none.
+    /// Nothing: it is no topic of a command.
     std::optional<Command> command_of(std::string_view topic) const override;
     /// What Home Assistant asks for, as a value of the property. Fails with a sentence.
     Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const override;

@@ -52,7 +52,7 @@ std::string root_of(const std::string& description) {
     return root != document.end() && root->is_string() ? root->get<std::string>() : std::string();
 }
 
-/// Of a description as it is on the bus; 0: none of ours is there.
+/// The version in a description on the bus; 0: none of ours is there.
 std::int64_t version_of(const std::string& description) {
     const auto document = description.empty() ? json() : document_from(description);
     const auto found = document.is_object() ? document.find("version") : document.end();

@@ -45,7 +45,7 @@ class Sparkplug {
     std::string topic(std::string_view kind) const;
     std::string topic(std::string_view kind, std::string_view board) const;
     std::string host_state() const;
-    /// Of a DCMD; nothing: the topic is none.
+    /// Nothing: the topic is no DCMD.
     std::optional<std::string> board_of(std::string_view topic) const;
 
     /// Which part of an property's value a metric is.
@@ -57,7 +57,7 @@ class Sparkplug {
         friend bool operator==(const Slot&, const Slot&) = default;
     };
     static std::vector<Slot> slots(const Property& property);
-    /// Of the property's value, which is null where it is not known. Any JSON may be given.
+    /// `value`: the property's, null where it is not known. Any JSON may be given.
     static sparkplug::Value value(const Property& property, const Slot& slot, const nlohmann::json& value);
     /// What a birth says of a metric beside its value.
     std::vector<sparkplug::Property> properties(const Property& property, const Slot& slot) const;

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// Of the property "Quality".
+// Values of the property "Quality".
 constexpr std::int64_t kBad = 0;
 constexpr std::int64_t kGood = 192;
 constexpr int kBoardsAtOnce = 20;  // births; the rest when these are on their way: a command is not behind

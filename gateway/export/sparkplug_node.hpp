@@ -78,7 +78,7 @@ class SparkplugNode final : public Export {
         std::size_t property = 0;
         std::uint64_t alias = 0;  // since the last birth
     };
-    /// Of an property.
+    /// How a property stands.
     struct State {
         PacedValue value;        // JSON
         std::string fault;       // of the last command; empty: it was executed

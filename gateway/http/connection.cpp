@@ -100,7 +100,7 @@ void Connection::received(const ErrorCode& error, std::size_t bytes) {
     read_pending_ = false;
     if (closed()) return;
     if (error) return close();
-    // Of a client that listens to a stream only its end matters.
+    // A client that listens to a stream only ends.
     if (phase_ == Phase::kStreaming) return read();
     in_.append(buffer_.data(), bytes);
     if (phase_ == Phase::kReading) return feed();

@@ -30,7 +30,7 @@ struct Request {
     bool http_1_0 = false;
     Peer peer;
 
-    /// Of a header given once; empty where it is missing. `name` in lower case.
+    /// The value of a header given once; empty where it is missing. `name` in lower case.
     std::string_view header(std::string_view name) const;
     bool has_header(std::string_view name) const;
     /// `OPTIONS *`: of the server as a whole.

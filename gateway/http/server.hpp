@@ -120,7 +120,7 @@ struct ServerLimits {
     std::size_t connections = 12'000;             ///< of all addresses
     std::size_t connections_per_address = 1'000;  ///< of IPv6 a /64: network_of()
     std::size_t handshakes_per_address = 64;      ///< of TLS, under way
-    /// Of requests that are not whole yet, or wait behind another one: of an address, and of all together.
+    /// Requests that are not whole yet, or wait behind another one: of an address, and of all together.
     std::size_t input_bytes_per_address = std::size_t{16} << 20;
     std::size_t input_bytes = std::size_t{128} << 20;
     /// Connections from this machine are a proxy's, and have many clients: limits of an address are not

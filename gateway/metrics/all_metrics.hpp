@@ -43,7 +43,7 @@ struct Snapshot {
     CommandTimes durations;
     bool broker_connected = false;
     std::size_t streams = 0;
-    // Of Values: since the start, and what is kept now.
+    // From Values: since the start, and what is kept now.
     std::uint64_t values_received = 0;
     std::uint64_t values_skipped = 0;  ///< by slow readers
     std::uint64_t values_refused = 0;  ///< that their properties cannot have
@@ -58,7 +58,7 @@ struct Snapshot {
     Part part{};                        ///< what is not of boards stands in the first part alone
     std::vector<ValueSample> values{};  ///< of services that were asked for
     bool values_left_out = false;       ///< there are more than are shown
-    // Of the operating system: read_process().
+    // From the operating system: read_process().
     double resident_bytes = 0;
     double processor_seconds = 0;
     double open_files = 0;

@@ -157,7 +157,7 @@ void Mirror::message(const mqtt::Message& message, const Instant& now) {
     }
 }
 
-// Of what is retained it may come ahead of its board.
+// A retained message may come ahead of its board.
 void Mirror::standing_message(const bus::TopicRef& topic, const mqtt::Message& message, const Instant& now) {
     const std::string board(topic.board);
     const auto item = known(board, now);

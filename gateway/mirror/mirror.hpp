@@ -107,7 +107,7 @@ class Mirror {
     /// leaves it (empty: whole). Boards that do not pass cost no more than the look at their names.
     ChangeFeed::ReadPage read_page(ChangeFeed::Allowed allowed, std::function<void(bus::BoardItem&)> limit);
     const std::map<std::string, RegistryInfo>& registries() const { return registries_; }
-    /// Of agents that published some within the last 45 s.
+    /// Those of agents that published some within the last 45 s.
     const std::map<std::string, BoardStats>& board_stats() const { return board_stats_; }
     std::vector<std::pair<std::string, std::size_t>> services_by_kind(const catalogue::View& view) const {
         return catalogue_.services_by_kind(view);

@@ -48,7 +48,7 @@ PropertyFeed::PropertyFeed(Mirror& mirror, Options options)
     });
 }
 
-/// Of which properties it says something is enough: how they stand is the mirror's to know.
+/// The ids in a report are enough: the mirror knows how properties stand.
 void PropertyFeed::read_report(const StreamEvent& event) {
     if (event.kind == "snapshot-end") live_ = true;
     if (!live_ || event.kind != "value" || !seen_.board) return;

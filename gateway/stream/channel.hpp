@@ -17,8 +17,8 @@ namespace asip::gateway {
 class StreamChannel : public http::Channel, public OpenStream {
   public:
     static constexpr std::size_t kBytesOfAnswer = 64;  ///< that waits to be read, beside its text
-    /// Of answers that wait: part of what the connection takes from its beginning, so that a client whose
-    /// budget is used up is told so.
+    /// The bytes of answers that wait: part of what the connection takes from its beginning, so that a client
+    /// whose budget is used up is told so.
     static constexpr std::size_t kBytesOfAnswers = 16 * 1024;
     static constexpr int kMaxFaults = 100;  ///< messages that are none, then the connection ends
 

@@ -196,7 +196,7 @@ bool ValueFeed::next_snapshot(StreamEvent& event, const Instant& now) {
         return true;
     }
     phase_ = Phase::kLive;
-    // Of a pattern: the place of services that report for the first time from now on.
+    // For a pattern: the place of services that report for the first time from now on.
     event = {"snapshot-end", Place{values_->epoch(), exact() ? snapshot_number_ : 0}.text(), "{}"};
     return true;
 }

@@ -29,9 +29,9 @@ class ValueFeed : public Feed {
         std::string board = "*";  ///< patterns
         std::string service = "*";
         double max_hz = 0;  ///< newest value of a service at most so often; 0: each
-        /// Of one service only: resume behind this. Where it is gone, `reset` and the state follow.
+        /// For one service only: resume behind this. Where it is gone, `reset` and the state follow.
         std::optional<Place> after;
-        /// Of patterns: resume each service behind its place. A service without one begins with its last
+        /// For patterns: resume each service behind its place. A service without one begins with its last
         /// values; of what is not kept any more the newest is sent, with `left_out`.
         std::optional<Places> after_each;
         Allowed allowed;                 ///< empty: everything

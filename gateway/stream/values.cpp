@@ -86,7 +86,7 @@ std::string_view beginning(std::string_view text, std::size_t max) {
     return text.substr(0, end);
 }
 
-/// Of a report that is longer than `max` the beginning of what was published stays. How many bytes that were;
+/// A report that is longer than `max` is cut to its beginning. Returns how many bytes were published;
 /// 0: it is whole.
 std::size_t cut_to(std::size_t max, std::string_view payload, Report& report) {
     if (!report.json.empty() && report.json.size() <= max) return 0;
@@ -271,7 +271,7 @@ void Values::drop_oldest() {
     }
 }
 
-// Of a service that reports much the points go before their entries do: these must not pile up. The first
+// The points of a service that reports much go before their entries do, which must not pile up. The first
 // entries of a service are those of what is gone.
 void Values::tidy_arrivals() {
     constexpr std::size_t kFew = 1000;

@@ -64,7 +64,7 @@ class Points {
   public:
     bool empty() const { return first_ == points_.size(); }
     std::size_t size() const { return points_.size() - first_; }
-    /// Of the block; the texts aside.
+    /// The block's bytes; the texts aside.
     std::size_t block_bytes() const { return points_.capacity() * sizeof(Point); }
     const Point& operator[](std::size_t i) const { return points_[first_ + i]; }
     const Point& front() const { return points_[first_]; }
@@ -134,7 +134,7 @@ struct ValueLimits {
     std::size_t of_board = 256;                 ///< the same of one board's services
     std::size_t channels = 16;                  ///< different events of a service
     std::size_t value = 64 * 1024;  ///< the longest text of a value; of a longer one the beginning
-    /// Of the last values of one board, and of all: beyond, of a value that is longer than kShortValue only
+    /// Bounds of the last values of one board, and of all: beyond, of a value longer than kShortValue only
     /// so much is kept, and beyond twice of all no value of a new event or service.
     std::size_t board_last_bytes = std::size_t{1} << 20;
     std::size_t last_bytes = std::size_t{64} << 20;
@@ -156,7 +156,7 @@ class Values {
     /// Beyond a limit of services or events it is not kept, and nothing else happens.
     void value(std::string_view board, std::string_view service, std::string_view payload, bool error,
                const Instant& now);
-    /// Of a board all services, with everything that is kept of them.
+    /// Forgets all services of a board, with everything that is kept of them.
     void forget(std::string_view board);
     /// What a board reported before does not count any more for how it stands.
     void begin_anew(std::string_view board);
@@ -168,9 +168,9 @@ class Values {
     }
 
     std::size_t services() const { return services_; }
-    /// Of recent values, with their order of arrival.
+    /// Those of recent values, with their order of arrival.
     std::size_t bytes() const { return bytes_ + arrivals_.size() * sizeof(ServiceValues*); }
-    /// Of the last value of each event of each service.
+    /// Those of the last value of each event of each service.
     std::size_t last_bytes() const { return last_bytes_; }
     std::uint64_t received() const { return received_; }
     std::uint64_t left_out() const { return left_out_; }
@@ -203,7 +203,8 @@ class Values {
     ValueLimits limits_;
     std::map<std::string, Board, std::less<>> boards_;
     std::size_t services_ = 0;
-    // Of each point that is kept, in order; and of some that are gone: dropped_ahead of their service.
+    // The service of each point that is kept, in order; and of some that are gone: dropped_ahead of their
+    // service.
     std::deque<ServiceValues*> arrivals_;
     std::size_t gone_arrivals_ = 0;
     std::vector<ValueFeed*> feeds_;

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _STATE_EXPIRY = 3_000_000_000
 # Two messages that say one state name its beginning alike within this time: delays and whole seconds.
 _SAME_MOMENT = 5.0
-# Of two messages with ages in whole seconds the one that is this much older was published first.
+# Ages are whole seconds: a message that is this much older than another was published first.
 _APART = 2.0
 # After the broker was away, leases get this time to be renewed.
 _GRACE = 10.0

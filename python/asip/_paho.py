@@ -191,7 +191,7 @@ class Link:
         self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({reason})", "other" if self._answered else "closed")
 
     def _thread_ended(self, why: str) -> None:
-        # Of a refusal in the words of 3.1.1 paho-mqtt may understand nothing.
+        # paho-mqtt may understand nothing of a refusal in the words of 3.1.1.
         self._ended(f"the connection to {self._broker.host}:{self._broker.port} ended ({why})", "other" if self._answered or not self._v5 else "version")
 
     def _ended(self, why: str, how: str) -> None:

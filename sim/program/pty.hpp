@@ -23,7 +23,7 @@ class Pty {
     Pty& operator=(Pty&& other) noexcept;
 
     bool is_open() const { return master_ >= 0; }
-    /// Of the side that other programs open: "/dev/pts/3".
+    /// The side that other programs open: "/dev/pts/3".
     const std::string& path() const { return path_; }
 
     struct Events {

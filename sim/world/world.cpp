@@ -104,7 +104,7 @@ World::State World::state(RoverId rover) const {
     return state_of(members_.at(rover));
 }
 
-/// Of standard deviation 1, from twelve even ones: the same with each C++ library.
+/// Noise of standard deviation 1, from twelve even ones: the same with each C++ library.
 double World::noise(Member& member) const {
     double sum = -6;
     for (int i = 0; i < 12; ++i)

@@ -44,7 +44,7 @@ bool is_of_network(Action action);
 
 /// "agent kill"
 std::string name_of(const Fault& fault);
-/// Of a round: the names of its faults in alphabetical order, "agent stop + broker kill".
+/// The names of a round's faults in alphabetical order, "agent stop + broker kill".
 std::string name_of(const std::vector<Fault>& faults);
 
 /// How many there are of each kind.

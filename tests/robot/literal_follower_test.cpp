@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 /// numbers wherever the programs have them.
 class PublishedFollower {
   public:
-    /// Of the left motor and of the right one, which is mounted the other way round.
+    /// The left motor's and the right one's, which is mounted the other way round.
     std::array<int, 2> powers(const std::array<int, 3>& ir) {
         const auto cut = [](int value) { return value < 50 ? 0 : value; };
         const int left = cut(ir[2]), middle = cut(ir[1]), right = cut(ir[0]);

@@ -24,7 +24,7 @@ bool has(const std::vector<Effect>& effects, const std::optional<Effect>& wanted
     return wanted && std::find(effects.begin(), effects.end(), *wanted) != effects.end();
 }
 
-// Of a request that paused the board may refuse two parts.
+// The board may refuse two parts of a request that paused.
 bool has_error(std::string_view reply, int code) {
     for (auto begin = reply.find('~'); begin != reply.npos; begin = reply.find('~', begin + 1)) {
         const auto message =

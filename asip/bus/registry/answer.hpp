@@ -41,8 +41,8 @@ struct Answer {
 
 /// What is empty is left out.
 std::string encode(const Answer& answer);
-/// Of any version: unknown members are passed over, missing or mistyped ones are empty. Fails where it is no
-/// JSON object of at most 16 MiB, or its rows are wrong.
+/// Takes any version: unknown members are passed over, missing or mistyped ones are empty. Fails where it is
+/// no JSON object of at most 16 MiB, or its rows are wrong.
 Expected<Answer> parse_answer(std::string_view payload);
 
 /// A change of a registry's catalogue. Numbers are consecutive within an epoch: a gap is a lost event.
@@ -72,7 +72,7 @@ struct ChangeEvent {
 std::string_view to_string(ChangeEvent::Kind kind);
 
 std::string encode(const ChangeEvent& event);
-/// Of any version. Fails where it is no JSON object, or of an unknown kind.
+/// Takes any version. Fails where it is no JSON object, or of an unknown kind.
 Expected<ChangeEvent> parse_change_event(std::string_view payload);
 
 }  // namespace asip::bus

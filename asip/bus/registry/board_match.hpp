@@ -27,7 +27,7 @@ struct BoardFacts {
     const std::map<std::string, std::string>* labels = nullptr;  ///< null: none
 };
 
-/// Of "digital", "analog" or "pwm"; 0: another word.
+/// The bit of "digital", "analog" or "pwm"; 0: another word.
 inline unsigned capability_bit(std::string_view word) {
     return word == "digital" ? 1 : word == "analog" ? 2 : word == "pwm" ? 4 : 0;
 }

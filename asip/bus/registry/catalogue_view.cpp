@@ -114,7 +114,7 @@ void CatalogueView::event(const ChangeEvent& event) {
     apply(event);
 }
 
-/// Of a burst, a snapshot may hold changes before their events come.
+/// In a burst, a snapshot may hold changes before their events come.
 void CatalogueView::apply(const ChangeEvent& event) {
     const auto known = boards_.find(event.board.board);
     if (event.kind == ChangeEvent::Kind::kForgotten) {

@@ -96,7 +96,7 @@ std::string_view to_string(Reply::Status status);
 /// JSON becomes a string.
 std::string to_json_text(const Reply& reply);
 
-/// Of any version. Fails where it is no JSON object with a known `status`.
+/// Takes any version. Fails where it is no JSON object with a known `status`.
 Expected<Reply> parse_reply(std::string_view text);
 
 /// With id and `by` from `to`, QoS 1, and the clock as user property where possible; nothing: no answer is

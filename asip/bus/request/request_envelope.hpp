@@ -42,7 +42,7 @@ class ReplyTopics {
     std::string own_of_all() const { return prefix_ + "$self"; }
     /// The topic matches filter().
     bool have(std::string_view topic) const;
-    /// Of any program of this user.
+    /// The topic is of some program of this user.
     bool of_user(std::string_view topic) const { return topic.starts_with(prefix_); }
 
   private:
@@ -64,10 +64,10 @@ inline constexpr std::size_t kMaxRequestIdBytes = 128;
 inline constexpr std::size_t kMaxCorrelationBytes = 256;
 inline constexpr std::size_t kMaxReplyTopicBytes = 512;
 inline constexpr std::size_t kMaxByBytes = 64;  ///< of the sender; of a longer name the beginning counts
-/// Of `deadline_ms`.
+/// Bounds of `deadline_ms`.
 inline constexpr std::chrono::milliseconds kMinDeadline{50};
 inline constexpr std::chrono::milliseconds kMaxDeadline{60'000};
-/// Of `hold_ms`.
+/// Bounds of `hold_ms`.
 inline constexpr std::chrono::milliseconds kMinHold{50};
 inline constexpr std::chrono::milliseconds kMaxHold{60'000};
 

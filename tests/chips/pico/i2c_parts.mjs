@@ -48,7 +48,7 @@ function kindOf(address, quantities, make) {
 /** Byte 0 or 1 of a number of 16 bits, the higher first. */
 const byteOf = (value, byte) => (Math.round(value) >> (byte === 0 ? 8 : 0)) & 0xff
 
-// Of the register map of the MPU-6000 and MPU-6050. It sleeps until it is woken.
+// By the register map of the MPU-6000 and MPU-6050. It sleeps until it is woken.
 const WORD = [0, -32768, 32767]
 const mpu6050 = kindOf(0x68, { ax: WORD, ay: WORD, az: [16384, -32768, 32767], gx: WORD, gy: WORD, gz: WORD }, (values) => {
   const FIRST = [[0x3b, ['ax', 'ay', 'az']], [0x43, ['gx', 'gy', 'gz']]], POWER = 0x6b, ASLEEP = 0x40, WHO_AM_I = 0x75
@@ -67,7 +67,7 @@ const mpu6050 = kindOf(0x68, { ax: WORD, ay: WORD, az: [16384, -32768, 32767], g
   }
 })
 
-// Of the data sheet of the HMC5883L: a compass, which measures once it is in continuous mode.
+// By the data sheet of the HMC5883L: a compass, which measures once it is in continuous mode.
 const hmc5883l = kindOf(0x1e, { x: [100, -2048, 2047], y: [0, -2048, 2047], z: [0, -2048, 2047] }, (values) => {
   const MODE = 2, FIRST = 3, IDENTITY = 10, CONTINUOUS = 0, IDLE = 3
   let mode = IDLE
@@ -83,7 +83,7 @@ const hmc5883l = kindOf(0x1e, { x: [100, -2048, 2047], y: [0, -2048, 2047], z: [
   }
 })
 
-// Of the data sheet of the BMP085, whose example of calibration words this chip has.
+// By the data sheet of the BMP085, whose example of calibration words this chip has.
 const [AC1, AC2, AC3, AC4, AC5, AC6, B1, B2, , MC, MD] = [408, -72, -14383, 32741, 32757, 23153, 6190, 4, -32768, -8711, 2868]
 const CALIBRATION = [AC1, AC2, AC3, AC4, AC5, AC6, B1, B2, -32768, MC, MD]
 /** As `value >> bits` of numbers that have more than 32 bits. */

@@ -15,7 +15,7 @@ static constexpr uint32_t kSend = kUart, kReceive = kUart + 0x04, kSendControl =
 static constexpr uint32_t kDivisor = kUart + 0x18, kUartPins = 3u << 16;
 static constexpr uint32_t kNotNow = 1u << 31;  // full, or nothing received
 
-// Of the timer: 10 MHz in the emulator, 32768 Hz on the chip.
+// The timer's: 10 MHz in the emulator, 32768 Hz on the chip.
 static constexpr uint32_t kTicksPerMicrosecond = 10;
 static constexpr uint32_t kCompareLow = 0x02004000, kCompareHigh = 0x02004004, kTimeLow = 0x0200bff8,
                           kTimeHigh = 0x0200bffc;

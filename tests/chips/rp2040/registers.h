@@ -34,7 +34,7 @@ inline void enableInterrupt(Interrupt number) {
     at(kInterruptEnable) = 1u << number;
 }
 
-// Of the GPIO whose number is `pin`.
+// The control register of the GPIO `pin`.
 inline uint32_t control(uint8_t pin) {
     return kIoBank + 8u * pin + 4;
 }

@@ -239,7 +239,7 @@ TEST_F(SecuredBus, PythonWithPlainMqtt_CommandsTheBoardAndTrustsNoOtherAuthority
     };
     const auto own = lamp(broker_.certificates().ca, "of-operator");
     ASSERT_TRUE(own->wait_for_output("uno is online")) << agent_.errors() << own->errors();
-    // Of its three commands this board refuses one, having no distance sensor: that answer reached it.
+    // This board has no distance sensor and refuses one of three commands: that answer reached it.
     ASSERT_TRUE(own->wait_for_output("failed: .*distance")) << own->output() << own->errors();
     boards_.press();
     EXPECT_TRUE(boards_.wait_for_led("on")) << own->output() << own->errors();

@@ -184,7 +184,7 @@ std::vector<Figure> measure_figures() {
     const auto fastest = round_trip(1000000);
     return {
         {"static RAM", "B", static_cast<double>(size.data + size.bss), 280, 278},
-        // Of which requests without a line end take 270, the levels of all inputs 42, and each terminal's
+        // Among them, requests without a line end take 270, the levels of all inputs 42, and each terminal's
         // line end, with what 0.4 skips before a request, 26.
         {"flash", "B", static_cast<double>(size.text + size.data), 6600, 6570},
         {"deepest stack under every request", "B", max_stack(), 80, 40},

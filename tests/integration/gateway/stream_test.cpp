@@ -56,7 +56,7 @@ TEST_F(GatewayStreams, CutAtEveryValue_NoGapAndNoDuplicate) {
     }
 }
 
-// Of a pattern a reader keeps the last place of each service.
+// A reader of a pattern keeps the last place of each service.
 TEST_F(GatewayStreams, SocketOfAPatternCutAtEveryEvent_NoGapAndNoDuplicateInAnyService) {
     announce("uno1");
     announce("uno2");

@@ -214,7 +214,7 @@ TEST_F(AttackedBus, NamesInReplyTopics_AreReadByNobodyElse) {
         const auto& topic = message.topic.starts_with("asip/reply/") ? message.topic : message.response_topic;
         if (topic.starts_with("asip/reply/bob/")) continue;  // its own
         if (topic.starts_with("asip/reply/")) names.insert(topic.substr(topic.rfind('/') + 1));
-        // Of requests without properties; and the random part alone, which may stand elsewhere.
+        // From requests without properties; and the random part alone, which may stand elsewhere.
         for (const auto& text : {topic, message.payload}) {
             const auto at = text.find("asip/reply/");
             if (at == std::string::npos || text.compare(at, 15, "asip/reply/bob/") == 0) continue;

@@ -15,7 +15,7 @@ class SimProgram {
     explicit SimProgram(const TempDir& folder, std::vector<std::string> arguments, int boards = 1);
 
     ChildProcess& process() { return process_; }
-    /// Of the board that was named first.
+    /// That of the board that was named first.
     const std::string& port() const { return port_; }
     const std::string& socket() const { return socket_; }
     /// The number behind "tcp=" of the first board.

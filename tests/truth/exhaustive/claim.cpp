@@ -125,7 +125,7 @@ class World {
         publish(which, agent.announcer->will());
     }
 
-    // Of what may come next, the first; at the same time the first agent's.
+    // The first of what may come next; at the same time the first agent's.
     void pass_until(Time end) {
         while (true) {
             Time next = end;
@@ -191,7 +191,7 @@ class World {
         if (holders.size() > 1) return "both have the name";
         // The other had given way before the one that it gave way to was killed.
         if (holders.empty()) return killed ? "" : "none has the name";
-        // Of two that claim at the same time the later session has it.
+        // The later session of two that claim at the same time has it.
         if (case_.takeover && case_.apart > 1500ms && !killed && holders[0] != 1)
             return "the name was not taken over";
         const auto& holder = *agents_[holders[0]].announcer;

@@ -96,7 +96,7 @@ std::string Judge::reason_and_time(const View& view, const std::string& board,
         const auto difference = seen.since - instant(since).wall;
         return difference <= tolerance && difference >= -tolerance;
     };
-    // Of a board that was lost already another will changes nothing but what is stored.
+    // Another will of a board that was lost already changes nothing but what is stored.
     const bool again = really.reason == StateReason::kAgentGone &&
                        !(view.heard(really.since) && view.heard(truth.last_will));
     if (is_since(really.since) || (again && is_since(truth.last_will))) return {};

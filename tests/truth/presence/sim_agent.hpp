@@ -125,7 +125,7 @@ class SimAgent {
     Time since_{};
     std::unique_ptr<asip::member::Announcer> announcer_;
     SimBroker::Client client_ = 0;
-    // Of a connection that the broker takes for alive.
+    // A connection that the broker takes for alive.
     SimBroker::Client lingering_ = 0;
     std::optional<Time> will_due_;
 };

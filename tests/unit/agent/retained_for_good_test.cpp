@@ -20,7 +20,7 @@ struct RetainedForGood : testing::Test {
         bench.connect(false);
         bench.pass(1500ms);
     }
-    /// Of each message on the topic, whether the broker was to retain it.
+    /// Whether the broker was to retain each message on the topic.
     std::vector<bool> retained_on(const std::string& topic) const {
         std::vector<bool> retained;
         for (const auto& publication : bench.published)

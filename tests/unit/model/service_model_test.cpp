@@ -70,7 +70,7 @@ TEST(ServiceModel, Contradiction_IsRefusedWithPlaceAndReason) {
               "/commands/speed/args/0/type: a text must come last");
 }
 
-/// Of a model whose command `speed` has this safe form, and whose service has the other.
+/// The fault of a model whose command `speed` has this safe form, and whose service has the other.
 std::string safe_fault(const char* safe, const char* whole = nullptr) {
     auto document = kFan;
     document["commands"] = json::parse(R"({

@@ -136,7 +136,7 @@ TEST(ServiceProperties, LabelOfAService_IsTheName) {
     EXPECT_EQ(properties_of(board, standard)[1].name, "left arm 1");
 }
 
-/// Of a model of one's own, as JSON, without any of the optional members.
+/// The properties of a model of one's own, as JSON, without any of the optional members.
 std::vector<Property> of_own(const char* parts, std::optional<int> count = std::nullopt) {
     auto document = json::parse(parts);
     document.update({{"name", "own"}, {"version", 1}, {"id", "X"}, {"title", "Own"}});

@@ -8,7 +8,7 @@
 namespace asip::session {
 namespace {
 
-// Of a service that answers at once: nothing comes behind the fence.
+// A service that answers at once: nothing comes behind the fence.
 class AnswersAtOnce : public EachGeneration {
   protected:
     AnswersAtOnce() {
@@ -135,7 +135,7 @@ TEST_P(AnswersAtOnce, ReportsAreRare_TheNextIsWaitedFor) {
     EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,1,{8}");
 }
 
-// Of a board behind a network on which everything takes up to 400 ms.
+// A board behind a network on which everything takes up to 400 ms.
 TEST(SlowLink, OneWasLost_OneMoreAtMostIsNotBelieved) {
     Bench bench(no_step_up());
     bench.board.replies["D,M"] = "@D,e,1,{7}";

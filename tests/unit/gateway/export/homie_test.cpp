@@ -182,7 +182,7 @@ TEST_F(ExportedToHomie, TargetIsWhatWasReceived_ThenComesTheValue) {
     world_.known("uno1", "servo/0/angle", 90);
     world_.pass(1s);
     EXPECT_EQ(world_.retained[servo], "90");
-    // Of another sender: the target goes ahead of the value.
+    // From another sender: the target goes ahead of the value.
     const auto begin = world_.sent.size();
     world_.known("uno1", "servo/0/angle", 45);
     world_.pass(1s);
