@@ -48,17 +48,11 @@ std::string on_bus(const Dialect::Retained& found, const std::string& topic) {
     return each == found.end() ? std::string() : each->second;
 }
 
-Turn::Holder self_of(const Exporter::Options& options) {
-    return {options.gateway, 0, options.host, {options.dialect->place()}};
-}
-
 }  // namespace
 
 Exporter::Exporter(Options options, Random random, Port port)
-    : options_(std::move(options)),
-      between_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options_.per_second))),
-      port_(std::move(port)),
-      turn_(self_of(options_), random),
+    : BoardExport(options, options.dialect->place(), random, std::move(port)),
+      dialect_(std::move(options.dialect)),
       random_(std::move(random)) {}
 
 std::vector<std::string> Exporter::subscriptions() const {
@@ -79,26 +73,15 @@ std::optional<mqtt::Message> Exporter::will() const {
 }
 
 void Exporter::retain(std::string topic, std::string payload, int qos) {
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.payload = std::move(payload);
-    message.qos = qos;
-    message.retain = true;
     if (qos > 0) ++acknowledged_;
-    port_.publish(std::move(message));
+    BoardExport::retain(std::move(topic), std::move(payload), qos);
 }
 
 // --- over the gateway's connection
 
-void Exporter::subscribed(Time now) {
-    turn_.subscribed(now);
-}
-
 void Exporter::message(const mqtt::Message& message, Time now) {
     if (message.topic == dialect().lease()) {
-        const bool mine = turn_.active();
-        if (turn_.said(message.payload, message.retain, now) && mine && phase_ != Phase::kIdle)
-            become_idle("another gateway exports to " + std::string(dialect().title()) + "; this one waits");
+        lease_said(message, now);
     } else if (message.topic == dialect().gateway_state()) {
         const auto changing = dialect().changing();
         if (!changing.empty() && message.payload == changing) return;
@@ -114,16 +97,10 @@ void Exporter::message(const mqtt::Message& message, Time now) {
     }
 }
 
-void Exporter::changed(const std::string& board, Time now) {
-    if (phase_ != Phase::kActive) return;
-    dirty_.insert(board);
-    pump(now);
-}
-
 // --- over the export's own connection
 
 void Exporter::own_subscribed(Time now) {
-    if (phase_ == Phase::kScanning && scan_.runs()) {
+    if (phase_ == Phase::kPreparing && scan_.runs()) {
         // Behind all that is retained: a message of QoS 0 would overtake those of QoS 1 that wait.
         mqtt::Message last;
         last.topic = mark();
@@ -132,17 +109,14 @@ void Exporter::own_subscribed(Time now) {
         port_.publish(std::move(last));
     }
     if (phase_ != Phase::kConnecting) return;
-    if (!turn_.active() && !turn_.may_claim(now)) return become_idle("");
-    const auto holder = turn_.holder();
-    retain(dialect().lease(), turn_.claim(now), 0);
-    if (!holder || holder->gateway != options_.gateway)
-        port_.log((options_.enabled ? "exports boards to " : "clears what was exported to ") +
-                  std::string(dialect().title()));
-    begin_scan(now);
+    if (claim((options_.enabled ? "exports boards to " : "clears what was exported to ") +
+                  std::string(dialect().title()),
+              now))
+        begin_scan(now);
 }
 
 void Exporter::own_disconnected() {
-    if (phase_ == Phase::kActive || phase_ == Phase::kScanning) phase_ = Phase::kConnecting;
+    if (phase_ == Phase::kActive || phase_ == Phase::kPreparing) phase_ = Phase::kConnecting;
     scan_.take_all();
     scan_until_.reset();
 }
@@ -171,7 +145,7 @@ void Exporter::sent(Time now) {
 }
 
 void Exporter::begin_scan(Time now) {
-    phase_ = Phase::kScanning;
+    phase_ = Phase::kPreparing;
     scan_at_.reset();
     scan_until_ = now + kScanLimit;
     scan_.begin(random_hex(random_, kMarkDigits));
@@ -291,20 +265,14 @@ void Exporter::become_idle(const std::string& why) {
     port_.disconnect();
 }
 
+void Exporter::connect() {
+    phase_ = Phase::kConnecting;
+    port_.connect();
+}
+
 void Exporter::tick(Time now) {
-    now_ = now;
-    seldom_.tick(now);
-    if (phase_ == Phase::kIdle && port_.ready() &&
-        (options_.enabled ? turn_.may_claim(now) : turn_.may_clear(options_.clear_all, now))) {
-        phase_ = Phase::kConnecting;
-        port_.connect();
-        return;
-    }
-    if (phase_ == Phase::kConnecting && !turn_.active() && turn_.held(now)) return become_idle("");
-    if (phase_ == Phase::kScanning && scan_until_ && now >= *scan_until_) finish_scan(now);
-    if (phase_ == Phase::kScanning || phase_ == Phase::kActive)
-        if (auto lease = turn_.renewal(now)) retain(dialect().lease(), std::move(*lease), 0);
-    if (phase_ != Phase::kActive) return;
+    if (phase_ == Phase::kPreparing && scan_until_ && now >= *scan_until_) finish_scan(now);
+    if (!keep_turn(now)) return;
     if (scan_at_ && now >= *scan_at_) return begin_scan(now);
     if (put_back_at_ && now >= *put_back_at_) put_back(now);
     for (auto each = pending_.begin(); each != pending_.end();) {
@@ -326,7 +294,7 @@ void Exporter::tick(Time now) {
 void Exporter::leave() {
     if (phase_ == Phase::kActive && sessions_due_ && options_.enabled && states_are_of_their_sessions())
         show_sessions(now_);
-    if (phase_ == Phase::kActive || phase_ == Phase::kScanning)
+    if (phase_ == Phase::kActive || phase_ == Phase::kPreparing)
         if (options_.enabled) retain(dialect().gateway_state(), dialect().leaving());
     phase_ = Phase::kFinished;
     records_.clear();

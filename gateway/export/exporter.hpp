@@ -12,9 +12,8 @@
 #include <vector>
 
 #include "asip/mqtt/message.hpp"
+#include "gateway/export/board_export.hpp"
 #include "gateway/export/dialect.hpp"
-#include "gateway/export/export.hpp"
-#include "gateway/export/value_pacer.hpp"
 
 namespace asip::gateway::exports {
 
@@ -62,7 +61,7 @@ class RetainedScan {
 /// nothing is left behind by a crash, a rename or an option that was taken away. What others empty meanwhile
 /// is retained again. States of an earlier session of a board, which may have been forgotten since, are not
 /// known any more.
-class Exporter final : public Export {
+class Exporter final : public BoardExport {
   public:
     static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
     static constexpr std::size_t kSlice = 20;  ///< messages that are acknowledged
@@ -71,19 +70,12 @@ class Exporter final : public Export {
     static constexpr Duration kPutBack = std::chrono::milliseconds(500);  ///< behind what others empty
     static constexpr std::size_t kMaxEmptied = 50'000;                    ///< topics; more is read back
 
-    struct Options {
+    struct Options : BoardExport::Options {
         std::shared_ptr<const Dialect> dialect;
-        std::string gateway;    ///< unique for each process
-        std::string host;       ///< name of this machine
-        double per_second = 5;  ///< states of one property
-        /// False: nothing is exported; what a gateway of this machine exported before is cleared.
-        bool enabled = true;
-        /// Clear whichever machine it was (asip-gateway clean).
-        bool clear_all = false;
     };
     Exporter(Options options, Random random, Port port);
 
-    const Dialect& dialect() const { return *options_.dialect; }
+    const Dialect& dialect() const { return *dialect_; }
     std::string_view by() const override { return dialect().by(); }
     std::string_view title() const override { return dialect().title(); }
     std::vector<std::string> subscriptions() const override;
@@ -91,10 +83,7 @@ class Exporter final : public Export {
     std::optional<mqtt::Message> will() const override;
 
     // Over the gateway's connection:
-    void subscribed(Time now) override;
-    void disconnected() override { turn_.disconnected(); }
     void message(const mqtt::Message& message, Time now) override;
-    void changed(const std::string& board, Time now) override;
     void value(std::string_view board, std::string_view service, std::string_view json, Time now) override;
     void known(const std::string& board, const std::vector<std::string>& ids, Time now) override;
     void acted(const std::string& board, const std::string& id, property::ButtonAct act) override;
@@ -108,18 +97,10 @@ class Exporter final : public Export {
     void tick(Time now) override;
     void leave() override;
 
-    bool active() const override { return phase_ == Phase::kActive; }
-    const Turn& turn() const override { return turn_; }
-    bool finished() const override { return phase_ == Phase::kFinished; }
     std::size_t boards() const { return records_.size(); }
 
   private:
-    enum class Phase { kIdle, kConnecting, kScanning, kActive, kFinished };
-    struct Record {
-        std::shared_ptr<const ExportedBoard> board;  // as far as its document has room
-        std::shared_ptr<const ExportedBoard> whole;
-        bool there = false;
-        std::string session;
+    struct Record : ShownBoard {
         std::string state;     // as it was published
         std::string document;  // likewise
         std::optional<Time> document_at;
@@ -127,8 +108,6 @@ class Exporter final : public Export {
         bool values_due = false;         // what is known was not looked at since the broker was read
         std::vector<PacedValue> states;  // of each property, then of an error that is retained
         std::map<std::string, std::string> targets;  // topic -> payload
-        std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
-        std::vector<bus::Demander::Want> wants;
 
         /// Values may be sent. Without a document on the broker the next gateway would not know whose they
         /// are.
@@ -145,13 +124,14 @@ class Exporter final : public Export {
     void show_sessions(Time now);
     /// No state that waits for its turn is of an earlier session on the broker.
     bool states_are_of_their_sessions() const;
-    void become_idle(const std::string& why);
+    std::string lease() const override { return dialect().lease(); }
+    void connect() override;
+    void become_idle(const std::string& why) override;
     void clear_some();
     void put_back(Time now);
-    void pump(Time now);
+    void pump(Time now) override;
     void update(const std::string& name, Time now);
     void take(Record& record, std::shared_ptr<const ExportedBoard> board);
-    void watch(Record& record);
     void remove(const std::string& name);
     void publish_document(Record& record, Time now);
     void publish_state(Record& record, std::size_t index);
@@ -167,16 +147,10 @@ class Exporter final : public Export {
     std::size_t error_slots() const { return dialect().error_is_retained() ? 1 : 0; }
     std::string state_topic(const Record& record, std::size_t index) const;
 
-    Options options_;
-    Duration between_;  // states of one property
-    Port port_;
-    Turn turn_;
-    Seldom seldom_{[this](const std::string& sentence) { port_.log(sentence); }};
-    Phase phase_ = Phase::kIdle;
+    std::shared_ptr<const Dialect> dialect_;
     Random random_;
     Records records_;
-    std::set<std::string> dirty_;    // boards to look at
-    std::set<std::string> later_;    // likewise, at the next tick
+    std::set<std::string> later_;    // boards to look at from the next tick on
     std::deque<std::string> clear_;  // topics
     std::set<std::string> emptied_;  // topics, by others
     std::optional<Time> put_back_at_;
@@ -190,7 +164,6 @@ class Exporter final : public Export {
     bool sessions_due_ = false;
     Time sessions_at_{};
     std::optional<Time> scan_until_, scan_at_;
-    Time now_{};
 };
 
 }  // namespace asip::gateway::exports

@@ -87,8 +87,7 @@ void Exporter::update(const std::string& name, Time now) {
         record.session = std::move(present->session);
         sessions_due_ = true;
     }
-    const bool changed =
-        record.whole != present->board && (!record.whole || !(*record.whole == *present->board));
+    const bool changed = record.is_other(*present->board);
     if (changed) take(record, std::move(present->board));
     if (record.document_due) publish_document(record, now);
     if (changed || std::exchange(record.values_due, false)) all_values(record, now);
@@ -109,13 +108,10 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
     for (std::size_t i = 0; i < record.states.size(); ++i)
         old[state_topic(record, i)] = std::move(record.states[i]);
     auto targets = std::exchange(record.targets, {});
-    record.whole = std::move(board);
-    record.board = fitting(record.whole, [this](const ExportedBoard& each) {
+    take_up(record, std::move(board), [this](const ExportedBoard& each) {
         return dialect().document_topic(each.board).empty() ? 0
                                                             : dialect().next_document(each, {}).text.size();
     });
-    if (const auto shown = record.board->properties.size(); shown < record.whole->properties.size())
-        seldom_.say(record.board->board, left_out_text(dialect().title(), *record.whole, shown), now_);
     record.document_due = true;
     record.states.clear();
     record.states.resize(record.board->properties.size() + error_slots());
@@ -135,20 +131,6 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
         if (!value.sent().empty()) clear_.push_back(topic);
     for (const auto& [topic, payload] : targets)
         clear_.push_back(topic);
-    watch(record);
-}
-
-/// Which services have values for it, which are demanded.
-void Exporter::watch(Record& record) {
-    const auto& board = *record.board;
-    record.by_service.clear();
-    for (std::size_t i = 0; i < board.properties.size(); ++i)
-        if (const auto& property = board.properties[i]; property.read)
-            record.by_service[property.service].push_back(i);
-    std::vector<bus::Demander::Want> wants;
-    for (const auto& [service, properties] : record.by_service)
-        wants.push_back(port_.want(board.board, service, options_.per_second));
-    record.wants = std::move(wants);
 }
 
 void Exporter::publish_document(Record& record, Time now) {

@@ -58,8 +58,7 @@ void SparkplugNode::update(const std::string& name, Time now) {
     if (found == records_.end()) found = records_.try_emplace(name).first;
     auto& record = found->second;
     record.there = present->there;
-    const bool changed =
-        record.whole != present->board && (!record.whole || !(*record.whole == *present->board));
+    const bool changed = record.is_other(*present->board);
     if (changed) take(record, std::move(present->board));
     const bool other = std::exchange(record.session, present->session) != present->session;
     if (!record.there || (other && record.born)) death(record);  // it may have forgotten what was set
@@ -70,33 +69,24 @@ void SparkplugNode::take(Record& record, std::shared_ptr<const ExportedBoard> bo
     std::map<std::string, State> old;
     for (std::size_t i = 0; i < record.states.size(); ++i)
         old[record.board->properties[i].id] = std::move(record.states[i]);
-    record.whole = std::move(board);
-    record.board = fitting(record.whole, [this](const ExportedBoard& each) { return birth_bytes(each); });
-    if (const auto shown = record.board->properties.size(); shown < record.whole->properties.size())
-        seldom_.say(record.board->board, left_out_text("Sparkplug", *record.whole, shown), now_);
+    take_up(record, std::move(board), [this](const ExportedBoard& each) { return birth_bytes(each); });
     record.states.clear();
     record.states.resize(record.board->properties.size());
     record.slots.clear();
-    record.by_service.clear();
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         const auto& property = record.board->properties[i];
         if (auto kept = old.find(property.id); kept != old.end()) record.states[i] = std::move(kept->second);
-        if (property.read) record.by_service[property.service].push_back(i);
-        if (property.kind == Kind::kButton && options_.dialect.read_only) continue;
+        if (property.kind == Kind::kButton && names_.read_only) continue;
         for (auto& slot : Sparkplug::slots(property))
             record.slots.push_back({std::move(slot), i, 0});
     }
-    std::vector<bus::Demander::Want> wants;
-    for (const auto& [service, properties] : record.by_service)
-        wants.push_back(port_.want(record.board->board, service, options_.per_second));
-    record.wants = std::move(wants);
 }
 
 /// Without values.
 std::size_t SparkplugNode::birth_bytes(const ExportedBoard& board) const {
     sparkplug::Payload payload;
     for (const auto& property : board.properties) {
-        if (property.kind == Kind::kButton && options_.dialect.read_only) continue;
+        if (property.kind == Kind::kButton && names_.read_only) continue;
         for (auto& metric : Sparkplug::slots(property)) {
             auto& each = payload.metrics.emplace_back();
             each.name = metric.name;

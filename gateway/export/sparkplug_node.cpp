@@ -14,18 +14,13 @@ constexpr std::string_view kOffline = "offline";
 constexpr std::size_t kShownTopic = 120;
 constexpr double kClocksDiffer = 60'000;  // in milliseconds
 
-Turn::Holder holder_of_node(const SparkplugNode::Options& options) {
-    return {options.gateway, 0, options.host, {options.dialect.group + "/" + options.dialect.edge}};
-}
-
 }  // namespace
 
 SparkplugNode::SparkplugNode(Options options, Random random, Port port)
-    : options_(std::move(options)),
-      dialect_(options_.dialect),
-      between_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options_.per_second))),
-      port_(std::move(port)),
-      turn_(holder_of_node(options_), std::move(random)) {}
+    : BoardExport(options, options.dialect.group + "/" + options.dialect.edge, std::move(random),
+                  std::move(port)),
+      names_(std::move(options.dialect)),
+      dialect_(names_) {}
 
 std::vector<std::string> SparkplugNode::subscriptions() const {
     std::vector<std::string> result{dialect_.lease(), dialect_.state()};
@@ -36,8 +31,8 @@ std::vector<std::string> SparkplugNode::subscriptions() const {
 std::vector<std::string> SparkplugNode::own_subscriptions() const {
     if (!options_.enabled) return {dialect_.lease()};
     std::vector<std::string> result{dialect_.topic("NCMD")};
-    if (!options_.dialect.read_only) result.push_back(dialect_.topic("DCMD", "+"));
-    if (!options_.dialect.host.empty()) result.push_back(dialect_.host_state());
+    if (!names_.read_only) result.push_back(dialect_.topic("DCMD", "+"));
+    if (!names_.host.empty()) result.push_back(dialect_.host_state());
     return result;
 }
 
@@ -54,14 +49,6 @@ mqtt::Message SparkplugNode::death_of(unsigned bd_seq) const {
     message.payload = sparkplug::write(payload);
     message.qos = 1;
     return message;
-}
-
-void SparkplugNode::retain(const std::string& topic, std::string payload) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = std::move(payload);
-    message.retain = true;
-    port_.publish(std::move(message));
 }
 
 /// With the next number.
@@ -92,14 +79,12 @@ std::optional<sparkplug::Payload> SparkplugNode::read(const mqtt::Message& messa
 
 void SparkplugNode::message(const mqtt::Message& message, Time now) {
     if (message.topic == dialect_.lease()) {
-        const bool mine = turn_.active();
-        if (turn_.said(message.payload, message.retain, now) && mine && phase_ != Phase::kIdle)
-            become_idle("another gateway exports to Sparkplug; this one waits");
+        lease_said(message, now);
     } else if (message.topic == dialect_.state()) {
         turn_.state(message.payload == kOnline ? kOnline : kOffline, now);
         // Emptied, or said of an earlier holder.
         if (phase_ == Phase::kActive && message.payload != kOnline)
-            retain(dialect_.state(), std::string(kOnline));
+            retain(dialect_.state(), std::string(kOnline), 0);
     } else if (message.topic == dialect_.topic("NDEATH") && !message.retain) {
         const auto payload = sparkplug::read(message.payload);
         if (!payload || payload->metrics.empty()) return;
@@ -111,15 +96,10 @@ void SparkplugNode::message(const mqtt::Message& message, Time now) {
     }
 }
 
-void SparkplugNode::changed(const std::string& board, Time now) {
-    if (phase_ != Phase::kActive) return;
-    dirty_.insert(board);
-    pump(now);
-}
-
 // --- over the export's own connection
 
 void SparkplugNode::connect() {
+    if (phase_ == Phase::kIdle) next_bd_seq_ = static_cast<unsigned>((turn_.next_term() - 1) % kNumbers);
     phase_ = Phase::kConnecting;
     host_online_ = false;
     host_time_ = 0;
@@ -133,18 +113,14 @@ void SparkplugNode::own_connected() {
 void SparkplugNode::own_subscribed(Time now) {
     now_ = now;
     if (phase_ != Phase::kConnecting) return;
-    if (!turn_.active() && !turn_.may_claim(now)) return become_idle("");
-    if (!options_.enabled) return clear();
-    const auto holder = turn_.holder();
-    retain(dialect_.lease(), turn_.claim(now));
-    if (!holder || holder->gateway != options_.gateway)
-        port_.log("exports boards to Sparkplug as " + options_.dialect.group + "/" + options_.dialect.edge);
-    phase_ = Phase::kWaiting;
-    if (options_.dialect.host.empty() || host_online_) births(now);
+    if (!options_.enabled && (turn_.active() || turn_.may_claim(now))) return clear();
+    if (!claim("exports boards to Sparkplug as " + names_.group + "/" + names_.edge, now)) return;
+    phase_ = Phase::kPreparing;
+    if (names_.host.empty() || host_online_) births(now);
 }
 
 void SparkplugNode::own_disconnected() {
-    if (phase_ == Phase::kActive || phase_ == Phase::kWaiting) phase_ = Phase::kConnecting;
+    if (phase_ == Phase::kActive || phase_ == Phase::kPreparing) phase_ = Phase::kConnecting;
     host_online_ = false;
     host_time_ = 0;
     pending_.clear();
@@ -154,8 +130,8 @@ void SparkplugNode::own_disconnected() {
 
 /// Nothing is left of an export that has ended.
 void SparkplugNode::clear() {
-    retain(dialect_.state(), {});
-    retain(dialect_.lease(), {});
+    retain(dialect_.state(), {}, 0);
+    retain(dialect_.lease(), {}, 0);
     phase_ = Phase::kFinished;
     port_.disconnect();
 }
@@ -168,7 +144,7 @@ void SparkplugNode::births(Time now) {
     seq_ = 0;
     next_alias_ = 1;
     say(dialect_.topic("NBIRTH"), {{}, dialect_.node_metrics(bd_seq_, time_ms()), {}});
-    retain(dialect_.state(), std::string(kOnline));
+    retain(dialect_.state(), std::string(kOnline), 0);
     for (auto& [name, record] : records_) {
         record.born = false;
         dirty_.insert(name);  // it may have been forgotten meanwhile
@@ -197,8 +173,7 @@ void SparkplugNode::become_idle(const std::string& why) {
 
 void SparkplugNode::own_message(const mqtt::Message& message, Time now) {
     now_ = now;
-    if (!options_.dialect.host.empty() && message.topic == dialect_.host_state())
-        return host_said(message, now);
+    if (!names_.host.empty() && message.topic == dialect_.host_state()) return host_said(message, now);
     if (message.retain || phase_ != Phase::kActive) return;
     if (message.topic == dialect_.topic("NCMD")) return node_command(message, now);
     if (const auto board = dialect_.board_of(message.topic)) board_command(*board, message);
@@ -208,7 +183,7 @@ void SparkplugNode::host_said(const mqtt::Message& message, Time now) {
     const auto said = Sparkplug::host_state_from(message.payload);
     if (!said) {
         if (!message.payload.empty())
-            log_seldom(++counters_.bad, "the state of host " + options_.dialect.host + " cannot be read");
+            log_seldom(++counters_.bad, "the state of host " + names_.host + " cannot be read");
         return;
     }
     // Anybody may have retained such a message, and a time of the future would be the latest for ever.
@@ -216,26 +191,15 @@ void SparkplugNode::host_said(const mqtt::Message& message, Time now) {
     if (has_time && said->timestamp < host_time_) return;  // of an earlier connection of that host
     if (has_time && !message.retain) host_time_ = said->timestamp;
     if (std::exchange(host_online_, said->online) == said->online) return;
-    if (said->online && phase_ == Phase::kWaiting) return births(now);
+    if (said->online && phase_ == Phase::kPreparing) return births(now);
     if (said->online || phase_ != Phase::kActive) return;
-    port_.log("the Sparkplug host " + options_.dialect.host +
-              " is gone; boards are born again when it is back");
+    port_.log("the Sparkplug host " + names_.host + " is gone; boards are born again when it is back");
     end_session(true);
     connect();
 }
 
 void SparkplugNode::tick(Time now) {
-    now_ = now;
-    seldom_.tick(now);
-    if (phase_ == Phase::kIdle && port_.ready() &&
-        (options_.enabled ? turn_.may_claim(now) : turn_.may_clear(options_.clear_all, now))) {
-        next_bd_seq_ = static_cast<unsigned>((turn_.next_term() - 1) % kNumbers);
-        return connect();
-    }
-    if (phase_ == Phase::kConnecting && !turn_.active() && turn_.held(now)) return become_idle("");
-    if (phase_ == Phase::kWaiting || phase_ == Phase::kActive)
-        if (auto lease = turn_.renewal(now)) retain(dialect_.lease(), std::move(*lease));
-    if (phase_ != Phase::kActive) return;
+    if (!keep_turn(now)) return;
     if (births_due_ && now >= *births_due_) return births(now);
     std::map<std::string, std::vector<std::size_t>> due;
     for (auto each = pending_.begin(); each != pending_.end();) {
@@ -260,8 +224,8 @@ void SparkplugNode::tick(Time now) {
 
 void SparkplugNode::leave() {
     if (phase_ == Phase::kActive) port_.publish(death_of(bd_seq_));
-    if (phase_ == Phase::kActive || phase_ == Phase::kWaiting)
-        retain(dialect_.state(), std::string(kOffline));
+    if (phase_ == Phase::kActive || phase_ == Phase::kPreparing)
+        retain(dialect_.state(), std::string(kOffline), 0);
     phase_ = Phase::kFinished;
     records_.clear();
 }

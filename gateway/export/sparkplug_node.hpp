@@ -9,9 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "gateway/export/export.hpp"
+#include "gateway/export/board_export.hpp"
 #include "gateway/export/sparkplug.hpp"
-#include "gateway/export/value_pacer.hpp"
 
 namespace asip::gateway::exports {
 
@@ -19,19 +18,12 @@ namespace asip::gateway::exports {
 /// everything from births, which they can ask for; so nothing of it is retained but which gateway it is. The
 /// number of a connection (bdSeq) is the term of the lease: it grows over restarts and from one gateway to
 /// the next.
-class SparkplugNode final : public Export {
+class SparkplugNode final : public BoardExport {
   public:
     static constexpr Duration kBetweenBirths = std::chrono::seconds(1);  ///< that hosts ask for
 
-    struct Options {
+    struct Options : BoardExport::Options {
         Sparkplug::Options dialect;
-        std::string gateway;    ///< unique for each process
-        std::string host;       ///< name of this machine
-        double per_second = 5;  ///< values of one property
-        /// False: nothing is exported; the lease that a gateway of this machine left is cleared.
-        bool enabled = true;
-        /// Clear it whichever machine it was (asip-gateway clean).
-        bool clear_all = false;
     };
     struct Counters {
         std::uint64_t births = 0;   ///< of the node
@@ -46,10 +38,7 @@ class SparkplugNode final : public Export {
     std::vector<std::string> subscriptions() const override;
     std::vector<std::string> own_subscriptions() const override;
     std::optional<mqtt::Message> will() const override;
-    void subscribed(Time now) override { turn_.subscribed(now); }
-    void disconnected() override { turn_.disconnected(); }
     void message(const mqtt::Message& message, Time now) override;
-    void changed(const std::string& board, Time now) override;
     void value(std::string_view board, std::string_view service, std::string_view json, Time now) override;
     void known(const std::string& board, const std::vector<std::string>& ids, Time now) override;
     void own_connected() override;
@@ -59,20 +48,10 @@ class SparkplugNode final : public Export {
     void tick(Time now) override;
     void sent(Time now) override;
     void leave() override;
-    bool active() const override { return phase_ == Phase::kActive; }
-    const Turn& turn() const override { return turn_; }
-    bool finished() const override { return phase_ == Phase::kFinished; }
 
     const Counters& counters() const { return counters_; }
 
   private:
-    enum class Phase {
-        kIdle,
-        kConnecting,
-        kWaiting,  ///< connected, for the host
-        kActive,   ///< born
-        kFinished,
-    };
     struct Slot {
         Sparkplug::Slot metric;
         std::size_t property = 0;
@@ -85,22 +64,17 @@ class SparkplugNode final : public Export {
         bool fault_due = false;  // that it changed is to be said
         std::optional<Time> fault_at;
     };
-    struct Record {
-        std::shared_ptr<const ExportedBoard> board;  // as far as its birth has room
-        std::shared_ptr<const ExportedBoard> whole;
-        std::string session;
-        bool there = false;
+    struct Record : ShownBoard {
         bool born = false;
         std::vector<State> states;
         std::vector<Slot> slots;
-        std::map<std::string, std::vector<std::size_t>, std::less<>> by_service;
-        std::vector<bus::Demander::Want> wants;
     };
 
     void births(Time now);
     void end_session(bool said);
-    void become_idle(const std::string& why);
-    void connect();
+    std::string lease() const override { return dialect_.lease(); }
+    void connect() override;
+    void become_idle(const std::string& why) override;
     void clear();
     void host_said(const mqtt::Message& message, Time now);
     void node_command(const mqtt::Message& message, Time now);
@@ -108,7 +82,7 @@ class SparkplugNode final : public Export {
     void command(const std::string& name, std::size_t index, const std::vector<Sparkplug::Wanted>& wanted);
     void answered(const std::string& name, const std::string& property, const std::string& fault);
     std::optional<sparkplug::Payload> read(const mqtt::Message& message);
-    void pump(Time now);
+    void pump(Time now) override;
     void update(const std::string& name, Time now);
     void take(Record& record, std::shared_ptr<const ExportedBoard> board);
     void birth(Record& record, Time now);
@@ -122,17 +96,11 @@ class SparkplugNode final : public Export {
     sparkplug::Metric metric(const Record& record, const Slot& slot, std::uint64_t time_ms) const;
     void say(const std::string& topic, sparkplug::Payload payload);
     mqtt::Message death_of(unsigned bd_seq) const;
-    void retain(const std::string& topic, std::string payload);
     std::uint64_t time_ms() const { return static_cast<std::uint64_t>(port_.wall_ms()); }
     void log_seldom(std::uint64_t count, const std::string& sentence);
 
-    Options options_;
+    Sparkplug::Options names_;
     Sparkplug dialect_;
-    Duration between_;  // values of one property
-    Port port_;
-    Turn turn_;
-    Seldom seldom_{[this](const std::string& sentence) { port_.log(sentence); }};
-    Phase phase_ = Phase::kIdle;
     unsigned bd_seq_ = 0;       // of this connection
     unsigned next_bd_seq_ = 0;  // of the next: in its will
     unsigned seq_ = 0;          // of the next message
@@ -140,11 +108,9 @@ class SparkplugNode final : public Export {
     bool host_online_ = false;
     double host_time_ = 0;
     std::unordered_map<std::string, Record> records_;
-    std::set<std::string> dirty_;                            // boards to look at
     std::set<std::pair<std::string, std::size_t>> pending_;  // values that wait for their turn
     std::optional<Time> born_at_, births_due_;
     Counters counters_;
-    Time now_{};
 };
 
 }  // namespace asip::gateway::exports
