@@ -74,6 +74,8 @@ class Flood:
         root = "" if self.name.startswith(OUTSIDE) else "asip/"
         numbers = range({"large": 2, "many": NAMES}.get(self.shape, NAMES // 10))
         topics = [root + filled(self.name, own, n, self.shape == "many") for n in numbers]
+        if self.name == "reply/USER/BOARD/CLIENT/PART" and self.shape != "many":
+            topics = [self.place["answers"]] * len(numbers)
         if self.shape in ("small", "large"):
             length = 16 if self.shape == "small" else self.place["largest"] - 200
             return [publish(topic, b"x" * length, n) for n, topic in zip(numbers, topics)]

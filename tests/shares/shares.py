@@ -47,6 +47,7 @@ class SharedBus(SecuredBus):
     users = (("board", "desk", "lamp", "crook"), ("registry",), ("gateway",), ("home-assistant",), ("operator", "ann", "olga"),
              ("viewer", "bob", "eve"))
     sources = (("lamp", "crook"),)
+    answers = ""
 
     def __init__(self, boards):
         self.count = boards
@@ -63,6 +64,25 @@ class SharedBus(SecuredBus):
         asker = OverMqtt(self, "ann", "link", "lamp", "asip/lamp/$link/ann/c1", set=link)
         eventually(lambda: asker.ask() == "ok", "a link to the board that floods", 60)
         asker.client.disconnect()
+        self.answers = self.topic_of_answers()
+
+    def topic_of_answers(self):
+        """Where the gateway hears how its stops ended: a board that was stopped once knows it."""
+        crook = OverMqtt(self, "crook", "gone", topic="asip/servicebus/crook/$state")
+        heard = []
+        crook.client.on_message = lambda _client, _data, message: heard.append(json.loads(message.payload)["reply_to"])
+        crook.client.subscribe("asip/crook/$stop", 1)
+        service = {"name": "io", "id": "I", "model": "io@1"}
+        description = {"board": "crook", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [service],
+                       "firmware": {"protocol": "0.4", "chip": "ATmega328P", "sketch": "x"}}
+        for topic, text in (("$description", json.dumps(description)), ("$state", "online")):
+            crook.client.publish(f"asip/servicebus/crook/{topic}", text, 1, True)
+        eventually(lambda: self.get("/api/boards/crook")["state"] == "online", "crook in the gateway")
+        stop = threading.Thread(target=OverHttp(self, "ann", "POST", "/api/boards/crook/stop?once=true").ask, daemon=True)
+        stop.start()
+        eventually(lambda: heard, "a stop of crook")
+        crook.client.disconnect()
+        return heard[0]
 
     def make_dashboard(self, name):
         widget = {"id": "w1", "kind": "slider", "board": "desk", "property": "servo/0/angle"}
@@ -98,7 +118,7 @@ class SharedBus(SecuredBus):
         """All that a flood must know."""
         users = {name: self.user(name)[:2] for name in rows.USERS.values()}
         largest = int(re.search(r"max_packet_size (\d+)", (self.work / "bus" / "mosquitto.conf").read_text())[1])
-        return {"users": users, "tokens": self.tokens, "largest": largest, "http": ("127.0.0.1", self.http_port),
+        return {"users": users, "tokens": self.tokens, "largest": largest, "answers": self.answers, "http": ("127.0.0.1", self.http_port),
                 "broker": ("127.0.0.1", self.broker_port), "ca": str(self.work / "bus" / "ca.crt")}
 
 
