@@ -70,7 +70,7 @@ class SharedBus(SecuredBus):
         """Where the gateway hears how its stops ended: a board that was stopped once knows it."""
         crook = OverMqtt(self, "crook", "gone", topic="asip/servicebus/crook/$state")
         heard = []
-        crook.client.on_message = lambda _client, _data, message: heard.append(json.loads(message.payload)["reply_to"])
+        crook.client.on_message = lambda _client, _data, message: heard.append(json.loads(message.payload))
         crook.client.subscribe("asip/crook/$stop", 1)
         service = {"name": "io", "id": "I", "model": "io@1"}
         description = {"board": "crook", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [service],
@@ -78,11 +78,15 @@ class SharedBus(SecuredBus):
         for topic, text in (("$description", json.dumps(description)), ("$state", "online")):
             crook.client.publish(f"asip/servicebus/crook/{topic}", text, 1, True)
         eventually(lambda: self.get("/api/boards/crook")["state"] == "online", "crook in the gateway")
-        stop = threading.Thread(target=OverHttp(self, "ann", "POST", "/api/boards/crook/stop?once=true").ask, daemon=True)
-        stop.start()
+        stop = OverHttp(self, "ann", "POST", "/api/boards/crook/stop?once=true")
+        asked = threading.Thread(target=stop.ask, daemon=True)
+        asked.start()
         eventually(lambda: heard, "a stop of crook")
+        crook.client.publish(heard[0]["reply_to"], json.dumps({"id": heard[0]["id"], "status": "ok"}), 1)
+        asked.join()
+        stop.connection.close()
         crook.client.disconnect()
-        return heard[0]
+        return heard[0]["reply_to"]
 
     def make_dashboard(self, name):
         widget = {"id": "w1", "kind": "slider", "board": "desk", "property": "servo/0/angle"}

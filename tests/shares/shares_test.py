@@ -49,7 +49,8 @@ class Complete(unittest.TestCase):
 
 class Few(unittest.TestCase):
     ROWS = (("topic", "servicebus/$probe", "viewer", "large"), ("topic", "servicebus/BOARD/$description", "board", "costly"),
-            ("topic", "BOARD/SERVICE/in", "operator", "costly"), ("topic", "registry/query", "viewer", "costly"),
+            ("topic", "BOARD/SERVICE/in", "operator", "costly"), ("topic", "BOARD/$values", "board", "costly"),
+            ("topic", "BOARD/$link/USER/CLIENT", "operator", "costly"), ("topic", "registry/query", "viewer", "costly"),
             ("topic", "servicebus/BOARD/$state", "board", "many"), ("http", "POST /api/stop", "operator", "many"),
             ("http", "GET /{nothing}", "viewer", "many"), ("http", "GET /metrics", "viewer", "costly"), ("broker", "subscribe", "viewer", "many"))
 
