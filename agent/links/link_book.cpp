@@ -39,10 +39,7 @@ LinkBook::LinkBook(World world, const Random& random)
               .dangerous = [this](const Link& link) { return is_held(link); }}) {}
 
 const Property* LinkBook::target(std::string_view id) const {
-    const auto& properties = world_.values.known().properties();
-    const auto found =
-        std::find_if(properties.begin(), properties.end(), [id](const auto& each) { return each.id == id; });
-    return found == properties.end() ? nullptr : &*found;
+    return links::find(world_.values.known().properties(), id);
 }
 
 void LinkBook::load(LinkFiles::Loaded loaded, bool stopped, Time now, Effects& out) {

@@ -121,18 +121,11 @@ void check(text::JsonReader& reader, const Link& link) {
     if (link.safe && !level) reader.fault("safe", "does not go with what happens once");
 }
 
-const Property* find(const std::vector<Property>& properties, std::string_view id) {
-    const auto found =
-        std::find_if(properties.begin(), properties.end(), [id](const auto& each) { return each.id == id; });
-    return found == properties.end() ? nullptr : &*found;
-}
-
 std::string not_there(std::string_view id, const std::vector<Property>& properties, bool to_set) {
     std::vector<std::string> ids;
     for (const auto& each : properties)
         if (!to_set || each.settable()) ids.push_back(each.id);
-    auto text = "there is no property " + text::printable(id, 64) + text::did_you_mean(id, ids);
-    return text;
+    return "there is no property " + text::printable(id, 64) + text::did_you_mean(id, ids);
 }
 
 bool two_states(const Property& property) {
@@ -146,6 +139,12 @@ bool is_number(const Property& property) {
 }
 
 }  // namespace
+
+const Property* find(const std::vector<Property>& properties, std::string_view id) {
+    const auto found =
+        std::find_if(properties.begin(), properties.end(), [id](const auto& each) { return each.id == id; });
+    return found == properties.end() ? nullptr : &*found;
+}
 
 std::string_view to_text(When when) {
     for (const auto& [each, word] : kWhen)

@@ -76,6 +76,8 @@ std::string words_of(const nlohmann::json& value);
 /// "each press of desk/io/2 switches io/13".
 std::string in_words(const Link& link);
 
+/// The property of this id; null: there is none.
+const property::Property* find(const std::vector<property::Property>& properties, std::string_view id);
 /// Why the target cannot be set so; empty: it can. Names the nearest property.
 std::string target_fault(const Link& link, const std::vector<property::Property>& properties);
 /// Why the source cannot be one of this link; empty: it can.

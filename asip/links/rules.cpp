@@ -6,20 +6,6 @@ namespace {
 
 using nlohmann::json;
 
-std::optional<When> when_of(property::ButtonAct act) {
-    switch (act) {
-        case property::ButtonAct::kPress:
-            return When::kPress;
-        case property::ButtonAct::kRelease:
-            return When::kRelease;
-        case property::ButtonAct::kHold:
-            return When::kHold;
-        case property::ButtonAct::kDouble:
-            return When::kDouble;
-    }
-    return std::nullopt;
-}
-
 }  // namespace
 
 void Rules::set(Link link, Kept kept, Time now) {
@@ -97,7 +83,7 @@ void Rules::source(std::string_view board, std::string_view id, const std::optio
 }
 
 void Rules::act(std::string_view board, std::string_view id, property::ButtonAct act, Time now) {
-    const auto when = when_of(act);
+    const auto when = when_of(to_text(act));  // of the same words
     for (auto& [name, entry] : links_) {
         const auto& link = entry.link;
         if (link.board != board || link.source != id || !link.enabled || !in_time(link)) continue;

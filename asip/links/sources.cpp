@@ -66,9 +66,7 @@ std::set<std::string> Sources::filters() const {
 void Sources::use(const std::string& name, Board& board, std::vector<Property> properties) {
     board.properties = std::move(properties);
     for (auto& [id, known] : board.known) {
-        const auto found = std::find_if(board.properties.begin(), board.properties.end(),
-                                        [&wanted = id](const auto& each) { return each.id == wanted; });
-        known.property = found == board.properties.end() ? nullptr : &*found;
+        known.property = find(board.properties, id);
         if (known.property == nullptr || !flows(*known.property))
             known.want.reset();
         else if (!known.want)
@@ -125,10 +123,7 @@ void Sources::set_present(const std::string& name, Board& board, bool present, T
             known.reported.reset();
         }
     }
-    auto& one = told.emplace_back();
-    one.kind = Told::Kind::kPresent;
-    one.board = name;
-    one.is = present;
+    told.push_back({.kind = Told::Kind::kPresent, .board = name, .is = present});
 }
 
 void Sources::take_list(const std::string& name, Board& board, const mqtt::Message& message) {
@@ -163,11 +158,7 @@ void Sources::tell(const std::string& name, Board& board, Time now, bool past, T
     board.based = true;
     for (const auto& [id, act] : acts) {
         if (past || new_session || !board.known.contains(id)) continue;
-        auto& one = told.emplace_back();
-        one.kind = Told::Kind::kAct;
-        one.board = name;
-        one.id = id;
-        one.act = act;
+        told.push_back({.kind = Told::Kind::kAct, .board = name, .id = id, .act = act});
     }
     for (auto& [id, known] : board.known) {
         const auto found = board.values->values.find(id);
@@ -208,18 +199,12 @@ void Sources::deliver(const std::string& name, const std::string& id, Known& kno
     const auto before = state_of(known.value), after = state_of(value);
     if (known.value == value) return;
     known.value = value;
-    auto& one = told.emplace_back();
-    one.board = name;
-    one.id = id;
-    one.value = value;
+    told.push_back({.board = name, .id = id, .value = value});
     if (!edges || !before || !after || *before == *after || known.property == nullptr ||
         property::is_button(*known.property))
         return;
-    auto& act = told.emplace_back();
-    act.kind = Told::Kind::kAct;
-    act.board = name;
-    act.id = id;
-    act.act = *after ? property::ButtonAct::kPress : property::ButtonAct::kRelease;
+    const auto act = *after ? property::ButtonAct::kPress : property::ButtonAct::kRelease;
+    told.push_back({.kind = Told::Kind::kAct, .board = name, .id = id, .act = act});
 }
 
 Sources::Tolds Sources::local(const std::vector<Property>& properties, const property::ValueDocument& values,
