@@ -254,10 +254,11 @@ TEST_F(InboundTest, ClientSide_RequestsComeOnOutAndOnInWhereAnAnswerIsWanted) {
     as<LabelRequest>("asip/uno1/in", R"({"labels":{}})");
 }
 
-TEST_F(InboundTest, TurnsAreForCommandsPortsAndLabels) {
+TEST_F(InboundTest, TurnsAreForCommandsPortsLabelsAndLinks) {
     EXPECT_TRUE(takes_turns(*read("asip/uno1/servo/in", "W,0,90")));
     EXPECT_TRUE(takes_turns(*read("asip/uno1/in", R"({"port":"take"})")));
     EXPECT_TRUE(takes_turns(*read("asip/uno1/in", R"({"labels":{}})")));
+    EXPECT_TRUE(takes_turns(*read("asip/uno1/$link/ann/c", R"({"remove":"l"})")));
     EXPECT_FALSE(takes_turns(*read("asip/uno1/servo/in", R"({"renew":true})")));
     EXPECT_FALSE(takes_turns(*read("asip/uno1/$stop", "")));
     EXPECT_FALSE(takes_turns(*read("asip/servicebus/$probe", "")));
