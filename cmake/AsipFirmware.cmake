@@ -30,19 +30,23 @@ set(asip_library_sources
   AsipMotion.cpp
   AsipMotors.cpp
   AsipNeoPixels.cpp
+  AsipOneWire.cpp
   AsipPixels.cpp
   AsipPressure.cpp
   AsipReflectance.cpp
   AsipServos.cpp
+  AsipThermometers.cpp
   AsipTone.cpp
   asip/Board.cpp
   asip/DhtPulses.cpp
   asip/EchoTimer.cpp
   asip/Error.cpp
   asip/Extensions.cpp
+  asip/Hex.cpp
   asip/I2c.cpp
   asip/I2cSensor.cpp
   asip/IoService.cpp
+  asip/OneWireBus.cpp
   asip/Out.cpp
   asip/PinInterrupts.cpp
   asip/PixelStrip.cpp

@@ -9,6 +9,8 @@ Board board;
 void (*Board::readAhead_)() = nullptr;
 char* Board::longLine_ = nullptr;
 uint8_t Board::longLineSize_ = 0;
+uint8_t Board::busy_ = 0;
+bool Board::hasBusyServices_ = false;
 
 void Board::add(Service& service) {
     Service* last = &io_;
@@ -71,15 +73,29 @@ bool Board::nextRequest() {
     if (!out.hasRoomForPiece()) return false;
     if (out.isHeld() && job_ != kSwitchRate) {
         continueList();
-    } else if (readAhead_ != nullptr && job_ == kExecute) {
+    } else if ((readAhead_ != nullptr || hasBusyServices_) && job_ == kExecute) {
+        if (hasBusyServices_ && isBusy()) return false;
         job_ = kNoJob;
         return true;
     } else if (kExtensions && job_ != kNoJob) {
         continueExtension();
-    } else {
+    } else if (!hasBusyServices_) {
         return receive();
+    } else if (receive()) {
+        job_ = kExecute;
     }
     return false;
+}
+
+// Of the service of the request that is complete.
+bool Board::isBusy() {
+    return busy_ & busyBit(line()[0]);
+}
+
+void Board::setBusy(const Service& service, bool busy) {
+    const uint8_t bit = busyBit(service.id());
+    hasBusyServices_ = true;
+    busy_ = static_cast<uint8_t>(busy ? busy_ | bit : busy_ & ~bit);
 }
 
 void Board::readAhead() {

@@ -46,6 +46,11 @@ class Board {
     // from begin(). The largest buffer counts.
     void useLongLines(char* buffer, uint8_t size);
 
+    // From now on, or no longer, requests to `service` wait, and with them all that come behind on the line:
+    // for a service that answers a request later and can take no other before. Not for long: the line holds
+    // some 60 bytes. Where no service calls this it costs nothing.
+    void setBusy(const Service& service, bool busy);
+
     // The tag of the list under way.
     char listTag() const { return listTag_; }
 
@@ -63,6 +68,7 @@ class Board {
     enum : uint8_t { kNoJob, kSwitchRate, kStoreName, kExecute = 255 };
 
     bool nextRequest();
+    bool isBusy();
     bool receive();
     static void readAhead();
     bool collect(char c);
@@ -70,6 +76,7 @@ class Board {
     void beginNext();
     bool isQuiet();
     bool isExtended() const { return kExtensions && next_ == kExtended; }
+    static uint8_t busyBit(char id) { return static_cast<uint8_t>(1 << (id & 7)); }
     inline char* line() __attribute__((always_inline)) { return longLineSize_ == 0 ? line_ : longLine_; }
     static uint8_t maxLength() {
         return longLineSize_ == 0 ? kMaxRequestLength : static_cast<uint8_t>(longLineSize_ - 1);
@@ -115,6 +122,11 @@ class Board {
     static void (*readAhead_)();
     static char* longLine_;
     static uint8_t longLineSize_;
+
+    // Services that are busy, by the lowest bits of their letters: others that share them wait along. Never
+    // written where there is no such service.
+    static uint8_t busy_;
+    static bool hasBusyServices_;
 
     IoService io_;
     FlashText sketch_;

@@ -2,6 +2,7 @@
 // The link extensions: echo, verified fence, identity, line rate, checksum.
 #include "Board.h"
 #include "Digest.h"
+#include "Hex.h"
 #include "Line.h"
 
 namespace asip {
@@ -180,7 +181,7 @@ void Board::giveUpRate() {
     useExtensions(false);
     line::setRate(kDefaultRate);
     length_ = 0;
-    if (longLineSize_ != 0 && job_ == kExecute) job_ = kNoJob;
+    if ((longLineSize_ != 0 || hasBusyServices_) && job_ == kExecute) job_ = kNoJob;
 }
 
 Error Board::checksum(Request& request) {
@@ -189,13 +190,6 @@ Error Board::checksum(Request& request) {
     out.useChecksum(on != 0);
     useExtensions(on != 0);
     return Error::kNone;
-}
-
-__attribute__((noinline)) static uint8_t hexValue(char c) {
-    const uint8_t digit = static_cast<uint8_t>(c - '0');
-    if (digit < 10) return digit;
-    const uint8_t letter = static_cast<uint8_t>((c | 0x20) - 'a');
-    return letter < 6 ? static_cast<uint8_t>(letter + 10) : 255;
 }
 
 // Checks *HH at the end of the line of `length` characters and cuts it off.

@@ -147,6 +147,8 @@ TEST(Matches, NamesOfDeployedBoards_FindTheirModel) {
                                          {'B', "Bump Sensors", "bump"},
                                          {'M', "Motors", "motors"},
                                          {'C', "Climate", "climate"},
+                                         {'K', "Thermometers", "thermometers"},
+                                         {'O', "OneWire", "onewire"},
                                          {'E', "Encoders", "encoders"},
                                          {'T', "Tone", "tone"},
                                          {'P', "Pixels", "pixels"},

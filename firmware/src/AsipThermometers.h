@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thermometers on a 1-Wire bus, DS18B20 and its kin (DS18S20, DS1822, MAX31820), any number on one pin with a
+// resistor of 4.7 kOhm to the supply:
+//
+//   asip::OneWireBus bus(2);
+//   asip::ThermometersOf<8> thermometers(bus);      // room for eight, eleven bytes of RAM each
+//
+// K,M measures once, K,A,ms periodically; both are answered by @K,e,2,{21.50,-3.06} degrees Celsius, with
+// nothing in the place of a thermometer that did not answer. A measurement takes 0.8 seconds, for which
+// nothing waits. K,I asks for their ids, @K,I,2,{28AA...,28BB...}, K,E how often each was damaged and silent,
+// @K,E,2,{0:0,1:7}.
+//
+// They are looked for at the start, by K,S, and by K,M and K,A where none is known; one that was found keeps
+// its place until the board restarts. None is error 8. Each needs its supply pin: where one is powered by its
+// data line alone, M and A are error 4.
+#pragma once
+
+#include "Asip.h"
+#include "asip/OneWireBus.h"
+
+namespace asip {
+
+class Thermometers : public Service {
+  public:
+    FlashText name() const override;
+    void begin() override;
+    Error processRequest(Request& request) override;
+    void reportValue(uint8_t index) override;
+    void reportValues() override;  // starts to measure
+    void poll() override;          // goes on, and reports at the end
+
+  protected:
+    static constexpr uint8_t kIdBytes = 7;  // without its checksum
+    struct Thermometer {
+        uint8_t id[kIdBytes];
+        int16_t sixteenths;
+        uint8_t damaged, silent;  // answers, counted up to 255
+    };
+
+    // A service has to be a global: what is not set here is zero.
+    Thermometers(OneWireBus& bus, Thermometer* all, uint8_t room)
+        : Service('K'), bus_(bus), all_(all), room_(room) {}
+
+  private:
+    enum Task : uint8_t { kIdle, kSearch, kAskPower, kPrepare, kConvert, kWait, kRead, kReport, kReportIds };
+
+    void turnTo(Task task);
+    bool startTask();
+    void finishTask(OneWireBus::Result result);
+    void found();
+    void take(OneWireBus::Result result);
+    void finishSearch();
+    void nextThermometer(uint8_t index);
+
+    OneWireBus& bus_;
+    Thermometer* all_;
+    uint8_t room_;
+    uint8_t known_;
+    uint8_t task_;
+    uint8_t index_;  // of the thermometer that is read
+    uint8_t round_;  // is written into each before it measures
+    uint8_t branch_;
+    uint8_t lastMs_;
+    uint16_t waitedMs_;
+    bool isStarted_;  // the task has the bus
+    bool isAsked_;    // to measure, once they are known
+    bool isListing_;  // the search was asked for: its answer is the list
+    bool hasParasite_;
+    uint8_t bytes_[10];
+};
+
+template <uint8_t kRoom>
+class ThermometersOf : public Thermometers {
+  public:
+    explicit ThermometersOf(OneWireBus& bus) : Thermometers(bus, thermometers_, kRoom) {}
+
+  private:
+    static_assert(kRoom > 0 && kRoom <= 32, "one to 32 thermometers");
+    Thermometer thermometers_[kRoom];
+};
+
+}  // namespace asip
