@@ -17,16 +17,17 @@ FlashText Thermometers::name() const {
     return ASIP_NAME("Thermometers");
 }
 
+// A is the core's, whether any is there or not: reports begin once one is found.
 void Thermometers::begin() {
     bus_.begin(*this);
-    setCount(0);
+    const bool available = bus_.isAvailable();
+    setCount(available ? 1 : 0);
     known_ = 0;
-    isAsked_ = isListing_ = hasParasite_ = false;
+    isAsked_ = isDue_ = isListing_ = hasParasite_ = false;
     lastMs_ = hw::milliseconds();
-    turnTo(bus_.isAvailable() ? kSearch : kIdle);
+    turnTo(available ? kSearch : kIdle);
 }
 
-// A is the core's while thermometers are there that can measure.
 Error Thermometers::processRequest(Request& request) {
     const char tag = request.tag();
     if (tag == 'A') {
@@ -39,24 +40,18 @@ Error Thermometers::processRequest(Request& request) {
         board.sendList(*this, tag, known_);
         return Error::kNone;
     }
-    if (!bus_.isAvailable()) return Error::kDeviceNotAvailable;
-    if (tag == 'S') {
-        isListing_ = true;
-        if (task_ == kIdle) turnTo(kSearch);
-        return Error::kNone;
-    }
-    if (task_ == kIdle && count() == 0) turnTo(kSearch);
-    if (hasParasite_) return Error::kModeUnavailable;
-    if (tag == 'A' || (count() == 0 && task_ != kSearch && task_ != kAskPower))
-        return Error::kDeviceNotAvailable;
-    isAsked_ = true;
-    reportValues();
+    if (count() == 0) return Error::kDeviceNotAvailable;
+    (tag == 'S' ? isListing_ : isAsked_) = true;
     return Error::kNone;
 }
 
+// What is under way is the answer to this too.
 void Thermometers::reportValues() {
-    isAsked_ = true;
-    if (task_ == kIdle && count() != 0) turnTo(kPrepare);  // else what is under way is the answer to this too
+    isDue_ = true;
+}
+
+bool Thermometers::canMeasure() const {
+    return known_ != 0 && !hasParasite_;
 }
 
 void Thermometers::reportValue(uint8_t index) {
@@ -91,6 +86,7 @@ void Thermometers::poll() {
     lastMs_ = now;
     switch (task_) {
         case kIdle:
+            if (isListing_ || isAsked_ || isDue_) turnTo(isListing_ || !canMeasure() ? kSearch : kPrepare);
             return;
         case kWait:
             if (waitedMs_ > kMeasureMs) nextThermometer(0);
@@ -183,23 +179,23 @@ void Thermometers::found() {
 }
 
 void Thermometers::finishSearch() {
-    setCount(hasParasite_ ? 0 : known_);
     if (isListing_) {
         isListing_ = false;
         return turnTo(kReportIds);
     }
-    if (!isAsked_) return turnTo(kIdle);
-    if (count() != 0) return turnTo(kPrepare);
-    if (!out.hasRoom()) return;  // comes here again
-    isAsked_ = false;
+    if (!canMeasure()) {
+        if (!out.hasRoom()) return;  // comes here again
+        if (isAsked_)
+            out.error(id(), 'e', hasParasite_ ? Error::kModeUnavailable : Error::kDeviceNotAvailable);
+        isAsked_ = isDue_ = false;
+    }
     turnTo(kIdle);
-    out.error(id(), 'e', hasParasite_ ? Error::kModeUnavailable : Error::kDeviceNotAvailable);
 }
 
 void Thermometers::nextThermometer(uint8_t index) {
     index_ = index;
     if (index < known_) return turnTo(kRead);
-    isAsked_ = false;
+    isAsked_ = isDue_ = false;
     turnTo(kReport);
 }
 

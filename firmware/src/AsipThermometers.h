@@ -10,9 +10,9 @@
 // nothing waits. K,I asks for their ids, @K,I,2,{28AA...,28BB...}, K,E how often each was damaged and silent,
 // @K,E,2,{0:0,1:7}.
 //
-// They are looked for at the start, by K,S, and by K,M and K,A where none is known; one that was found keeps
-// its place until the board restarts. None is error 8. Each needs its supply pin: where one is powered by its
-// data line alone, M and A are error 4.
+// They are looked for at the start, by K,S, and, where none is known, by K,M and at each period; one that was
+// found keeps its place until the board restarts. K,M is answered by ~K,e,8 where none is found, and by
+// ~K,e,4 where one is powered by its data line alone: each needs its supply pin.
 #pragma once
 
 #include "Asip.h"
@@ -44,6 +44,7 @@ class Thermometers : public Service {
   private:
     enum Task : uint8_t { kIdle, kSearch, kAskPower, kPrepare, kConvert, kWait, kRead, kReport, kReportIds };
 
+    bool canMeasure() const;
     void turnTo(Task task);
     bool startTask();
     void finishTask(OneWireBus::Result result);
@@ -63,8 +64,9 @@ class Thermometers : public Service {
     uint8_t lastMs_;
     uint16_t waitedMs_;
     bool isStarted_;  // the task has the bus
-    bool isAsked_;    // to measure, once they are known
-    bool isListing_;  // the search was asked for: its answer is the list
+    bool isAsked_;    // to measure, by M
+    bool isDue_;      // to measure, by a period
+    bool isListing_;  // to search, and to answer by the list
     bool hasParasite_;
     uint8_t bytes_[10];
 };

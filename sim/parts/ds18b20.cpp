@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "sim/parts/numbers.hpp"
 #include "sim/parts/one_wire_device.hpp"

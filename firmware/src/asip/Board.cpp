@@ -79,10 +79,10 @@ bool Board::nextRequest() {
         return true;
     } else if (kExtensions && job_ != kNoJob) {
         continueExtension();
-    } else if (!hasBusyServices_) {
-        return receive();
-    } else if (receive()) {
-        job_ = kExecute;
+    } else {
+        const bool complete = receive();
+        if (!hasBusyServices_) return complete;
+        if (complete) job_ = kExecute;
     }
     return false;
 }

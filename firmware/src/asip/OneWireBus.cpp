@@ -72,9 +72,9 @@ bool OneWireBus::begin(Phase phase) {
     next_ = phase;
     phase_ = kResetting;
     noInterrupts();
-    since_ = now();
     pullDown();
     interrupts();
+    since_ = now();
     return true;
 }
 
@@ -192,18 +192,17 @@ OneWireBus::Result OneWireBus::doSearchStep() {
     return kBusy;
 }
 
-// An interrupt between the look at the clock and the fall would make the next bit come too soon.
+// The look at the clock comes behind the fall: an interrupt between them makes the bit longer, not too short.
 void OneWireBus::write(bool bit) {
     noInterrupts();
-    since_ = now();
     pullDown();
     if (bit) {
         delayMicroseconds(kLow);
         release();
-        interrupts();
-        return;
     }
     interrupts();
+    since_ = now();
+    if (bit) return;
     while (passedSince(since_) < kSlot) {
     }
     noInterrupts();
@@ -213,13 +212,13 @@ void OneWireBus::write(bool bit) {
 
 bool OneWireBus::read() {
     noInterrupts();
-    since_ = now();
     pullDown();
     delayMicroseconds(kLow);
     release();
     delayMicroseconds(kLook);
     const bool bit = isHigh();
     interrupts();
+    since_ = now();
     return bit;
 }
 

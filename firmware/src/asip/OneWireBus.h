@@ -4,7 +4,7 @@
 //   asip::OneWireBus bus(2);
 //
 // A service starts a transfer or a search, and calls finish() in its poll() until it is over; each call does
-// one bit at the most. Interrupts are off for 16 microseconds of a bit, so that no byte of the line is lost
+// one bit at the most. Interrupts are off for 11 microseconds of a bit, so that no byte of the line is lost
 // at 1,000,000 baud; a bit of 0 holds the loop up for 65, the beginning of a transfer for 100.
 #pragma once
 

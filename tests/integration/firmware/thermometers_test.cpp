@@ -37,7 +37,7 @@ class ThermometerBoard : public FirmwareBoard {
   public:
     explicit ThermometerBoard(std::vector<sim::PartConfig> parts = {wire(kThree)},
                               const std::string& kind = "uno", std::uint32_t frequency = 16'000'000)
-        : FirmwareBoard("asip_" + kind + "_thermometers", kind == "mini8" ? "uno" : kind, std::move(parts),
+        : FirmwareBoard("asip_" + kind + "_onewire", kind == "mini8" ? "uno" : kind, std::move(parts),
                         frequency) {
         sim().run_for(500ms);  // they were found
     }
@@ -155,10 +155,30 @@ TEST(ThermometersTest, NoThermometer_IsAnErrorUntilOneIsThere) {
     board->run_for(500ms);
     EXPECT_EQ(board.ask("K,I"), "@K,I,0,{}");
     EXPECT_EQ(board.later("K,M"), "~K,e,8{DEVICE_NOT_AVAILABLE}");
-    EXPECT_EQ(board.ask("K,A,1000"), "~K,A,8{DEVICE_NOT_AVAILABLE}");
-    board->run_for(100ms);
+    EXPECT_EQ(board.ask("K,A,1000"), "");
+    EXPECT_EQ(board.next_line(5000ms), "(none)");
     board.tell("attach", "0");
-    EXPECT_EQ(board.later("K,M"), "@K,e,1,{19.00}");
+    EXPECT_EQ(board.next_line(4000ms), "@K,e,1,{19.00}");
+}
+
+TEST(ThermometersTest, SearchAndMeasurementAtOnce_AreBothAnswered) {
+    ThermometerBoard board;
+    const std::string ids = "@K,I,3,{" + id_of(2) + "," + id_of(1) + "," + id_of(3) + "}";
+    board->send("K,S\nK,M\n");
+    EXPECT_EQ(board.next_line(4000ms), ids);
+    EXPECT_EQ(board.next_line(4000ms), "@K,e,3,{-10.12,21.50,25.06}");
+    board->send("K,M\n");
+    board->run_for(100ms);
+    board->send("K,S\n");
+    EXPECT_EQ(board.next_line(4000ms), "@K,e,3,{-10.12,21.50,25.06}");
+    EXPECT_EQ(board.next_line(4000ms), ids);
+}
+
+TEST(ThermometersTest, PeriodThatIsSetDuringTheFirstSearch_IsKept) {
+    ThermometerBoard board;
+    board.ask("#,R");
+    EXPECT_EQ(board.ask("K,A,1000"), "");
+    EXPECT_EQ(board.next_line(4000ms), "@K,e,3,{-10.12,21.50,25.06}");
 }
 
 TEST(ThermometersTest, WireThatIsShorted_IsAnErrorAndTheBoardGoesOn) {
@@ -173,8 +193,9 @@ TEST(ThermometersTest, WireThatIsShorted_IsAnErrorAndTheBoardGoesOn) {
 
 TEST(ThermometersTest, ParasitePower_IsSaid) {
     ThermometerBoard board({wire(kThree, true)});
-    EXPECT_EQ(board.later("K,M"), "~K,M,4{MODE_UNAVAILABLE}");
-    EXPECT_EQ(board.ask("K,A,1000"), "~K,A,4{MODE_UNAVAILABLE}");
+    EXPECT_EQ(board.ask("K,A,1000"), "");
+    EXPECT_EQ(board.next_line(5000ms), "(none)");
+    EXPECT_EQ(board.later("K,M"), "~K,e,4{MODE_UNAVAILABLE}");
     EXPECT_EQ(board.ask("K,I").substr(0, 6), "@K,I,3");
 }
 
@@ -204,7 +225,7 @@ TEST(ThermometersTest, RestartInTheMiddle_BeginsAnew) {
 TEST(ThermometersTest, RequestsAt1000000BaudMeanwhile_LoseNoByteAndDamageNoAnswer) {
     ThermometerBoard board;
     board.step_up(1000000);
-    board.ask("K,A,800");
+    board.ask("K,A,1000");
     int reports = 0, answers = 0, sent = 0;
     for (int i = 0; i < 2000; ++i) {
         for (int k = 0; k < 8; ++k, ++sent)
@@ -254,7 +275,7 @@ TEST(OneWireTest, RequestsOfTwoPrograms_AreAnsweredInTurn) {
 
 TEST(OneWireTest, ThermometersBesideIt_AreNotDisturbed) {
     ThermometerBoard board;
-    board.ask("K,A,800");
+    board.ask("K,A,1000");
     int reports = 0, ids = 0;
     for (int i = 0; i < 60; ++i) {
         board->send("O,S,1\n");

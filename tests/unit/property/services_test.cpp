@@ -57,8 +57,9 @@ TEST(ServiceProperties, EachOtherSensor_HasOneForEachFieldOrElement) {
                             "-climate/0/silent sensor 'Climate silent'",
                             "climate/0/temperature sensor 'Climate temperature' C temperature",
                             "climate/0/humidity sensor 'Climate humidity' % humidity"));
-    EXPECT_THAT(seen_of("thermometers", 1),
-                testing::Contains("thermometers/0/temperature sensor 'Thermometers temperature' C temperature"));
+    EXPECT_THAT(
+        seen_of("thermometers", 1),
+        testing::Contains("thermometers/0/temperature sensor 'Thermometers temperature' C temperature"));
     EXPECT_THAT(seen_of("heading"),
                 ElementsAre("-heading/x sensor 'Heading x'", "-heading/y sensor 'Heading y'",
                             "-heading/z sensor 'Heading z'", "heading sensor 'Heading' degrees angle"));
