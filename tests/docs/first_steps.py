@@ -93,6 +93,7 @@ class FirstSteps(unittest.TestCase):
         eventually(lambda: bus.state("usb-arduino") == "online", "the robot, by its port", 60)
         reader = Terminal(self.folder, f"export ASIP_BROKER=127.0.0.1:{bus.broker_port} PATH={BIN}:$PATH PYTHONPATH={ROOT}/python")
         self.assertIn("usb-arduino", reader.types("asipctl list").stdout)
+        self.assertIn("./build/deb/python3-asip_*.deb", page, "which PYTHONPATH stands for here")
         naming = re.search(r"`(asipctl send BOARD --raw '#,I,robot')`", page)[1]
         self.assertEqual(reader.types(naming.replace("BOARD", "usb-arduino")).returncode, 0)
         for plug in ("unplug", "replug"):

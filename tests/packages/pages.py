@@ -155,6 +155,12 @@ def operate(reader, commands, text):
     reader.root("cp /etc/asip/bus/credentials/ann.credentials /home/reader/asip/ && chown reader /home/reader/asip/ann.credentials")
     reader.types(re.search(r"`(asipctl context add [^`]*)`", text)[1])
     reader.sees("", "asipctl list")
+    # So is the board's.
+    reader.root("cp /etc/asip/bus/credentials/hall-1.credentials /home/reader/asip/ && chown reader /home/reader/asip/hall-1.credentials")
+    reader.types(re.search(r"`(sudo install [^`]*)`", text)[1])
+    reader.sees("-rw-r----- 1 root asip ", "sudo ls -l /etc/asip/credentials/hall-1.credentials")
+    reader.types(re.search(r"`(sudo systemctl restart asip-registry)`", text)[1])
+    reader.sees("asip.rules.yml", "ls -R /usr/share/asip")
 
 
 def main(system, page):
