@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "agent/describe/port_name.hpp"
 #include "asip/model/names.hpp"
+#include "asip/model/port_name.hpp"
 #include "asip/program/options.hpp"
 #include "asip/protocol/body.hpp"
 
@@ -126,7 +126,7 @@ model::Description Describer::description() {
 }
 
 std::string Describer::name_from_link() const {
-    return link_.kind == "serial" ? name_of_port(link_.path, program::host_name())
+    return link_.kind == "serial" ? model::name_of_port(link_.path, program::host_name())
                                   : model::suggest_name(link_.path);
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/describe/port_name.hpp"
+#include "asip/model/port_name.hpp"
 
 #include <algorithm>
 #include <cctype>
 
 #include "asip/model/names.hpp"
 
-namespace asip::agent {
+namespace asip::model {
 namespace {
 
 constexpr std::string_view kByPath = "/by-path/";
@@ -25,7 +25,7 @@ std::string short_controller(std::string_view text) {
 
 // "pci-0000:00:14.0-usb-0:1.3:1.0-port0": controller, bus, socket, configuration and interface, port.
 std::string name_of_port(std::string_view path, std::string_view host) {
-    const auto plain = model::suggest_name(path.substr(path.rfind('/') + 1));
+    const auto plain = suggest_name(path.substr(path.rfind('/') + 1));
     const auto folder = path.find(kByPath);
     const auto usb = path.rfind("-usb-");
     if (folder == path.npos || usb == path.npos || usb < folder) return plain;
@@ -41,7 +41,7 @@ std::string name_of_port(std::string_view path, std::string_view host) {
     auto more = rest.substr(interface + 1);
     if (more.ends_with("-port0")) more.remove_suffix(6);
     if (more != "1.0") name += "-" + std::string(more);
-    return model::suggest_name(name);
+    return suggest_name(name);
 }
 
-}  // namespace asip::agent
+}  // namespace asip::model

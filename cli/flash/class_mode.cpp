@@ -11,6 +11,7 @@
 #include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
+#include "asip/model/port_name.hpp"
 #include "asip/program/options.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/flash/load.hpp"
@@ -44,7 +45,9 @@ class ClassRoom {
             return environment_.fail_with(connected.error());
         session_.wait_retained();
         if (seats_.empty() && options_.output.for_people())
-            environment_.note("plug in the boards; Ctrl-C ends it");
+            environment_.note(
+                "waiting for boards: plug them in. One that is plugged in already is seen within a minute. "
+                "Ctrl-C ends it");
         while (!session_.stopped() && (options_.count == 0 || good_ < options_.count)) {
             session_.run_until([this] { return changed_; }, Clock::now() + 500ms);
             changed_ = false;
@@ -53,6 +56,11 @@ class ClassRoom {
             show_progress();
         }
         clear_line();
+        for (auto& [port, seat] : seats_)
+            if (!is_over(*seat) && seat->step != Step::kWaiting)
+                row(port, port, "left", *seat,
+                    std::string("interrupted; its agent goes on") +
+                        (options_.names ? "; start this again to name it" : ""));
         return sum_up();
     }
 
@@ -66,6 +74,7 @@ class ClassRoom {
         std::string sketch, chip;
         std::string progress;
         bool force = false;
+        bool loaded = false;
         Step step = Step::kWaiting;
         Time began{}, until{};
         std::unique_ptr<Load> load;
@@ -125,12 +134,22 @@ class ClassRoom {
         // Of ASIP 0.4 without extensions: it could not keep a name, for one.
         const bool old = online && description.firmware.extensions.empty();
         seat->force = old || (online && options_.load.force);
-        if (online && !seat->force) {
+        if (online && !seat->force && lacks_name(board, description)) {
+            seat->began = Clock::now();
+            seat->name = next_name();
+            give_name(board, *seat);
+        } else if (online && !seat->force) {
             seat->step = Step::kDone;
             row(board, board, "passed over", *seat, "it runs " + seat->sketch + " already");
             ++good_;
         }
         seats_[board] = std::move(seat);
+    }
+
+    /// Loaded, and called by its port: a class that was ended early, or that gave no names, left it so.
+    bool lacks_name(const std::string& board, const model::Description& description) const {
+        return options_.names && description.firmware.extensions.has(protocol::kIdentity) &&
+               board == model::name_of_port(description.link.path, description.agent.host);
     }
 
     void go_on(const std::string& port, Seat& seat) {
@@ -160,21 +179,28 @@ class ClassRoom {
         if (now < seat.until) return;
         failed(port, seat,
                seat.step == Step::kLoading  ? "its agent does not answer"
-               : seat.step == Step::kNaming ? "it is loaded, but does not take its name"
-                                            : "it is loaded and named, but does not come as " + seat.name);
+               : seat.step == Step::kNaming ? "it does not take its name"
+                                            : "it is named, but does not come as " + seat.name);
     }
 
     void loaded(const std::string& port, Seat& seat, const bus::Reply& reply) {
         seat.load.reset();
         if (!reply.succeeded()) return failed(port, seat, for_terminal(why_not(reply)));
         const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
+        seat.loaded = true;
         seat.sketch = value_at(answer, "after.sketch");
         seat.chip = value_at(answer, "after.chip");
         const auto stored = value_at(answer, "after.name");
         seat.name = !stored.empty() ? stored : options_.names ? next_name() : port;
+        if (stored.empty() && options_.names) return give_name(port, seat);
         used_.insert(seat.name);
         expected_.insert(seat.name);
-        if (!stored.empty() || !options_.names) return wait_for(seat);
+        wait_for(seat);
+    }
+
+    void give_name(const std::string& port, Seat& seat) {
+        used_.insert(seat.name);
+        expected_.insert(seat.name);
         seat.step = Step::kNaming;
         seat.until = Clock::now() + kNameTime;
         seat.naming =
@@ -185,7 +211,7 @@ class ClassRoom {
     // Its agent asks a board for its name when it opens the port.
     void named(const std::string& port, Seat& seat) {
         if (!seat.named->succeeded())
-            return failed(port, seat, "it is loaded, but keeps no name: " + bus::sentence_of(*seat.named));
+            return failed(port, seat, "it keeps no name: " + bus::sentence_of(*seat.named));
         session_.publish(environment_.topics.board_in(port),
                          bus::encode({bus::PortRequest::What::kRelease, kReopen}, "class"), 1);
         wait_for(seat);
@@ -199,7 +225,7 @@ class ClassRoom {
     void done(const std::string& port, Seat& seat) {
         seat.step = Step::kDone;
         ++good_;
-        row(port, seat.name, "loaded", seat, seat.sketch + " on " + seat.chip);
+        row(port, seat.name, seat.loaded ? "loaded" : "named", seat, seat.sketch + " on " + seat.chip);
     }
 
     void failed(const std::string& port, Seat& seat, const std::string& why) {
@@ -233,7 +259,7 @@ class ClassRoom {
         }
         clear_line();
         environment_.out << fmt::format("{:<20} {:<12} {}", for_terminal(board), result, for_terminal(text));
-        if (result == "loaded")
+        if (result == "loaded" || result == "named")
             environment_.out << fmt::format(", {}, {:.0f} s", port_text(seat.link), seconds);
         if (has_failed)
             environment_.out << fmt::format(" ({}). Plug it in again to try again", port_text(seat.link));
@@ -267,8 +293,11 @@ class ClassRoom {
     int sum_up() {
         const auto& failed = results_["failed"];
         if (options_.output.for_people()) {
-            environment_.out << fmt::format("{} loaded, {} passed over, {} failed\n",
-                                            results_["loaded"].size(), results_["passed over"].size(),
+            environment_.out << fmt::format("{} loaded, ", results_["loaded"].size());
+            for (const auto* less_usual : {"named", "left"})
+                if (const auto count = results_[less_usual].size(); count > 0)
+                    environment_.out << fmt::format("{} {}, ", count, less_usual);
+            environment_.out << fmt::format("{} passed over, {} failed\n", results_["passed over"].size(),
                                             failed.size())
                              << std::flush;
         }

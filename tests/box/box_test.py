@@ -6,8 +6,10 @@ import json
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import unittest
+import urllib.request
 
 from bus import BIN, IMAGES, ROOT, Bus, eventually, settings_file
 
@@ -68,6 +70,10 @@ class OneBoard(unittest.TestCase):
         bus = self.bus
         bus.plug("usb-3")
         eventually(lambda: bus.is_without_asip("usb-3"), "the board, without ASIP", 40)
+        with urllib.request.urlopen(bus.url + "/metrics", timeout=30) as answer:
+            shown = answer.read().decode()
+        self.assertIn('asip_boards{state="no-asip"} 1\n', shown)
+        self.assertNotRegex(shown, r'asip_boards{state="lost"} [1-9]')  # what the shipped alert asks for
         doctor = bus.asipctl("doctor")
         self.assertRegex(doctor.stdout, r"a board at .*usb-3 that speaks no ASIP")
         self.assertIn("asipctl flash usb-3", doctor.stdout)
@@ -108,6 +114,32 @@ class Class(unittest.TestCase):
         """A board of the class was loaded, and is plugged in."""
         self.assertIn("42", bus.asipctl("get", f"{board}/distance/0").stdout)
 
+    def teach(self, bus, log, count=0):
+        """A teacher's `asipctl flash --class`, and what it has said."""
+        with open(log, "wb") as out:
+            teacher = subprocess.Popen([str(BIN / "asipctl"), "flash", "--class", "--names", "student-{}", "--board", "nano-old", "--count", str(count)],
+                                       stdout=out, stderr=out, env={**os.environ, "ASIP_BROKER": f"127.0.0.1:{bus.broker_port}"})
+        self.addCleanup(lambda: teacher.poll() is None and teacher.kill())
+        return teacher
+
+    def test_interrupted_while_a_board_is_loaded_the_next_start_names_it(self):
+        needs_tools()
+        bus = Boxes()
+        self.addCleanup(bus.close)
+        bus.plug("usb-1")
+        log = bus.work / "class.out"
+        teacher = self.teach(bus, log)
+        eventually(lambda: "writing" in json.dumps(bus.get("/api/boards?full=true")), "the board is written", 90)
+        teacher.send_signal(signal.SIGINT)
+        teacher.wait(10)
+        self.assertIn("waiting for boards: plug them in. One that is plugged in already is seen", log.read_text())
+        self.assertRegex(log.read_text(), r"usb-1 +left +interrupted; its agent goes on; start this again to name it")
+        eventually(lambda: bus.state("usb-1") == "online", "the board, loaded, by its port", 90)
+        again = bus.asipctl("flash", "--class", "--names", "student-{}", "--count", "1")
+        self.assertRegex(again.stdout, r"student-1 +named +AsipServices on ATmega328P")
+        self.assertIn("0 loaded, 1 named, 0 passed over, 0 failed", again.stdout)
+        eventually(lambda: bus.state("student-1") == "online", "the board by its name")
+
     def test_each_board_is_loaded_and_named_and_those_that_fail_are_tried_again(self):
         needs_tools()
         bus = Boxes()
@@ -117,10 +149,7 @@ class Class(unittest.TestCase):
         empty = bus.work / "empty.hex"
         empty.write_text(NOTHING)
         log = bus.work / "class.out"
-        with open(log, "wb") as out:
-            teacher = subprocess.Popen([str(BIN / "asipctl"), "flash", "--class", "--names", "student-{}", "--board", "nano-old", "--count", str(count)],
-                                       stdout=out, stderr=out, env={**os.environ, "ASIP_BROKER": f"127.0.0.1:{bus.broker_port}"})
-        self.addCleanup(lambda: teacher.poll() is None and teacher.kill())
+        teacher = self.teach(bus, log, count)
         rows = lambda: re.findall(r"^(\S+) +(loaded|failed|passed over) ", log.read_text(), re.M)
 
         def wait_row(row):

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/describe/port_name.hpp"
+#include "asip/model/port_name.hpp"
 
 #include <gtest/gtest.h>
 
-namespace asip::agent {
+namespace asip::model {
 namespace {
 
 TEST(PortName, PortById_IsThatName) {
@@ -35,4 +35,4 @@ TEST(PortName, OddPath_IsAValidNameAllTheSame) {
 }
 
 }  // namespace
-}  // namespace asip::agent
+}  // namespace asip::model
