@@ -97,6 +97,7 @@ class Getter {
         auto id = service_.name;
         if (!what_.field.empty()) id += "/" + what_.field;
         const auto named = property::properties_named(all, id);
+        if (!options_.raw) properties_ = all;
         const bool pins = model_->name == "io" && what_.field.find('/') == std::string::npos &&
                           model_->event_named(what_.field) == nullptr;
         const bool kept = pins || std::all_of(named.begin(), named.end(),
@@ -191,6 +192,7 @@ class Getter {
             other_fields_.clear();
             for (const auto& leaf : leaves)
                 if (other_fields_.size() < kMaxNamed) other_fields_.push_back(leaf.path);
+            say_as_properties(leaves, service_.name, choice_.event->name, properties_);
             std::erase_if(leaves, [this](const LeafValue& leaf) { return !choice_.takes(leaf.path); });
             if (!leaves.empty()) print(leaves, choice_.event->name, how);
         }
@@ -241,8 +243,9 @@ class Getter {
     model::ModelPtr model_{};
     FieldChoice choice_{};
     BusSession::Demand demand_{};
-    std::string property_;                   // its id, where the agent is asked
-    std::vector<std::string> other_fields_;  // of the newest value
+    std::vector<property::Property> properties_;  // of the board, for their words
+    std::string property_;                        // its id, where the agent is asked
+    std::vector<std::string> other_fields_;       // of the newest value
     bool printed_ = false;
 };
 

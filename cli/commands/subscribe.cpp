@@ -7,6 +7,7 @@
 #include <set>
 
 #include "asip/bus/registry/board_match.hpp"
+#include "cli/ask/described_properties.hpp"
 #include "cli/declaration.hpp"
 #include "cli/events/button_events.hpp"
 #include "cli/events/context_event.hpp"
@@ -106,7 +107,8 @@ class Subscriber {
           labels_(std::move(labels)),
           printer_(options, environment),
           pace_(options.changes, options.max_hz),
-          buttons_(environment.topics) {}
+          buttons_(environment.topics),
+          properties_(session, environment) {}
 
     void subscribe() {
         // First: they attribute lines and letters to services, and name models.
@@ -218,7 +220,9 @@ class Subscriber {
         if (last) event.age = now - *last;
         last = now;
         const auto model = needs_models() ? model_of(event) : nullptr;
-        auto decoded = decode_event(event, model.get(), options_.field);
+        auto decoded =
+            decode_event(event, model.get(), model ? properties_.of(event.board) : DescribedProperties::kNone,
+                         options_.field);
         if (!decoded) return;
         if (const auto seen = pace_.offer({std::move(event), std::move(*decoded)}, now)) print(*seen);
     }
@@ -232,6 +236,7 @@ class Subscriber {
     EventPace pace_;
     std::map<std::string, std::optional<Time>> last_;
     ButtonEvents buttons_;
+    DescribedProperties properties_;
     std::size_t count_ = 0;
     std::vector<BusSession::Subscription> subscriptions_;
     std::vector<BusSession::Demand> demands_;

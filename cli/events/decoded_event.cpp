@@ -11,10 +11,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::string bare_text(const LeafValue& leaf) {
-    return LeafValue{leaf.path, leaf.value, {}}.text();
-}
-
 /// Elements by position: no names are needed beside them.
 bool is_plain_list(const Json& value) {
     if (!value.is_array()) return !value.is_object();
@@ -24,8 +20,8 @@ bool is_plain_list(const Json& value) {
 std::string listed_values(const std::vector<LeafValue>& leaves) {
     std::string text;
     for (const auto& leaf : leaves)
-        text += (text.empty() ? "" : ", ") + bare_text(leaf);
-    return leaves.empty() || leaves.front().unit.empty() ? text : text + " " + leaves.front().unit;
+        text += (text.empty() ? "" : ", ") + leaf.text();
+    return text;
 }
 
 std::string slashed(std::string path) {
@@ -38,11 +34,14 @@ std::string dotted(std::string path) {
     return path;
 }
 
-/// `distance 42, 118 cm`, or what stands there as JSON where the model does not know it.
-std::string member_text(const model::ServiceModel& model, const std::string& name, const Json& value) {
+/// `distance 42 cm, 118 cm`, or what stands there as JSON where the model does not know it.
+std::string member_text(const std::string& service, const model::ServiceModel& model,
+                        const std::vector<property::Property>& properties, const std::string& name,
+                        const Json& value) {
     const auto* event = model.event_named(name);
     if (event == nullptr) return name + " " + model::dump_json(value);
-    const auto leaves = leaf_values(model, *event, value);
+    auto leaves = leaf_values(model, *event, value);
+    say_as_properties(leaves, service, name, properties);
     return name + " " + (is_plain_list(value) ? listed_values(leaves) : leaves_text(leaves));
 }
 
@@ -69,12 +68,15 @@ std::optional<DecodedEvent> selected_by_path(const Json& document, const std::st
     return result;
 }
 
-std::optional<DecodedEvent> selected(const Json& document, const model::ServiceModel& model,
+std::optional<DecodedEvent> selected(const std::string& service, const Json& document,
+                                     const model::ServiceModel& model,
+                                     const std::vector<property::Property>& properties,
                                      const std::string& field) {
     const auto choice = choose_field(model, field);
     if (!choice || !document.contains(choice->event->name)) return std::nullopt;
     DecodedEvent result;
     result.leaves = leaf_values(model, *choice->event, document[choice->event->name]);
+    say_as_properties(result.leaves, service, choice->event->name, properties);
     std::erase_if(result.leaves, [&choice](const LeafValue& leaf) { return !choice->takes(leaf.path); });
     if (result.leaves.empty()) return std::nullopt;
     result.field = choice->event->name;
@@ -83,10 +85,11 @@ std::optional<DecodedEvent> selected(const Json& document, const model::ServiceM
     return result;
 }
 
-std::string whole_text(const Json& document, const model::ServiceModel& model) {
+std::string whole_text(const std::string& service, const Json& document, const model::ServiceModel& model,
+                       const std::vector<property::Property>& properties) {
     std::string text;
     for (const auto& [name, member] : document.items())
-        text += (text.empty() ? "" : "; ") + member_text(model, name, member);
+        text += (text.empty() ? "" : "; ") + member_text(service, model, properties, name, member);
     return text;
 }
 
@@ -101,6 +104,7 @@ std::string leaves_text(const std::vector<LeafValue>& leaves) {
 }
 
 std::optional<DecodedEvent> decode_event(const ContextEvent& event, const model::ServiceModel* model,
+                                         const std::vector<property::Property>& properties,
                                          const std::string& field) {
     DecodedEvent plain;
     plain.text = plain.value = event.payload;
@@ -119,10 +123,11 @@ std::optional<DecodedEvent> decode_event(const ContextEvent& event, const model:
     }
     if (field.empty()) {
         plain.what = keys_of(*document);
-        if (model != nullptr) plain.text = whole_text(*document, *model);
+        if (model != nullptr) plain.text = whole_text(event.service, *document, *model, properties);
         return plain;
     }
-    auto result = model != nullptr ? selected(*document, *model, field) : selected_by_path(*document, field);
+    auto result = model != nullptr ? selected(event.service, *document, *model, properties, field)
+                                   : selected_by_path(*document, field);
     if (!result) return std::nullopt;
     result->what = result->field;
     result->value = leaves_text(result->leaves);

@@ -5,6 +5,8 @@
 
 #include "asip/model/hints.hpp"
 #include "asip/model/json.hpp"
+#include "asip/property/value.hpp"
+#include "asip/property/words.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/text/words.hpp"
 
@@ -69,6 +71,7 @@ std::vector<std::string> names_of(const model::ServiceModel& model) {
 }  // namespace
 
 std::string LeafValue::text() const {
+    if (!words.empty()) return words;
     if (value.is_null()) return "none";
     const auto shown = value.is_string() ? value.get<std::string>() : model::dump_json(value);
     return unit.empty() ? shown : shown + " " + unit;
@@ -79,6 +82,23 @@ std::vector<LeafValue> leaf_values(const model::ServiceModel& model, const model
     std::vector<LeafValue> leaves;
     collect(model, event, value, {}, {}, leaves);
     return leaves;
+}
+
+void say_as_properties(std::vector<LeafValue>& leaves, const std::string& service, const std::string& event,
+                       const std::vector<property::Property>& properties) {
+    for (auto& leaf : leaves) {
+        auto pointer = "/" + event + (leaf.path.empty() ? "" : "/" + leaf.path);
+        std::replace(pointer.begin(), pointer.end(), '.', '/');
+        for (const auto& property : properties) {
+            if (!property.read || property.read->service != service || property.read->pointer != pointer)
+                continue;
+            // A sum, or a level that nothing holds, is more than one report says.
+            if (property.read->sum || property.floating || property.kind == property::Kind::kLight) continue;
+            if (const auto value = property::value_of(property, leaf.value))
+                leaf.words = property::value_text(property, *value);
+            break;
+        }
+    }
 }
 
 bool FieldChoice::takes(std::string_view leaf_path) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "asip/model/service_model.hpp"
+#include "asip/property/property.hpp"
 
 namespace asip::cli {
 
@@ -14,15 +15,20 @@ namespace asip::cli {
 struct LeafValue {
     std::string path;  ///< below the event: `0`, `1.count`; empty where the event is one value
     nlohmann::json value;
-    std::string unit;  ///< empty: none
+    std::string unit;     ///< empty: none
+    std::string words{};  ///< of the property whose value it is: `pressed`; empty: it is of none
 
-    std::string text() const;  ///< `42 cm`
+    std::string text() const;  ///< the words, else `42 cm`
 };
 
 /// Every number or text of a decoded event, in its order; null where the board says that it has no value.
 /// `value` is what stands below the event's name.
 std::vector<LeafValue> leaf_values(const model::ServiceModel& model, const model::EventModel& event,
                                    const nlohmann::json& value);
+
+/// Gives those that are values of properties the words of these, which every program shows to people.
+void say_as_properties(std::vector<LeafValue>& leaves, const std::string& service, const std::string& event,
+                       const std::vector<property::Property>& properties);
 
 /// Which part of a service's events FIELD means: the name of an event, or of a field of one, and a path below
 /// it.

@@ -7,8 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/model_set.hpp"
+#include "asip/property/list.hpp"
+#include "asip/protocol/pin.hpp"
 #include "cli/events/button_events.hpp"
 #include "cli/events/event_pace.hpp"
+#include "tests/unit/cli/boards.hpp"
 
 namespace asip::cli {
 namespace {
@@ -21,18 +24,35 @@ ContextEvent report(const std::string& service, const std::string& payload) {
     return *context_event(bus::Topics("asip"), "asip/uno1/" + service + "/out", payload);
 }
 
-std::string said(const std::string& service, const std::string& payload, const std::string& field = {}) {
+std::string said(const std::string& service, const std::string& payload, const std::string& field = {},
+                 const std::vector<property::Property>& properties = {}) {
     const auto model = model::ModelSet::standard().find(service);
-    const auto decoded = decode_event(report(service, payload), model.get(), field);
+    const auto decoded = decode_event(report(service, payload), model.get(), properties, field);
     return decoded ? decoded->text : "nothing";
 }
 
 TEST(DecodeEvent, Values_StandWithTheUnitOfTheirModel) {
-    EXPECT_EQ(said("distance", R"({"distance":[42,118]})"), "distance 42, 118 cm");
+    EXPECT_EQ(said("distance", R"({"distance":[42,118]})"), "distance 42 cm, 118 cm");
     EXPECT_EQ(said("distance", R"({"distance":[]})"), "distance ");
     EXPECT_EQ(said("io", R"({"digital":{"2":1}})"), "digital 1");
     EXPECT_EQ(said("io", R"({"digital":{"2":1,"3":0}})"), "digital 2=1 3=0");
     EXPECT_EQ(said("distance", R"({"new":[1]})"), "new [1]") << "of a later version";
+}
+
+TEST(DecodeEvent, ValuesOfProperties_HaveTheirWords) {
+    auto board = *model::parse_description(kUno1);
+    board.labels.modes[2] = static_cast<int>(protocol::PinMode::kInputPullup);
+    board.labels.meanings["io/2"].klass = "button";
+    board.labels.meanings["distance/0"].line = {0, 100, 0, 1};
+    board.labels.meanings["distance/0"].unit = "m";
+    const auto properties = property::properties_of(board, [](const model::ServiceInfo& service) {
+        return model::ModelSet::standard().find(service.name);
+    });
+    EXPECT_EQ(said("io", R"({"digital":{"2":0,"3":0}})", {}, properties), "digital 2=pressed 3=0");
+    EXPECT_EQ(said("io", R"({"digital":{"2":1}})", "digital/2", properties), "digital/2 released");
+    EXPECT_EQ(said("distance", R"({"distance":[42,0]})", {}, properties), "distance 0.42 m, none");
+    EXPECT_EQ(said("distance", R"({"distance":[99999,7]})", {}, properties), "distance 99999 cm, 7 cm")
+        << "a number that the property cannot have is shown as it came";
 }
 
 TEST(DecodeEvent, WithoutModelOrDocument_IsShownAsItCame) {
@@ -53,7 +73,7 @@ TEST(DecodeEvent, Field_IsPickedOutOrTheReportIsNotMeant) {
 
 SeenEvent seen(const std::string& payload) {
     auto event = report("distance", payload);
-    auto decoded = *decode_event(event, nullptr, {});
+    auto decoded = *decode_event(event, nullptr, {}, {});
     return {std::move(event), std::move(decoded)};
 }
 
@@ -100,7 +120,7 @@ TEST(ButtonEvents, EachIsTakenOnce_AndNoneThatTheBrokerKept) {
     const auto events = buttons.take(values_of(R"([[4,"press"],[5,"hold"]])", 2));
     ASSERT_THAT(events, SizeIs(1));
     EXPECT_EQ(events[0].where(), "uno1/io");
-    EXPECT_EQ(decode_event(events[0], nullptr, "")->text, "button 2 hold");
+    EXPECT_EQ(decode_event(events[0], nullptr, {}, "")->text, "button 2 hold");
     EXPECT_EQ(event_json(events[0])["button"]["io/2"], "hold");
     EXPECT_THAT(buttons.take(values_of(R"([[5,"hold"]])", 3)), IsEmpty());
     auto odd = values_of("[7]", 4);
@@ -108,14 +128,15 @@ TEST(ButtonEvents, EachIsTakenOnce_AndNoneThatTheBrokerKept) {
     EXPECT_THAT(buttons.take(values_of(R"([[6,"release"]])", 5)), SizeIs(1)) << "the next one works";
     EventPace pace(true, 1);
     for (int i = 0; i < 3; ++i)
-        EXPECT_TRUE(pace.offer({events[0], *decode_event(events[0], nullptr, "")}, kStart)) << "each counts";
+        EXPECT_TRUE(pace.offer({events[0], *decode_event(events[0], nullptr, {}, "")}, kStart))
+            << "each counts";
 }
 
 TEST(EventPace, Errors_PassAlways) {
     EventPace pace(true, 1);
     const auto event = *context_event(bus::Topics("asip"), "asip/uno1/servo/error", "{}");
     for (int i = 0; i < 3; ++i)
-        EXPECT_TRUE(pace.offer({event, *decode_event(event, nullptr, "0")}, kStart));
+        EXPECT_TRUE(pace.offer({event, *decode_event(event, nullptr, {}, "0")}, kStart));
 }
 
 }  // namespace
