@@ -81,11 +81,12 @@ Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options
     for (const auto& note : notes)
         environment.out << "note: " << note << '\n';
     environment.out << std::flush;
-    std::string all;
+    if (faults.empty()) return {};
+    const auto last = faults.back();
+    faults.pop_back();
     for (const auto& fault : faults)
-        all += (all.empty() ? "" : "\n") + options.file + ": " + fault;
-    if (!faults.empty()) return failure(program::kExitFailure, all);
-    return {};
+        environment.note(options.file + ": " + fault);
+    return failure(program::kExitFailure, options.file + ": " + last);
 }
 
 Outcome<void> make_firmware(const ServiceModel& model, const ModelOptions& options,

@@ -11,17 +11,18 @@
 #include "cli/secure/broker_files.hpp"
 #include "cli/secure/reload.hpp"
 #include "cli/secure/services.hpp"
+#include "cli/text/width.hpp"
 
 namespace asip::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string plan_text(const std::vector<std::string>& plan) {
-    std::string text = "asipctl secure init will\n";
+void tell(const std::vector<std::string>& plan, std::ostream& out) {
+    out << "asipctl secure init will\n";
     for (const auto& line : plan)
-        text += "  " + line + "\n";
-    return text;
+        out << "  " << for_terminal(line) << '\n';
+    out << std::flush;
 }
 
 }  // namespace
@@ -43,19 +44,20 @@ std::vector<std::string> plan_of(const SecureOptions& options, const fs::path& f
 
 Outcome<bool> agreed(const SecureOptions& options, const fs::path& folder, const SecuredBus& bus,
                      const Environment& environment) {
-    const auto plan = plan_text(plan_of(options, folder, bus));
+    const auto plan = plan_of(options, folder, bus);
     if (options.dry_run) {
-        environment.out << plan << std::flush;
+        tell(plan, environment.out);
         return false;
     }
     if (options.yes || !is_system_broker(folder, bus) || fs::exists(bus.configuration)) return true;
     if (!environment.terminal() || ::isatty(STDIN_FILENO) == 0) {
+        tell(plan, environment.err);
         return failure(program::kExitUsage,
-                       plan +
-                           "This changes the system, and there is no terminal to ask at. --yes: do it; "
-                           "--dry-run: only say it; --dir DIR: a bus in a folder of its own");
+                       "This changes the system, and there is no terminal to ask at. --yes: do it; "
+                       "--dry-run: only say it; --dir DIR: a bus in a folder of its own");
     }
-    environment.out << plan << "`asipctl secure undo` takes it back. Continue? [y/N] " << std::flush;
+    tell(plan, environment.out);
+    environment.out << "`asipctl secure undo` takes it back. Continue? [y/N] " << std::flush;
     std::string answer;
     std::getline(environment.in, answer);
     return answer == "y" || answer == "Y" || answer == "yes";

@@ -66,11 +66,12 @@ TEST_F(ModelVerb, Check_NamesFileAndPlace) {
     const auto untrue = folder_.write(
         "untrue.json",
         R"({"name":"fan","version":1,"id":"F","match":["Fan"],"title":"Fans","commands":{"stop":{"tag":"S"}},
-            "examples":[{"json":{"stop":null},"wire":"F,T"}]})");
+            "examples":[{"json":{"stop":null},"wire":"F,T"},{"json":{"stop":null},"wire":"F,U"}]})");
     const auto failed = model({"check", untrue});
     EXPECT_EQ(failed.status, 1);
     EXPECT_THAT(failed.errors, HasSubstr(R"({"stop":null} is F,S, not F,T)"));
-    EXPECT_THAT(failed.output, HasSubstr("0 of 1 examples are true"));
+    EXPECT_THAT(failed.errors, HasSubstr("\nasipctl: " + untrue)) << "each fault has a line";
+    EXPECT_THAT(failed.output, HasSubstr("0 of 2 examples are true"));
 }
 
 TEST_F(ModelVerb, BadArguments_AreRefused) {
