@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/bus/request/reply.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/command_encoder.hpp"
@@ -16,7 +17,7 @@ using bus::TopicKind;
 Reply answer_to(const bus::RequestEnvelope& envelope, const BoardKind& kind, const bus::TopicRef& topic) {
     if (topic.kind == TopicKind::kBoardIn && envelope.form == bus::RequestEnvelope::Form::kJson)
         return Reply::refused(std::string(bus::kRefusedInvalid),
-                              "a simulated board of asip-load takes request lines only");
+                              "a simulated board of asip-load takes request lines and labels only");
     if (topic.kind != TopicKind::kServiceIn) return Reply::ok(std::string(kProofSimulated));
     const auto* const service = kind.service(topic.service);
     if (service == nullptr)
@@ -38,8 +39,9 @@ SimulatedBoard::SimulatedBoard(const bus::Topics& topics, const BoardKind& kind,
     : topics_(topics),
       kind_(kind),
       name_(options.board),
+      description_(std::move(description)),
       announcer_(topics, std::move(options), std::move(random)) {
-    announcer_.describe(std::move(description));
+    announcer_.describe(description_);
     member::Announcements nothing_yet;
     announcer_.set_state(model::BoardState::kOnline, model::StateReason::kNone, {}, nothing_yet);
 }
@@ -69,14 +71,26 @@ bool SimulatedBoard::on_message(const mqtt::Message& message, Time now, member::
 }
 
 void SimulatedBoard::answer(const mqtt::Message& command, const bus::TopicRef& topic,
-                            member::Announcements& out) const {
+                            member::Announcements& out) {
     const auto envelope = bus::open_envelope(command);
     auto reply = !envelope ? Reply::refused(std::string(bus::kRefusedInvalid), envelope.error().error)
                  : command.retain
                      ? Reply::refused(std::string(bus::kRefusedRetained), "a stored command was not executed")
+                 : topic.kind == TopicKind::kBoardIn && envelope->form == bus::RequestEnvelope::Form::kJson &&
+                         bus::is_label_request(envelope->object)
+                     ? label(envelope->object)
                      : answer_to(*envelope, kind_, topic);
     auto message = bus::reply_message(envelope ? envelope->reply : envelope.error().reply, std::move(reply));
     if (message) out.publish.push_back({std::move(*message), mqtt::Priority::kReply});
+}
+
+Reply SimulatedBoard::label(const nlohmann::json& wanted) {
+    const auto change = bus::read_label_request(wanted);
+    auto labels = change ? model::changed(description_.labels, *change) : fail(change.error());
+    if (!labels) return Reply::refused(std::string(bus::kRefusedInvalid), labels.error());
+    description_.labels = std::move(*labels);
+    announcer_.describe(description_);
+    return Reply::ok(std::string(bus::kProofKept));
 }
 
 void SimulatedBoard::report(member::Announcements& out) const {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/request/reply.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/member/announcer.hpp"
 #include "bench/load/board_kind.hpp"
@@ -43,11 +44,14 @@ class SimulatedBoard {
     void report(member::Announcements& out) const;
 
   private:
-    void answer(const mqtt::Message& command, const bus::TopicRef& topic, member::Announcements& out) const;
+    void answer(const mqtt::Message& command, const bus::TopicRef& topic, member::Announcements& out);
+    /// Labels, names and meanings, as an agent keeps them, but until the board ends only.
+    bus::Reply label(const nlohmann::json& wanted);
 
     const bus::Topics& topics_;
     const BoardKind& kind_;
     std::string name_;
+    model::Description description_;
     member::Announcer announcer_;
 };
 

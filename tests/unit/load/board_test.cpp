@@ -77,6 +77,18 @@ TEST_F(BoardTest, Command_IsAnsweredAsOneThatNothingExecuted) {
     EXPECT_EQ(command("asip/load-7/$stop", "").at("status"), "ok");
 }
 
+TEST_F(BoardTest, Labels_AreTakenAndAnnounced) {
+    EXPECT_EQ(command("asip/load-7/in", R"({"labels":{"room":"lab"}})").at("status"), "ok");
+    EXPECT_EQ(command("asip/load-7/in", R"({"labels":{"no key":"x"}})").at("status"), "refused");
+    EXPECT_EQ(command("asip/load-7/in", R"({"labels":{"shelf":"2"}})").at("proof"), "kept");
+    out = {};
+    now += 2s;
+    board.tick(now, out);
+    const auto descriptions = on("asip/servicebus/load-7/$description");
+    ASSERT_EQ(descriptions.size(), 1u);
+    EXPECT_EQ(json::parse(descriptions.front()).at("labels"), json::parse(R"({"room":"lab","shelf":"2"})"));
+}
+
 TEST_F(BoardTest, WrongCommand_IsRefusedInWordsAndTheNextOneWorks) {
     const auto unknown = command("asip/load-7/servo/in", R"({"wirte":[0,90]})");
     EXPECT_EQ(unknown.at("status"), "refused");
