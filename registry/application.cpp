@@ -2,6 +2,7 @@
 #include "registry/application.hpp"
 
 #include <boost/asio/post.hpp>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -23,6 +24,13 @@ Instant now() {
     return {Clock::now(), text::wall_now()};
 }
 
+/// Beside the history: history.values.db
+std::string values_file(const std::string& history) {
+    std::filesystem::path path(history);
+    const auto extension = path.extension();
+    return path.replace_extension().string() + ".values" + extension.string();
+}
+
 }  // namespace
 
 Application::Application(RegistryOptions options)
@@ -35,11 +43,16 @@ Application::Application(RegistryOptions options)
         history_ = std::make_unique<HistoryKeeper>(
             io_, History::Options{options_.history, options_.history_age, options_.history_bytes},
             history_handlers(), boot_id(), now());
+        ValueFile::Options file;
+        file.path = values_file(options_.history);
+        file.max_bytes = options_.values_bytes;
+        if (options_.keeps_values)
+            values_ = std::make_unique<ValueKeeper>(io_, std::move(file), value_handlers(), now());
     }
     auto models = model::ModelSet::standard_and(options_.services);
     if (!models) throw std::runtime_error(models.error());
     registry_ = std::make_unique<Registry>(options_, std::move(*models), system_random(), port(),
-                                           history_.get(), now());
+                                           history_.get(), now(), values_.get());
     client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
     if (!options_.notify.empty()) {
         auto webhook = Webhook::create(io_, options_.notify);
@@ -64,6 +77,23 @@ HistoryKeeper::Handlers Application::history_handlers() {
     result.begun_anew = [this](const std::string& aside, const std::string& damage) {
         log::error("history file is damaged; it was put aside and a new one begun",
                    {{"file", options_.history}, {"put aside as", aside}, {"why", damage}});
+    };
+    return result;
+}
+
+ValueKeeper::Handlers Application::value_handlers() {
+    const auto file = values_file(options_.history);
+    ValueKeeper::Handlers result;
+    result.failed = [file](const std::string& reason) {
+        log::error("values cannot be kept; it is tried again, and changes wait",
+                   {{"file", file}, {"why", reason}});
+    };
+    result.works_again = [file](std::size_t lost) {
+        log::warning("values are kept again", {{"file", file}, {"changes lost", lost}});
+    };
+    result.begun_anew = [file](const std::string& aside, const std::string& damage) {
+        log::error("file of values is damaged; it was put aside and a new one begun",
+                   {{"file", file}, {"put aside as", aside}, {"why", damage}});
     };
     return result;
 }

@@ -29,6 +29,7 @@ class Application {
   private:
     Port port();
     HistoryKeeper::Handlers history_handlers();
+    ValueKeeper::Handlers value_handlers();
     mqtt::Options mqtt_options() const;
     mqtt::Client::Handlers handlers();
     void connect_failed(const mqtt::ConnectionFailure& failure);
@@ -46,6 +47,7 @@ class Application {
     boost::asio::steady_timer timer_;
     std::unique_ptr<program::StopSignal> stop_signal_;
     std::unique_ptr<HistoryKeeper> history_;
+    std::unique_ptr<ValueKeeper> values_;
     bus::Topics topics_;
     bus::Shares shares_;
     bus::BoardShares boards_;

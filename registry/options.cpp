@@ -47,6 +47,9 @@ struct Raw {
     std::string forget_after = "7d", stats_interval = "10s", history_age = "90d";
     std::size_t max_boards = 1'000'000;
     std::uint64_t history_bytes = std::uint64_t{256} << 20;
+    std::string values = "named";
+    std::uint64_t values_bytes = std::uint64_t{1} << 30;
+    double values_demand = 0;
 };
 
 void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
@@ -87,6 +90,23 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
             ->type_name("SIZE")
             ->default_str("256M")
             ->group("History"));
+    settings.setting(app.add_option("--values", raw.values,
+                                    "Whose values are kept beside the history: named (and on dashboards), "
+                                    "these and BOARD/PROPERTY (* and ?), a comma between; or none")
+                         ->capture_default_str()
+                         ->group("History"));
+    settings.setting(app.add_option("--values-size", raw.values_bytes,
+                                    "Maximum size of the values; the oldest are dropped")
+                         ->transform(CLI::AsSizeValue(false).description(""))
+                         ->check(CLI::Range(kMinHistoryBytes, kMaxHistoryBytes).description(""))
+                         ->type_name("SIZE")
+                         ->default_str("1G")
+                         ->group("History"));
+    settings.setting(app.add_option("--values-demand", raw.values_demand,
+                                    "Values a second that boards are to report for it; 0: as they do anyway")
+                         ->check(CLI::Range(0.0, 1.0))
+                         ->capture_default_str()
+                         ->group("History"));
 }
 
 /// A service keeps a history without being told to.
@@ -96,6 +116,22 @@ std::string history_file(const std::string& given) {
     if (!given.empty() || folders == nullptr || *folders == '\0') return given;
     const std::string_view all(folders);
     return std::string(all.substr(0, all.find(':'))) + "/history.db";
+}
+
+/// "named,desk/*"
+Expected<std::vector<std::string>> parse_value_patterns(const std::string& text) {
+    std::vector<std::string> patterns;
+    for (std::size_t at = 0; at <= text.size();) {
+        const auto comma = std::min(text.find(',', at), text.size());
+        const auto pattern = text.substr(at, comma - at);
+        const auto slash = pattern.find('/');
+        const bool whole = slash != std::string::npos && slash > 0 && slash + 1 < pattern.size();
+        if (pattern != "named" && !whole)
+            return fail("\"" + pattern + "\" is neither named nor BOARD/PROPERTY, such as desk/temperature");
+        if (whole) patterns.push_back(pattern);
+        at = comma + 1;
+    }
+    return patterns;
 }
 
 template <class Value, class Parse>
@@ -129,8 +165,8 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     settings.add_log_options(raw.log);
     settings.arrange({"id", "services", "history", "notify", "broker", "credentials", "user", "password-file",
                       "ca", "log-level"},
-                     {"forget-after", "max-boards", "stats-interval", "history-age", "history-size",
-                      "mqtt-version", "credentials-dir", "log-format"});
+                     {"forget-after", "max-boards", "stats-interval", "history-age", "history-size", "values",
+                      "values-size", "values-demand", "mqtt-version", "credentials-dir", "log-format"});
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
     const Unexpected<int> usage(program::kExitUsage);
@@ -140,6 +176,11 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
         !convert("history-age", raw.history_age, parse_period, options.history_age)) {
         return usage;
     }
+    options.keeps_values = raw.values != "none";
+    if (options.keeps_values && !convert("values", raw.values, parse_value_patterns, options.values))
+        return usage;
+    options.values_bytes = static_cast<std::size_t>(raw.values_bytes);
+    options.values_demand = raw.values_demand;
     options.history_bytes = static_cast<std::size_t>(raw.history_bytes);
     auto mqtt = program::mqtt_options(raw.broker, "asip-registry");
     if (!mqtt) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "asip/expected.hpp"
 #include "asip/mqtt/options.hpp"
@@ -20,6 +21,10 @@ struct RegistryOptions {
     std::string history;   ///< SQLite file; empty: none is kept
     Duration history_age = std::chrono::hours(90 * 24);
     std::size_t history_bytes = 256u << 20;
+    std::vector<std::string> values;  ///< patterns BOARD/PROPERTY of which values are kept, too
+    bool keeps_values = true;         ///< beside the history
+    double values_demand = 0;         ///< values a second that are demanded of these; 0: none
+    std::size_t values_bytes = std::size_t{1} << 30;
     std::string notify;  ///< address that is told of boards that are lost and back; empty: none
 };
 

@@ -48,22 +48,25 @@ void Queries::answer(const Request& request, std::size_t max_bytes, const Done& 
     if (const auto* forgetting = std::get_if<bus::Forget>(&request))
         return done(complete(forget(*forgetting)));
     const auto& query = std::get<bus::Query>(request);
-    if (query.find != bus::Find::kHistory) return done(complete(find(query, max_bytes)));
-    if (!keeps_history()) return done(refuse_history());
-    history(query, max_bytes, done);
+    if (query.find != bus::Find::kHistory && query.find != bus::Find::kValues)
+        return done(complete(find(query, max_bytes)));
+    if (!keeps(query.find)) return done(refuse_kept(query.find));
+    kept(query, max_bytes, done);
 }
 
-void Queries::history(bus::Query query, std::size_t max_bytes, const Done& done) {
-    dependencies_.history(query, [this, query, max_bytes, done](bus::Answer page) mutable {
+void Queries::kept(bus::Query query, std::size_t max_bytes, const Done& done) {
+    const auto& ask = query.find == bus::Find::kValues ? dependencies_.values : dependencies_.history;
+    ask(query, [this, query, max_bytes, done](bus::Answer page) mutable {
         const auto smaller = limit_that_fits(page, query.limit, max_bytes);
         if (!smaller) return done(complete(std::move(page)));
         query.limit = *smaller;
-        history(std::move(query), max_bytes, done);
+        kept(std::move(query), max_bytes, done);
     });
 }
 
-bus::Answer Queries::refuse_history() const {
-    return refuse("no-history", "this registry keeps no history; start it with --history FILE");
+bus::Answer Queries::refuse_kept(bus::Find find) const {
+    const std::string what = find == bus::Find::kValues ? "values" : "history";
+    return refuse("no-history", "this registry keeps no " + what + "; start it with --history FILE");
 }
 
 bus::Answer Queries::find(bus::Query query, std::size_t max_bytes) {

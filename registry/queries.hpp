@@ -27,6 +27,7 @@ class Queries {
         std::function<void(const std::vector<Event>&)> forgotten;
         /// A page of history, or a refusal; may call back later. Empty: none is kept.
         std::function<void(bus::Query, Done)> history;
+        std::function<void(bus::Query, Done)> values{};  ///< the same of values
         model::ModelSet models{};
     };
 
@@ -35,17 +36,20 @@ class Queries {
     void set_epoch(std::string epoch) { epoch_ = std::move(epoch); }
     void set_settling(bool settling) { settling_ = settling; }
 
-    /// Calls `done` once: within this call, except for history. `max_bytes` bounds a page (0: no limit); an
-    /// item that alone is larger is given all the same.
+    /// Calls `done` once: within this call, except for history and values. `max_bytes` bounds a page (0: no
+    /// limit); an item that alone is larger is given all the same.
     void answer(const Request& request, std::size_t max_bytes, const Done& done);
-    bool keeps_history() const { return static_cast<bool>(dependencies_.history); }
-    bus::Answer refuse_history() const;
+    /// `find`: kHistory or kValues.
+    bool keeps(bus::Find find) const {
+        return static_cast<bool>(find == bus::Find::kValues ? dependencies_.values : dependencies_.history);
+    }
+    bus::Answer refuse_kept(bus::Find find) const;
     /// `reason` a word for programs, `error` a sentence.
     bus::Answer refuse(std::string reason, std::string error) const;
 
   private:
     bus::Answer find(bus::Query query, std::size_t max_bytes);
-    void history(bus::Query query, std::size_t max_bytes, const Done& done);
+    void kept(bus::Query query, std::size_t max_bytes, const Done& done);
     bus::Answer models(const bus::Query& query) const;
     bus::Answer forget(const bus::Forget& forget);
     bus::Answer complete(bus::Answer answer) const;

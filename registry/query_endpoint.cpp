@@ -12,7 +12,7 @@ constexpr std::size_t kMaxLater = 1000;
 
 bool wants_history(const Queries::Request& request) {
     const auto* query = std::get_if<bus::Query>(&request);
-    return query != nullptr && query->find == bus::Find::kHistory;
+    return query != nullptr && (query->find == bus::Find::kHistory || query->find == bus::Find::kValues);
 }
 
 /// ROOT/reply/USER/registry/CLIENT: USER. A broker without users has them all under one name.
@@ -67,9 +67,11 @@ void QueryEndpoint::request(const mqtt::Message& message, bool to_any, Time now)
                       "where the broker knows its users, a registry is asked on " + forget_topic_ +
                           " to forget a board",
                       reply);
-    if (to_any && wants_history(request) && !queries_.keeps_history()) {
-        later_.push_back({now + kOthersFirst, message_of(queries_.refuse_history(), reply)});
-        return;
+    if (to_any && wants_history(request)) {
+        const auto find = std::get<bus::Query>(request).find;
+        if (!queries_.keeps(find))
+            return void(
+                later_.push_back({now + kOthersFirst, message_of(queries_.refuse_kept(find), reply)}));
     }
     take(*question);
 }

@@ -23,7 +23,7 @@ constexpr Duration kStateRepeat = std::chrono::seconds(1);
 }  // namespace
 
 Registry::Registry(const RegistryOptions& options, model::ModelSet models, Random random, Port port,
-                   HistoryKeeper* history, Instant now)
+                   HistoryKeeper* history, Instant now, ValueKeeper* values)
     : topics_(options.topic_root),
       id_(options.id),
       user_(options.mqtt.user),
@@ -32,6 +32,7 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
       random_(std::move(random)),
       port_(std::move(port)),
       history_(history),
+      values_(values),
       now_(now),
       run_(random_hex(random_, 8)),
       replies_(topics_, user_, "registry-" + random_hex(random_, 16)),
@@ -57,6 +58,7 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
           },
           [this](const std::string& topic) { return may_answer(topic); }) {
     catalogue_.suspend();
+    if (values_ != nullptr) choice_.emplace(value_choice(options));
     if (has_user_) endpoint_.set_forget_topic(bus::forget_topic(topics_, id_));
 }
 
@@ -82,24 +84,51 @@ Queries::Dependencies Registry::query_dependencies(model::ModelSet models) {
             history_->find(std::move(query), std::move(done));
         };
     }
+    if (values_ != nullptr) {
+        result.values = [this](bus::Query query, Queries::Done done) {
+            values_->find(std::move(query), now_, std::move(done));
+        };
+    }
     return result;
+}
+
+ValueChoice Registry::value_choice(const RegistryOptions& options) {
+    ValueChoice::Handlers handlers;
+    handlers.set = [this](const PropertyKey& key, double value) { values_->set(key, value, now_); };
+    handlers.drop = [this](const PropertyKey& key) { values_->drop(key, now_); };
+    handlers.look = [this](const std::string& board) { return catalogue_.board(board, now_); };
+    return {topics_,
+            {options.values, options.values_demand},
+            port_,
+            bus::Demander(topics_, user_, "registry-" + random_hex(random_, 16), random_),
+            std::move(handlers)};
+}
+
+std::vector<std::string> Registry::board_names() const {
+    std::vector<std::string> names;
+    catalogue_.for_each([&names](std::string_view board, model::BoardState, model::StateReason) {
+        names.emplace_back(board);
+    });
+    return names;
 }
 
 std::vector<Registry::Subscription> Registry::subscriptions() const {
     // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain. Only
     // what is read: what anybody may retain below the service bus, such as demands, would fill our queue.
-    return {{topics_.board_names(), 0, true},
-            {topics_.service_names("+"), 0, true},
-            {topics_.state("+"), 0, true},
-            {topics_.description("+"), 0, true},
-            {topics_.commands("+"), 0, false},
-            {topics_.registry_stats(id_), 0, true},
-            {topics_.registry_state(id_), 0, true},
-            {topics_.any_registry_query(), 1, false},
-            {topics_.registry_query(id_), 1, false},
-            {bus::forget_topic(topics_), 1, false},
-            {bus::forget_topic(topics_, id_), 1, false},
-            {identity_.reply_topic(), 0, false}};
+    std::vector<Subscription> result{{topics_.board_names(), 0, true},
+                                     {topics_.service_names("+"), 0, true},
+                                     {topics_.state("+"), 0, true},
+                                     {topics_.description("+"), 0, true},
+                                     {topics_.commands("+"), 0, false},
+                                     {topics_.registry_stats(id_), 0, true},
+                                     {topics_.registry_state(id_), 0, true},
+                                     {topics_.any_registry_query(), 1, false},
+                                     {topics_.registry_query(id_), 1, false},
+                                     {bus::forget_topic(topics_), 1, false},
+                                     {bus::forget_topic(topics_, id_), 1, false},
+                                     {identity_.reply_topic(), 0, false}};
+    if (choice_) result.push_back({choice_->dashboards(), 0, true});
+    return result;
 }
 
 mqtt::Message Registry::state(std::string word) const {
@@ -126,6 +155,7 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
     queries_.set_settling(true);
     endpoint_.set_max_bytes(max_packet_bytes);
     if (history_ != nullptr) history_->begin_reading();
+    if (choice_) choice_->connected(now.time);
     port_.publish(identity_.probe());
     first_state_.begin(random_hex(random_, 16), now.time);
     // Last: a broker that cannot store it now may read nothing more from us for seconds.
@@ -134,6 +164,7 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
 
 void Registry::disconnected() {
     connected_ = false;
+    if (choice_) choice_->disconnected();
     catalogue_.suspend();
     feed_.end();
     first_state_.end();
@@ -146,6 +177,7 @@ void Registry::message(const mqtt::Message& message, Instant now) {
     if (message.topic == identity_.reply_topic()) return identity(message);
     if (message.topic == bus::forget_topic(topics_) || message.topic == bus::forget_topic(topics_, id_))
         return endpoint_.forget(message);
+    if (choice_ && choice_->dashboard(message, [this] { return board_names(); })) return;
     const auto topic = topics_.parse(message.topic);
     if (!topic) {
         if (message.retain) {
@@ -173,10 +205,13 @@ void Registry::message(const mqtt::Message& message, Instant now) {
         case TopicKind::kDemand:
         case TopicKind::kServiceSet:
         case TopicKind::kProperties:
-        case TopicKind::kValues:
         case TopicKind::kLinks:
         case TopicKind::kLink:
             if (message.retain) tidier_.retained(message.topic, topic->board);
+            return;
+        case TopicKind::kValues:
+            if (message.retain) tidier_.retained(message.topic, topic->board);
+            if (choice_) choice_->values(std::string(topic->board), message.payload);
             return;
         case TopicKind::kCommands:
             if (message.retain) return tidier_.retained(message.topic, topic->board);
@@ -199,6 +234,7 @@ void Registry::announcement(const mqtt::Message& message, const bus::TopicRef& t
     const Announcement announcement{topic.kind, topic.board, message.payload, message.retain,
                                     message.expiry_seconds};
     const Applied applied = catalogue_.apply(announcement, now_.time);
+    if (choice_) choice_->description(message, now_.time);
     if (applied.refused) refused(message, topic.board, *applied.refused);
     if (!applied.events.empty()) handle(applied.events, false);
 }
@@ -269,6 +305,7 @@ void Registry::handle(const std::vector<Event>& events, bool decided_here) {
 
 void Registry::change(const Event& event) {
     if (history_ != nullptr) history_->change(event, now_);
+    if (choice_) choice_->changed(event.board);
     if (notices_) note_loss(event);
     if (event.kind == Event::Kind::kConflict) {
         log::warning("two agents claim one board; stop one or give it another --name",
@@ -314,6 +351,11 @@ void Registry::publish_statistics() {
     if (history_ != nullptr) {
         statistics_.counts.history_dropped = history_->dropped_rows();
         statistics_.counts.history_fault = history_->fault();
+    }
+    if (values_ != nullptr) {
+        statistics_.counts.values_kept = values_->kept();
+        statistics_.counts.values_lost = values_->lost();
+        statistics_.counts.values_fault = values_->fault();
     }
     mqtt::Message message;
     message.topic = topics_.registry_stats(id_);
@@ -362,6 +404,7 @@ void Registry::tick(Instant now) {
     }
     if (connected_) tick_connected();
     if (history_ != nullptr) history_->tick(catalogue_, now);
+    if (values_ != nullptr) values_->tick(now);
     last_tick_ = now.time;
 }
 
@@ -374,6 +417,7 @@ void Registry::tick_connected() {
     handle(catalogue_.expire(now_.time), true);
     tidier_.tick(now_.time);
     names_only_.tick(now_.time);
+    if (choice_) choice_->tick(now_.time);
     endpoint_.tick(now_.time);
     first_state_.tick(now_.time);
     if (first_state_.active()) return;

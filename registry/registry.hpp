@@ -23,6 +23,8 @@
 #include "registry/refusal_log.hpp"
 #include "registry/statistics.hpp"
 #include "registry/tidier.hpp"
+#include "registry/values/value_choice.hpp"
+#include "registry/values/value_keeper.hpp"
 
 namespace asip::registry {
 
@@ -30,10 +32,10 @@ namespace asip::registry {
 /// it decides. Time never decreases.
 class Registry {
   public:
-    /// `models`: those that it tells, and whose units queries may name. `history` outlives the registry;
-    /// null: none is kept.
+    /// `models`: those that it tells, and whose units queries may name. `history` and `values`
+    /// outlive the registry; null: none is kept.
     Registry(const RegistryOptions& options, model::ModelSet models, Random random, Port port,
-             HistoryKeeper* history, Instant now);
+             HistoryKeeper* history, Instant now, ValueKeeper* values = nullptr);
 
     struct Subscription {
         std::string filter;
@@ -70,6 +72,8 @@ class Registry {
   private:
     Catalogue::Options catalogue_options(const RegistryOptions& options, const model::ModelSet& models);
     Queries::Dependencies query_dependencies(model::ModelSet models);
+    ValueChoice value_choice(const RegistryOptions& options);
+    std::vector<std::string> board_names() const;
     void announcement(const mqtt::Message& message, const bus::TopicRef& topic);
     void refused(const mqtt::Message& message, std::string_view board, Refusal refusal);
     void identity(const mqtt::Message& message);
@@ -95,6 +99,7 @@ class Registry {
     Random random_;
     Port port_;
     HistoryKeeper* history_;
+    ValueKeeper* values_;
     Instant now_;
     std::string run_;           // random, of this start; epochs are run_ and the number of the connection
     bus::ReplyTopics replies_;  // what keeps others from them is a random level, which is published nowhere
@@ -108,6 +113,7 @@ class Registry {
     NamesOnlyBoards names_only_;
     Queries queries_;
     QueryEndpoint endpoint_;
+    std::optional<ValueChoice> choice_;   // where values are kept
     std::optional<LossNotices> notices_;  // once the first catalogue is complete, where they are wanted
     bool stray_answer_logged_ = false;    // on this connection
     bool connected_ = false;

@@ -74,6 +74,9 @@ std::string Statistics::document(const Catalogue& catalogue, const std::string& 
     if (counts.denied > 0) document["denied"] = counts.denied;
     if (counts.history_dropped > 0) document["history_dropped"] = counts.history_dropped;
     if (!counts.history_fault.empty()) document["history_fault"] = counts.history_fault.substr(0, 200);
+    if (counts.values_kept > 0) document["values_kept"] = counts.values_kept;
+    if (counts.values_lost > 0) document["values_lost"] = counts.values_lost;
+    if (!counts.values_fault.empty()) document["values_fault"] = counts.values_fault.substr(0, 200);
     return model::dump_json(document);
 }
 

@@ -18,6 +18,9 @@ class Statistics {
         std::uint64_t denied = 0;           ///< published and denied by the broker's access rules
         std::uint64_t history_dropped = 0;  ///< changes that the history file was too slow for
         std::string history_fault;          ///< why the history file cannot be used now
+        std::uint64_t values_kept = 0;      ///< properties
+        std::uint64_t values_lost = 0;      ///< changes that had no room
+        std::string values_fault;           ///< why the file of values cannot be used now
     };
 
     Statistics(Duration interval, Time now) : interval_(interval), started_(now), last_(now) {}

@@ -64,6 +64,7 @@ std::string read_states(const std::vector<std::string>& words, QueryPlan& plan) 
 Expected<QueryPlan> make_query_plan(const bus::Query& query, const KindTable& kinds, const View* view) {
     if (query.find == bus::Find::kHistory) return fail("the catalogue keeps no history");
     if (query.find == bus::Find::kModels) return fail("the catalogue keeps no models");
+    if (query.find == bus::Find::kValues) return fail("the catalogue keeps no values");
     QueryPlan plan{query, view};
     if (auto error = read_sort(query.sort, plan); !error.empty()) return fail(error);
     if (auto error = read_states(query.state, plan); !error.empty()) return fail(error);

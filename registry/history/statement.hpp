@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -41,6 +42,16 @@ class Statement {
                           SQLITE_TRANSIENT);
         return *this;
     }
+    /// Not a number: null.
+    Statement& bind_real(double value) {
+        sqlite3_bind_double(statement_.get(), next_++, value);
+        return *this;
+    }
+    Statement& bind_bytes(std::string_view bytes) {
+        sqlite3_bind_blob(statement_.get(), next_++, bytes.data(), static_cast<int>(bytes.size()),
+                          SQLITE_TRANSIENT);
+        return *this;
+    }
     /// True: there is a row, to be read with integer() and text().
     bool step() {
         const int result = sqlite3_step(statement_.get());
@@ -49,6 +60,17 @@ class Statement {
         throw HistoryFault(sqlite3_db_handle(statement_.get()), result);
     }
     std::int64_t integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
+    /// Null: not a number.
+    double real(int column) const {
+        if (sqlite3_column_type(statement_.get(), column) == SQLITE_NULL)
+            return std::numeric_limits<double>::quiet_NaN();
+        return sqlite3_column_double(statement_.get(), column);
+    }
+    /// Valid until the next step().
+    std::string_view bytes(int column) const {
+        const auto* begin = static_cast<const char*>(sqlite3_column_blob(statement_.get(), column));
+        return {begin, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+    }
     std::string text(int column) const {
         const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
         return text == nullptr ? std::string() : std::string(text);

@@ -35,7 +35,7 @@ HistoryStore::Outcome HistoryStore::attempt(const Use& use) {
             history_.reset();
             outcome.fault = fault.what();
             if (!fault.damaged) return outcome;
-            const std::string aside = put_aside();
+            const std::string aside = put_aside(options_.path);
             if (aside.empty()) {
                 outcome.fault += ", and it cannot be put aside: move it";
                 return outcome;
@@ -61,19 +61,17 @@ void HistoryStore::open(Outcome& outcome) {
     outcome.opened->made = !outcome.opened->mark && outcome.opened->boards.empty();
 }
 
-// Empty: it cannot be moved, or too many lie there already.
-std::string HistoryStore::put_aside() {
+std::string put_aside(const std::string& path) {
     for (int number = 1; number <= kMaxAside; ++number) {
-        const std::string aside =
-            options_.path + (number == 1 ? ".damaged" : ".damaged-" + std::to_string(number));
+        const std::string aside = path + (number == 1 ? ".damaged" : ".damaged-" + std::to_string(number));
         std::error_code error;
         if (fs::exists(fs::symlink_status(aside, error))) continue;
-        fs::rename(options_.path, aside, error);
+        fs::rename(path, aside, error);
         if (error) return {};
         // They belong to it, and would spoil the new one.
         for (const char* part : {"-wal", "-shm"}) {
-            fs::rename(options_.path + part, aside + part, error);
-            if (error) fs::remove(options_.path + part, error);
+            fs::rename(path + part, aside + part, error);
+            if (error) fs::remove(path + part, error);
         }
         return aside;
     }

@@ -9,9 +9,13 @@
 
 namespace asip::registry {
 
+/// Moves a damaged file, with what SQLite has beside it, to FILE.damaged (then .damaged-2 to -9), and says
+/// where. Empty: it cannot be moved, or too many lie there already.
+std::string put_aside(const std::string& path);
+
 /// A history file that may be missing, damaged, locked, full or forbidden for a while: opened when it is
-/// needed, closed after a fault, so that the next use begins anew. A damaged file is put aside as
-/// FILE.damaged (then .damaged-2 to -9) and a new one is made. Blocks, as History does.
+/// needed, closed after a fault, so that the next use begins anew. A damaged file is put aside
+/// and a new one is made. Blocks, as History does.
 class HistoryStore {
   public:
     /// What a file holds that was opened.
@@ -39,8 +43,6 @@ class HistoryStore {
   private:
     Outcome attempt(const Use& use);
     void open(Outcome& outcome);
-    std::string put_aside();
-
     History::Options options_;
     std::unique_ptr<History> history_;
     std::string fault_;

@@ -66,9 +66,12 @@ std::string encode(const Answer& answer) {
     if (!answer.forgotten.empty()) object["forgotten"] = answer.forgotten;
     object["find"] = to_string(answer.find);
     put(object, "cursor", answer.cursor);
+    put(object, "level", answer.level);
     if (answer.brief) return encode_brief(object, *answer.brief);
     if (!answer.services.empty()) return encode_items(object, answer.services);
     if (!answer.history.empty()) return encode_items(object, answer.history);
+    if (!answer.values.empty()) return encode_items(object, answer.values);
+    if (!answer.kept.empty()) return encode_items(object, answer.kept);
     if (!answer.models.empty()) return encode_items(object, answer.models);
     return encode_items(object, answer.boards);
 }
@@ -85,10 +88,11 @@ Expected<Answer> parse_answer(std::string_view payload) {
     answer.seq = number_of(object, "seq");
     answer.settling = flag_of(object, "settling");
     answer.cursor = text_of(object, "cursor");
+    answer.level = text_of(object, "level");
     answer.refused = text_of(object, "refused");
     answer.error = text_of(object, "error");
     const std::string find = text_of(object, "find");
-    for (const Find each : {Find::kServices, Find::kHistory, Find::kModels}) {
+    for (const Find each : {Find::kServices, Find::kHistory, Find::kModels, Find::kValues}) {
         if (find == to_string(each)) answer.find = each;
     }
     if (object.contains("total")) answer.total = number_of(object, "total");
@@ -108,11 +112,19 @@ Expected<Answer> parse_answer(std::string_view payload) {
         return answer;
     }
     for (const json& item : *items) {
+        if (answer.find == Find::kValues && item.is_array()) {
+            const auto point = read_value_point(item);
+            if (!point) return fail("items: hold what is no [TIME,MEAN,MIN,MAX]");
+            answer.values.push_back(*point);
+            continue;
+        }
         if (!item.is_object()) return fail("items: must be objects");
         if (answer.find == Find::kServices) {
             answer.services.push_back(read_service_item(item));
         } else if (answer.find == Find::kHistory) {
             answer.history.push_back(read_history_item(item));
+        } else if (answer.find == Find::kValues) {
+            answer.kept.push_back(read_kept_property(item));
         } else if (answer.find == Find::kModels) {
             answer.models.push_back(model::dump_json(item));
         } else {

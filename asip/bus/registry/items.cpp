@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/bus/registry/items.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
@@ -283,6 +284,42 @@ BriefRows brief_of(std::span<const BoardItem> boards) {
                   board.conflict.has_value(), board.reason, board.reason.empty() ? -1 : board.state_age});
     }
     return rows;
+}
+
+void append_json(std::string& out, const ValuePoint& point) {
+    out.append("[\"").append(text::iso_time(point.at)).append("\",");
+    if (!point.known) {
+        out += "null]";
+        return;
+    }
+    out += json(point.mean).dump();
+    if (point.min != point.max)
+        out.append(",").append(json(point.min).dump()).append(",").append(json(point.max).dump());
+    out += ']';
+}
+
+void append_json(std::string& out, const KeptProperty& item) {
+    out += json{{"board", item.board}, {"property", item.property}}.dump();
+}
+
+std::optional<ValuePoint> read_value_point(const json& array) {
+    const auto size = array.size();
+    if (!array.is_array() || (size != 2 && size != 4) || !array[0].is_string()) return std::nullopt;
+    const auto at = text::parse_iso_time(array[0].get_ref<const std::string&>());
+    if (!at) return std::nullopt;
+    ValuePoint point{*at};
+    if (size == 2 && array[1].is_null()) return point;
+    if (!std::all_of(array.begin() + 1, array.end(), [](const json& each) { return each.is_number(); }))
+        return std::nullopt;
+    point.known = true;
+    point.mean = array[1].get<double>();
+    point.min = size == 4 ? array[2].get<double>() : point.mean;
+    point.max = size == 4 ? array[3].get<double>() : point.mean;
+    return point;
+}
+
+KeptProperty read_kept_property(const json& object) {
+    return {text_of(object, "board"), text_of(object, "property")};
 }
 
 }  // namespace asip::bus

@@ -153,6 +153,24 @@ struct HistoryItem {
     bool operator==(const HistoryItem&) const = default;
 };
 
+/// How a property was from `at` until the next point. On the wire an array: [AT,MEAN,MIN,MAX], [AT,VALUE]
+/// where all three are the same, [AT,null] where a gap begins: nothing is known, or the board is not there.
+struct ValuePoint {
+    text::WallTime at{};
+    bool known = false;
+    double mean = 0, min = 0, max = 0;
+
+    bool operator==(const ValuePoint&) const = default;
+};
+
+/// A property of which a registry keeps values.
+struct KeptProperty {
+    std::string board;
+    std::string property;
+
+    bool operator==(const KeptProperty&) const = default;
+};
+
 BriefRows brief_of(std::span<const BoardItem> boards);
 
 /// For "items" of an answer.
@@ -163,10 +181,15 @@ nlohmann::json to_json(const HistoryItem& item);
 void append_json(std::string& out, const BoardItem& item);
 void append_json(std::string& out, const ServiceItem& item);
 void append_json(std::string& out, const HistoryItem& item);
+void append_json(std::string& out, const ValuePoint& point);
+void append_json(std::string& out, const KeptProperty& item);
 
 /// A missing or mistyped member is empty.
 BoardItem read_board_item(const nlohmann::json& object);
 ServiceItem read_service_item(const nlohmann::json& object);
 HistoryItem read_history_item(const nlohmann::json& object);
+/// Nothing: it is no point.
+std::optional<ValuePoint> read_value_point(const nlohmann::json& array);
+KeptProperty read_kept_property(const nlohmann::json& object);
 
 }  // namespace asip::bus

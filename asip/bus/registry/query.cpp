@@ -18,15 +18,17 @@ using text::JsonReader;
 
 constexpr std::size_t kMaxFilterBytes = 256;
 constexpr std::size_t kMaxChoices = 64;
+constexpr std::size_t kUsualPoints = 500;
 
 void read_find(JsonReader& reader, Query& query) {
     const auto word = reader.text("find");
-    for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory, Find::kModels}) {
+    for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory, Find::kModels, Find::kValues}) {
         if (word == to_string(each)) return void(query.find = each);
     }
-    reader.fault("find", reader.has("find") ? "is not \"boards\", \"services\", \"history\" or \"models\""
-                                            : "is missing; \"boards\", \"services\", \"history\" or "
-                                              "\"models\" (or \"forget\", with a board)");
+    reader.fault("find", reader.has("find")
+                             ? "is not \"boards\", \"services\", \"history\", \"values\" or \"models\""
+                             : "is missing; \"boards\", \"services\", \"history\", \"values\" or "
+                               "\"models\" (or \"forget\", with a board)");
 }
 
 void read_labels(JsonReader& reader, Query& query) {
@@ -37,9 +39,32 @@ void read_labels(JsonReader& reader, Query& query) {
     query.labels = std::move(*selector);
 }
 
+text::WallTime read_time(JsonReader& reader, const char* key) {
+    const auto text = reader.text(key, {}, kMaxFilterBytes);
+    const auto time = text::parse_iso_time(text);
+    if (!time) reader.fault(key, "is not a time such as 2026-11-21T00:00:00.000Z");
+    return time.value_or(text::WallTime{});
+}
+
+void read_values(JsonReader& reader, Query& query) {
+    query.board = reader.text("board", {}, kMaxFilterBytes);
+    query.property = reader.text("property", {}, kMaxFilterBytes);
+    if (query.property.empty()) return;
+    query.from = read_time(reader, "from");
+    query.to = read_time(reader, "to");
+    if (reader.ok() && query.from >= query.to) reader.fault("from", "is not before \"to\"");
+    query.limit = static_cast<std::size_t>(
+        reader.integer("points", 1, std::numeric_limits<std::uint64_t>::max()).value_or(kUsualPoints));
+    query.limit = std::min(query.limit, Query::kMaxPage);
+}
+
 Query query_from(JsonReader& reader) {
     Query query;
     read_find(reader, query);
+    if (query.find == Find::kValues) {
+        read_values(reader, query);
+        return query;
+    }
     const auto filter = [&](const char* key) { return reader.text(key, {}, kMaxFilterBytes); };
     query.kind = reader.texts("kind", kMaxChoices, kMaxFilterBytes);
     query.cursor = filter("cursor");
@@ -84,7 +109,12 @@ json to_object(const Query& query) {
     put(object, "capability", query.capability);
     put(object, "labels", query.labels.text());
     if (query.sort != defaults.sort) put(object, "sort", query.sort);
-    if (query.limit != defaults.limit) object["limit"] = query.limit;
+    const bool values = query.find == Find::kValues;
+    if (query.limit != (values ? kUsualPoints : defaults.limit) && !(values && query.property.empty()))
+        object[values ? "points" : "limit"] = query.limit;
+    put(object, "property", query.property);
+    put(object, "from", query.from);
+    put(object, "to", query.to);
     put(object, "cursor", query.cursor);
     if (query.count) object["count"] = true;
     if (query.full) object["full"] = true;
@@ -102,6 +132,8 @@ std::string_view to_string(Find find) {
             return "services";
         case Find::kHistory:
             return "history";
+        case Find::kValues:
+            return "values";
         case Find::kModels:
             break;
     }

@@ -13,10 +13,11 @@
 #include "asip/bus/registry/label_selector.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/expected.hpp"
+#include "asip/text/wall_time.hpp"
 
 namespace asip::bus {
 
-enum class Find { kBoards, kServices, kHistory, kModels };
+enum class Find { kBoards, kServices, kHistory, kModels, kValues };
 std::string_view to_string(Find find);
 
 /// An empty filter lets everything pass; all given ones must hold, one with several values by any. With
@@ -40,6 +41,10 @@ struct Query {
     bool count = false;  ///< give `total` even where it costs a scan
     bool full = false;   ///< boards with their whole description
     bool brief = false;  ///< boards only with what a table shows: Answer::brief instead of Answer::boards
+    // Of values, beside `board` and `limit`, which is "points" there:
+    std::string property{};  ///< its id; empty: the properties are listed of which values are kept
+    text::WallTime from{};   ///< before `to`
+    text::WallTime to{};
 
     static constexpr std::size_t kMaxPage = 1000;  ///< a larger limit is lowered to this
     /// For `full`: a registry has time for others between such pages.

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "registry/values/value_file.hpp"
+
+#include <algorithm>
+
+#include "registry/values/value_blocks.hpp"
+
+namespace asip::registry {
+namespace {
+
+constexpr Tick kDropEach = kHourTicks;
+constexpr int kFileVersion = 1;
+
+// Of a row, `part` counts the parts of its level, and `at` is within its part.
+constexpr const char* kTables =
+    "PRAGMA journal_mode=WAL;"
+    "PRAGMA synchronous=FULL;"  // one transaction in ten seconds
+    "CREATE TABLE IF NOT EXISTS properties(id INTEGER PRIMARY KEY, board TEXT NOT NULL, property TEXT NOT "
+    "NULL, written INTEGER NOT NULL, UNIQUE(board, property));"
+    "CREATE TABLE IF NOT EXISTS stretches(start INTEGER PRIMARY KEY, until INTEGER NOT NULL, shift INTEGER "
+    "NOT "
+    "NULL);"
+    "CREATE TABLE IF NOT EXISTS changes(part INTEGER, property INTEGER, at INTEGER, block BLOB NOT NULL, "
+    "PRIMARY KEY(part, property, at)) WITHOUT ROWID;"
+    "CREATE TABLE IF NOT EXISTS minutes(part INTEGER, property INTEGER, at INTEGER, min REAL, mean REAL, max "
+    "REAL, last REAL, known INTEGER, PRIMARY KEY(part, property, at)) WITHOUT ROWID;"
+    "CREATE TABLE IF NOT EXISTS hours(part INTEGER, property INTEGER, at INTEGER, min REAL, mean REAL, max "
+    "REAL, last REAL, known INTEGER, PRIMARY KEY(part, property, at)) WITHOUT ROWID;";
+
+Tick part_ticks(Level level) {
+    return kPartTicks[static_cast<std::size_t>(level)];
+}
+
+std::string table_of(Level level) {
+    return std::string(to_text(level));
+}
+
+}  // namespace
+
+ValueFile::ValueFile(Options options) : options_(std::move(options)) {
+    try {
+        open();
+    } catch (const HistoryFault&) {
+        sqlite3_close_v2(database_);
+        throw;
+    }
+}
+
+ValueFile::~ValueFile() {
+    sqlite3_close_v2(database_);
+}
+
+void ValueFile::open() {
+    const int result = sqlite3_open(options_.path.c_str(), &database_);
+    if (database_ == nullptr) throw HistoryFault("out of memory");
+    if (result != SQLITE_OK) throw HistoryFault(database_, result);
+    sqlite3_busy_timeout(database_, 1000);
+    execute(kTables);
+    const auto version = number("PRAGMA user_version");
+    if (version > kFileVersion) throw HistoryFault("a later version of this program wrote it");
+    if (version == 0) execute("PRAGMA user_version=1");
+}
+
+void ValueFile::execute(const char* sql) {
+    const int result = sqlite3_exec(database_, sql, nullptr, nullptr, nullptr);
+    if (result != SQLITE_OK) throw HistoryFault(database_, result);
+}
+
+std::int64_t ValueFile::number(const char* sql) {
+    Statement row(database_, sql);
+    return row.step() ? row.integer(0) : 0;
+}
+
+std::optional<Tick> ValueFile::last() {
+    Statement row(database_, "SELECT until FROM stretches ORDER BY start DESC LIMIT 1");
+    if (!row.step()) return std::nullopt;
+    return row.integer(0);
+}
+
+std::optional<std::int64_t> ValueFile::id_of(const PropertyKey& key, Tick at) {
+    const Tick part = at - at % kPartTicks[0];
+    auto& name = names_[key];
+    if (name.id == 0) {
+        Statement found(database_, "SELECT id FROM properties WHERE board=? AND property=?");
+        found.bind(key.board).bind(key.property);
+        if (found.step()) {
+            name.id = found.integer(0);
+        } else if (number("SELECT count(*) FROM properties") >= static_cast<std::int64_t>(kMaxNames)) {
+            names_.erase(key);
+            return std::nullopt;
+        } else {
+            Statement(database_, "INSERT INTO properties(board,property,written) VALUES(?,?,?)")
+                .bind(key.board)
+                .bind(key.property)
+                .bind(part)
+                .step();
+            name = {sqlite3_last_insert_rowid(database_), part};
+        }
+    }
+    if (name.written < part) {
+        Statement(database_, "UPDATE properties SET written=? WHERE id=?").bind(part).bind(name.id).step();
+        name.written = part;
+    }
+    return name.id;
+}
+
+bool ValueFile::write(const ValueRows& rows) {
+    int moved = 0;
+    sqlite3_file_control(database_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (moved != 0) throw HistoryFault("the file was moved or deleted");
+    bool all = true;
+    execute("BEGIN");
+    try {
+        for (const auto& each : rows.stretches)
+            Statement(database_, "INSERT OR REPLACE INTO stretches(start,until,shift) VALUES(?,?,?)")
+                .bind(each.start)
+                .bind(each.end)
+                .bind(each.offset)
+                .step();
+        if (!rows.stretches.empty()) {
+            write_properties(rows.properties, rows.stretches.back().end, all);
+            drop_old(rows.stretches.back().end);
+        }
+        execute("COMMIT");
+    } catch (const std::exception&) {
+        sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
+        names_.clear();
+        throw;
+    }
+    return all;
+}
+
+void ValueFile::write_properties(const std::vector<PropertyRows>& properties, Tick now, bool& all) {
+    Statement changes(database_, "INSERT OR REPLACE INTO changes(part,property,at,block) VALUES(?,?,?,?)");
+    const std::string into = "(part,property,at,min,mean,max,last,known) VALUES(?,?,?,?,?,?,?,?)";
+    Statement minutes(database_, "INSERT OR REPLACE INTO minutes" + into);
+    Statement hours(database_, "INSERT OR REPLACE INTO hours" + into);
+    for (const auto& rows : properties) {
+        const auto id = id_of(rows.key, now);
+        all = all && id;
+        if (!id) continue;
+        for (std::size_t begin = 0, end = 0; begin < rows.changes.size(); begin = end) {
+            constexpr Tick kPart = kPartTicks[0];
+            const Tick at = rows.changes[begin].at;
+            for (end = begin; end < rows.changes.size() && rows.changes[end].at / kPart == at / kPart;
+                 ++end) {
+            }
+            const auto block = std::span(rows.changes).subspan(begin, end - begin);
+            changes.reset()
+                .bind(at / kPart)
+                .bind(*id)
+                .bind(at % kPart)
+                .bind_bytes(pack_changes(block, at))
+                .step();
+        }
+        for (const auto& [level, buckets, statement] : {std::tuple(Level::kMinutes, &rows.minutes, &minutes),
+                                                        std::tuple(Level::kHours, &rows.hours, &hours)})
+            for (const auto& bucket : *buckets) {
+                const Tick part = part_ticks(level);
+                statement->reset().bind(bucket.at / part).bind(*id).bind(bucket.at % part);
+                statement->bind_real(bucket.min).bind_real(bucket.mean).bind_real(bucket.max);
+                statement->bind_real(bucket.last).bind(bucket.known).step();
+            }
+    }
+}
+
+/// Drops the oldest part of a level; false: there is none, or it is the last one.
+bool ValueFile::drop_part(Level level, bool also_last) {
+    const auto table = table_of(level);
+    Statement parts(database_, "SELECT min(part),max(part) FROM " + table);
+    if (!parts.step() || std::isnan(parts.real(0))) return false;
+    const auto oldest = parts.integer(0);
+    if (oldest == parts.integer(1) && !also_last) return false;
+    parts.reset();
+    Statement(database_, "DELETE FROM " + table + " WHERE part=?").bind(oldest).step();
+    return true;
+}
+
+void ValueFile::drop_old(Tick now) {
+    const auto used = [this] {
+        return static_cast<std::size_t>((number("PRAGMA page_count") - number("PRAGMA freelist_count")) *
+                                        number("PRAGMA page_size"));
+    };
+    // Where there is no room, what is fine goes first: of the oldest there is something coarser.
+    for (const bool also_last : {false, true})
+        for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours})
+            while (used() > options_.max_bytes && drop_part(level, also_last)) {
+            }
+    if (now < dropped_at_ + kDropEach) return;
+    dropped_at_ = now;
+    for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours})
+        Statement(database_, "DELETE FROM " + table_of(level) + " WHERE part<?")
+            .bind((now - options_.max_age[static_cast<std::size_t>(level)]) / part_ticks(level))
+            .step();
+    const auto oldest =
+        now - options_.max_age[static_cast<std::size_t>(Level::kHours)] - part_ticks(Level::kHours);
+    Statement(database_, "DELETE FROM stretches WHERE until<?").bind(oldest).step();
+    Statement gone(database_, "DELETE FROM properties WHERE written<?");
+    gone.bind(oldest).step();
+    if (sqlite3_changes(database_) > 0) names_.clear();
+}
+
+}  // namespace asip::registry

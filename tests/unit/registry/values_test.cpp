@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values that are kept, in simulated time: the recorder, and the file that it is written to.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "history_files.hpp"
+#include "registry/values/recorder.hpp"
+#include "registry/values/value_blocks.hpp"
+#include "registry/values/value_file.hpp"
+
+namespace asip::registry {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+const PropertyKey kTemperature{"desk", "temperature"};
+constexpr std::int64_t kMonday = 1'700'006'400'000;  // a whole hour
+
+/// The machine on which a registry runs: its clocks, its recorder, and the file that is on its disk.
+class Machine {
+  public:
+    Machine() { start(); }
+
+    Instant now() const { return {Time(monotonic), wall(wall_clock)}; }
+    void start() {
+        file = std::make_unique<ValueFile>(options());
+        recorder = std::make_unique<Recorder>(memory);
+        recorder->begin(file->last(), now());
+    }
+    /// Nothing is written any more, and the machine is off for a while.
+    void cut_power(milliseconds off) {
+        recorder.reset();
+        file.reset();
+        wall_clock += off.count();
+        monotonic = seconds(5);
+        start();
+    }
+    void pass(milliseconds time) {
+        monotonic += time;
+        wall_clock += time.count();
+    }
+    void set(double value, const PropertyKey& key = kTemperature) { recorder->set(key, value, now()); }
+    void write() { EXPECT_TRUE(file->write(recorder->take(now()))); }
+    /// What is kept from then until now.
+    bus::Answer ask(milliseconds since, std::size_t points) {
+        bus::Query query;
+        query.find = bus::Find::kValues;
+        query.board = kTemperature.board;
+        query.property = kTemperature.property;
+        query.to = wall(wall_clock);
+        query.from = query.to - since;
+        query.limit = points;
+        return file->find(query, recorder->present(now()));
+    }
+    ValueFile::Options options() const {
+        ValueFile::Options result;
+        result.path = disk.path();
+        result.max_bytes = max_bytes;
+        return result;
+    }
+
+    HistoryFile disk;
+    std::size_t max_bytes = std::size_t{1} << 30;
+    Recorder::Options memory{};
+    std::int64_t wall_clock = kMonday;
+    Duration monotonic = seconds(100);
+    std::unique_ptr<ValueFile> file;
+    std::unique_ptr<Recorder> recorder;
+};
+
+/// What the value was at a time: of the point before. Nothing: a gap, or before all points.
+std::optional<bus::ValuePoint> value_at(const bus::Answer& answer, std::int64_t time) {
+    std::optional<bus::ValuePoint> result;
+    for (const auto& point : answer.values) {
+        if (point.at > wall(time)) break;
+        result = point;
+    }
+    return result && result->known ? result : std::nullopt;
+}
+
+TEST(Values, FewChanges_EachIsAPoint) {
+    Machine machine;
+    machine.set(20.5);
+    machine.pass(seconds(90));
+    machine.set(21.25);
+    machine.pass(seconds(90));
+    machine.write();
+    const auto answer = machine.ask(minutes(10), 100);
+    EXPECT_EQ(answer.level, "changes");
+    ASSERT_EQ(answer.values.size(), 2u);
+    EXPECT_EQ(answer.values[0], (bus::ValuePoint{wall(kMonday), true, 20.5, 20.5, 20.5}));
+    EXPECT_EQ(answer.values[1], (bus::ValuePoint{wall(kMonday + 90'000), true, 21.25, 21.25, 21.25}));
+}
+
+TEST(Values, SameValueAgain_IsNoPoint) {
+    Machine machine;
+    for (int i = 0; i < 100; ++i) {
+        machine.set(7);
+        machine.pass(seconds(1));
+    }
+    machine.write();
+    EXPECT_EQ(machine.ask(minutes(10), 100).values.size(), 1u);
+}
+
+TEST(Values, BoardGoneAndBack_GapBetween) {
+    Machine machine;
+    machine.set(5);
+    machine.pass(minutes(1));
+    machine.set(kGap);
+    machine.pass(minutes(1));
+    machine.set(5);
+    machine.pass(minutes(1));
+    machine.write();
+    for (const milliseconds since : {milliseconds(minutes(10)), milliseconds(hours(40))}) {
+        const auto answer = machine.ask(since, 1000);
+        EXPECT_TRUE(value_at(answer, kMonday + 30'000)) << answer.level;
+        EXPECT_FALSE(value_at(answer, kMonday + 90'000)) << answer.level;
+        EXPECT_TRUE(value_at(answer, kMonday + 150'000)) << answer.level;
+    }
+}
+
+TEST(Values, Minute_HasMinMeanByTimeAndMax) {
+    Machine machine;
+    machine.set(10);
+    machine.pass(seconds(45));
+    machine.set(20);
+    machine.pass(seconds(15));
+    machine.set(0);
+    machine.pass(minutes(2));
+    machine.write();
+    const auto answer = machine.ask(hours(24 * 2), 1000);
+    EXPECT_EQ(answer.level, "minutes");
+    const auto first = value_at(answer, kMonday + 1000);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(*first, (bus::ValuePoint{wall(kMonday), true, 12.5, 10, 20}));
+    EXPECT_EQ(value_at(answer, kMonday + 60'000)->max, 0);
+}
+
+TEST(Values, SteadyForFiveDays_KnownAtEachLevel) {
+    Machine machine;
+    machine.set(42);
+    for (int i = 0; i < 5 * 24; ++i) {
+        machine.pass(hours(1));
+        machine.write();
+    }
+    for (const auto& [since, level] : {std::pair(hours(1), "changes"), std::pair(hours(100), "minutes")}) {
+        const auto answer = machine.ask(since, 1000);
+        EXPECT_EQ(answer.level, level);
+        ASSERT_EQ(answer.values.size(), 1u) << level;
+        EXPECT_EQ(answer.values[0].mean, 42);
+        EXPECT_EQ(answer.values[0].at, wall(machine.wall_clock) - since);
+    }
+    const auto hourly = machine.ask(hours(24 * 365), 365);
+    EXPECT_EQ(hourly.level, "hours");
+    EXPECT_EQ(hourly.values.front().mean, 42);
+}
+
+/// A day is a triangle: 0 at midnight, 43,200 / 100 at noon. A value each ten seconds; each five minutes they
+/// are written.
+TEST(Values, WeekWithTwoPowerCuts_EachHourIsThereButTheCuts) {
+    Machine machine;
+    const auto value = [&] {
+        const auto second = (machine.wall_clock - kMonday) / 1000 % 86'400;
+        return static_cast<double>(std::min(second, 86'400 - second)) / 100;
+    };
+    const std::int64_t first_cut = kMonday + 30 * 3'600'000,
+                       second_cut = kMonday + 100 * 3'600'000 + 1'234'567;
+    bool first = false, second = false;
+    while (machine.wall_clock < kMonday + 7 * 86'400'000) {
+        machine.set(value());
+        machine.pass(seconds(10));
+        if (machine.wall_clock % 300'000 == 0) machine.write();
+        if (!first && machine.wall_clock >= first_cut) {
+            first = true;
+            machine.cut_power(hours(2));
+        }
+        if (!second && machine.wall_clock >= second_cut) {
+            second = true;
+            machine.cut_power(minutes(30));
+        }
+    }
+    const auto week = machine.ask(hours(7 * 24), 1000);
+    EXPECT_EQ(week.level, "minutes");
+    EXPECT_LE(week.values.size(), 1000u);
+    for (std::int64_t at = kMonday + 1'800'000; at < machine.wall_clock; at += 3'600'000) {
+        const bool cut = (at > first_cut && at < first_cut + 7'200'000) ||
+                         (at > second_cut && at < second_cut + 1'800'000);
+        const auto point = value_at(week, at);
+        ASSERT_EQ(point.has_value(), !cut) << (at - kMonday) / 60'000 << " minutes after the beginning";
+        if (!point) continue;
+        const auto s = static_cast<double>((at - kMonday) / 1000 % 86'400);
+        const double middle = std::min(s, 86'400 - s) / 100;
+        EXPECT_NEAR(point->mean, middle, 7) << (at - kMonday) / 60'000;
+        EXPECT_LE(point->min, point->mean);
+        EXPECT_GE(point->max, point->mean);
+    }
+}
+
+TEST(Values, PowerCut_LosesOnlyWhatWasNotWritten) {
+    Machine machine;
+    machine.set(1);
+    machine.pass(seconds(10));
+    machine.write();
+    machine.set(2);  // never written
+    machine.pass(seconds(9));
+    machine.cut_power(minutes(5));
+    machine.set(3);
+    machine.pass(seconds(10));
+    machine.write();
+    const auto answer = machine.ask(hours(1), 100);
+    ASSERT_EQ(answer.values.size(), 3u);
+    EXPECT_EQ(answer.values[0].mean, 1);
+    EXPECT_EQ(answer.values[1], (bus::ValuePoint{wall(kMonday + 10'000), false, 0, 0, 0}));
+    EXPECT_EQ(answer.values[2].mean, 3);
+}
+
+TEST(Values, ClockSetSoonAfterStart_CorrectsTheTimes) {
+    Machine machine;
+    machine.set(1);
+    machine.pass(minutes(5));
+    machine.write();
+    machine.wall_clock += 3 * 86'400'000;
+    machine.pass(minutes(1));
+    machine.write();
+    const auto answer = machine.ask(hours(1), 100);
+    ASSERT_EQ(answer.values.size(), 1u);
+    EXPECT_EQ(answer.values[0].at, wall(kMonday + 3 * 86'400'000));
+}
+
+TEST(Values, ClockSetLater_BackAndForward_WhatWasKeptStays) {
+    Machine machine;
+    machine.set(1);
+    machine.pass(hours(2));
+    machine.write();
+    machine.wall_clock -= 3'600'000;  // this hour is there twice
+    machine.set(3);
+    machine.pass(hours(2));
+    machine.write();
+    const auto twice = machine.ask(hours(3), 100);
+    EXPECT_EQ(value_at(twice, kMonday + 1'800'000)->mean, 1);
+    const auto both = value_at(twice, kMonday + 5'400'000);
+    ASSERT_TRUE(both);
+    EXPECT_EQ(both->min, 1);
+    EXPECT_EQ(both->max, 3);
+    EXPECT_EQ(value_at(twice, kMonday + 2 * 3'600'000 + 1'800'000)->mean, 3);
+
+    machine.wall_clock += 400 * std::int64_t{86'400'000};  // by mistake: nothing is too old now
+    machine.write();
+    machine.pass(hours(2));
+    machine.write();
+    EXPECT_TRUE(value_at(machine.ask(hours(1), 100), machine.wall_clock - 60'000));
+    machine.wall_clock -= 400 * std::int64_t{86'400'000};
+    machine.write();
+    machine.pass(hours(1));
+    machine.write();
+    EXPECT_EQ(value_at(machine.ask(hours(12), 1000), kMonday + 1'800'000)->mean, 1);
+}
+
+TEST(Values, StartWithAClockFromBefore_GoesOnBehindWhatIsKept) {
+    Machine machine;
+    machine.set(1);
+    machine.pass(hours(5));
+    machine.write();
+    machine.cut_power(-hours(4));  // no clock in the machine
+    machine.set(2);
+    machine.pass(minutes(1));
+    machine.write();
+    machine.wall_clock += 5 * 3'600'000;  // now it is told the time
+    machine.pass(minutes(1));
+    machine.write();
+    const auto answer = machine.ask(hours(12), 1000);
+    EXPECT_EQ(value_at(answer, kMonday + 3'600'000)->mean, 1);
+    EXPECT_EQ(value_at(answer, machine.wall_clock - 30'000)->mean, 2);
+    EXPECT_FALSE(value_at(answer, kMonday + 5 * 3'600'000 + 1'800'000));
+}
+
+TEST(Values, MemoryFull_GapThenGoesOn_LostAreCounted) {
+    Machine machine;
+    machine.memory.max_waiting = 10;
+    machine.start();
+    for (int i = 1; i <= 30; ++i) {
+        machine.set(i);
+        machine.pass(seconds(1));
+    }
+    EXPECT_EQ(machine.recorder->dropped(), 20u);
+    machine.write();
+    machine.pass(seconds(10));
+    machine.write();
+    const auto answer = machine.ask(hours(1), 1000);
+    EXPECT_EQ(value_at(answer, kMonday + 5'500)->mean, 6);
+    EXPECT_FALSE(value_at(answer, kMonday + 20'000));
+    EXPECT_EQ(value_at(answer, machine.wall_clock - 1000)->mean, 30);
+}
+
+TEST(Values, TooOld_ChangesGo_MinutesStay) {
+    Machine machine;
+    for (int i = 0; i < 4 * 24 * 60; ++i) {
+        machine.set(i % 50);
+        machine.pass(minutes(1));
+        if (i % 60 == 0) machine.write();
+    }
+    machine.write();
+    bus::Query query;
+    query.board = kTemperature.board;
+    query.property = kTemperature.property;
+    query.from = wall(kMonday + 3'600'000);
+    query.to = wall(kMonday + 7'200'000);
+    query.limit = 1000;
+    EXPECT_EQ(machine.file->find(query, machine.recorder->present(machine.now())).level, "minutes");
+    EXPECT_EQ(machine.ask(hours(1), 1000).level, "changes");
+}
+
+TEST(Values, TooMuch_OldestChangesGoFirst) {
+    Machine machine;
+    machine.max_bytes = 400'000;
+    machine.start();
+    for (int i = 0; i < 3 * 24 * 360; ++i) {
+        machine.set(0.1 * (i % 777));
+        machine.pass(seconds(10));
+        if (i % 240 == 0) machine.write();
+    }
+    machine.write();
+    const auto week = machine.ask(hours(72), 1000);
+    EXPECT_EQ(week.level, "minutes");
+    EXPECT_GT(week.values.size(), 300u);
+    std::ifstream size(machine.disk.path(), std::ios::ate | std::ios::binary);
+    EXPECT_LT(size.tellg(), 800'000);
+}
+
+TEST(Values, Block_SaysWhatWasPacked_CutAnywhereItEnds) {
+    const std::vector<Change> changes{{1000, 1.5}, {1000, 0.1}, {99'999'999, kGap}, {100'000'000, -1e300}};
+    const auto block = pack_changes(changes, 1000);
+    std::vector<Change> read;
+    unpack_changes(block, 1000, [&](const Change& change) { read.push_back(change); });
+    ASSERT_EQ(read.size(), changes.size());
+    for (std::size_t i = 0; i < read.size(); ++i) {
+        EXPECT_EQ(read[i].at, changes[i].at);
+        EXPECT_TRUE(read[i].value == changes[i].value || std::isnan(changes[i].value));
+    }
+    for (std::size_t cut = 0; cut < block.size(); ++cut) {
+        std::size_t count = 0;
+        unpack_changes(std::string_view(block).substr(0, cut), 1000, [&](const Change&) { ++count; });
+        EXPECT_LT(count, changes.size());
+    }
+    unpack_changes(std::string(100, '\xff'), 0, [](const Change&) { FAIL(); });
+}
+
+}  // namespace
+}  // namespace asip::registry
