@@ -20,6 +20,8 @@ if TYPE_CHECKING:
         _engine: Engine
         _models: dict[str, _model.Model]
 
+        def query(self, query: dict[str, Any], *, timeout: float | None = None) -> dict[str, Any]: ...
+
 
 class Followed:
     def __init__(self, bus: Home, name: str):

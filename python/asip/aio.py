@@ -226,7 +226,7 @@ class Property(Twin):
         self.board = board
         self.id = one.id
 
-    read, write = waits(_Property.read), waits(_Property.write)
+    read, write, history = waits(_Property.read), waits(_Property.write), waits(_Property.history)
 
     async def on_change(self, function: Callable[..., Any] | None, *, hz: float = 10) -> None:
         """Calls `function(value)` in the event loop."""

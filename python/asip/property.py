@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 
-from . import _wait, errors
+from . import _history, _wait, errors
 from ._bank import Bank
 from ._callbacks import takes
 from ._followed import Followed
+from ._history import History
 from ._properties import UNKNOWN, Told
 from .service import Service, Watch
 from .stream import Stream
@@ -121,6 +122,18 @@ class Property:
         """Why it is not known; empty where it is."""
         value = self._bank.standing.values.get(self.id)
         return "" if self._known() else UNKNOWN[value.why if value is not None else "never"]
+
+    def history(self, *, days: float = 0, hours: float = 0, points: int = 500, timeout: float | None = None) -> History:
+        """How it was in the last days and hours (a day where none are given), as a registry kept it: at most `points` points, each with `at`,
+        `mean`, `min` and `max`. Empty where nothing was kept.
+        `.frame()` makes a pandas DataFrame of it. NotThere where no registry keeps values."""
+        seconds = self.board._timeout(timeout)
+        try:
+            return _history.read(self.board.bus.query(_history.query(self.board.name, self.id, days, hours, points), timeout=seconds))
+        except errors.Refused as fault:
+            if fault.reason != "no-history":
+                raise
+            raise errors.NotThere(str(fault), board=self.board.name, service=self._service, reason="no-history") from None
 
     # What it shall be ---------------------------------------------------------------------------------------------------
 

@@ -34,6 +34,8 @@ class MemoryBus:
         self._buses: list[Bus] = []
         self.registry_models: list[dict[str, Any]] = []
         """Service models that its registry tells, beside those that boards carry."""
+        self.kept: dict[str, list[Any]] = {}
+        """Points that its registry kept, by BOARD/PROPERTY: `[["2026-01-31T12:00:00.000Z", 42]]`."""
         self.boards = {name: FakeBoard(self._publish, name, services) for name, services in boards.items()}
         for board in self.boards.values():
             board._announce()
@@ -110,7 +112,10 @@ class MemoryBus:
     def _asked(self, query: dict[str, Any]) -> None:
         """Answers as a registry does: boards and models. Labels and other filters are not there."""
         answer: dict[str, Any] = {"id": query.get("id"), "registry": "memory", "find": query.get("find"), "items": []}
-        if set(query) - {"find", "id", "reply_to", "board", "kind", "full", "limit"} or query.get("find") not in ("boards", "models"):
+        if query.get("find") == "values":
+            items = self.kept.get(f"{query['board']}/{query['property']}", [])
+            answer.update(items=items, **({"level": "changes"} if items else {}))
+        elif set(query) - {"find", "id", "reply_to", "board", "kind", "full", "limit"} or query.get("find") not in ("boards", "models"):
             answer.update(refused="invalid", error="the registry of asip.testing knows boards by name, and models by kind")
         elif query["find"] == "boards":
             for topic, payload in sorted(self._retained.items()):

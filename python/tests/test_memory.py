@@ -12,6 +12,22 @@ from asip.testing import eventually
 from memory_rig import Memory
 
 
+class Histories(Memory):
+    def test_points_are_read_and_what_is_none_is_passed_over(self):
+        self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, write=["write", 0, None])
+        self.memory.kept["desk/servo/0/angle"] = [["2026-01-31T12:00:00.000Z", 42], ["2026-01-31T12:01:00.000Z", 2.5, 1, 4],
+                                                  ["2026-01-31T12:02:00.000Z", None], ["yesterday", 1], 7, ["2026-01-31T12:03:00.000Z", "x"]]
+        history = self.desk["servo/0/angle"].history(days=7)
+        self.assertEqual([(one.mean, one.min, one.max) for one in history], [(42, 42, 42), (2.5, 1, 4), (None, None, None)])
+        self.assertEqual(history[1].at.isoformat(), "2026-01-31T12:01:00+00:00")
+        self.assertEqual((history.level, history.registry), ("changes", "memory"))
+        self.memory.kept.clear()
+        self.assertEqual((self.desk["servo/0/angle"].history(), self.desk["servo/0/angle"].history().level), ([], ""))
+        for wrong in ({"days": -1}, {"hours": "2"}, {"points": 0}, {"points": 1.5}):
+            with self.assertRaises(asip.Invalid):
+                self.desk["servo/0/angle"].history(**wrong)
+
+
 class Commands(Memory):
     def test_executed_refused_doubtful_and_silent(self):
         self.assertIsNone(self.desk.servo.write(0, angle=90))
