@@ -14,7 +14,7 @@ function(asip_embed_page folder output)
   list(JOIN names "," joined)
   add_custom_command(OUTPUT "${output}"
     COMMAND ${CMAKE_COMMAND} "-DFOLDER=${folder}" "-DNAMES=${joined}" "-DOUTPUT=${output}" -P "${ASIP_EMBED_PAGE_SCRIPT}"
-    DEPENDS ${paths} "${folder}/files.txt" "${ASIP_EMBED_PAGE_SCRIPT}"
+    DEPENDS ${paths} "${folder}/files.txt" "${ASIP_EMBED_PAGE_SCRIPT}" "${CMAKE_SOURCE_DIR}/cmake/shorten_script.awk" "${CMAKE_SOURCE_DIR}/cmake/shorten_style.sed"
     COMMENT "Building the web page in" VERBATIM)
 endfunction()
 
@@ -29,13 +29,15 @@ set(count 0)
 set(total 0)
 string(REPLACE "," ";" NAMES "${NAMES}")
 foreach(name IN LISTS NAMES)
-  # Without indentation and comments, a seventh of the whole; lines stay where they are, for messages of the browser.
-  set(shorten "")
-  if(name MATCHES "[.](js|css)$")
-    set(shorten "s/^[[:space:]]+//; s,^//.*,,; s,[[:space:]]+// [^\"'`]*$,,")
+  # Without comments and blanks that say nothing, an eighth of the whole.
+  set(shorten cat)
+  if(name MATCHES "[.]js$")
+    set(shorten awk -f "${CMAKE_CURRENT_LIST_DIR}/shorten_script.awk")
+  elseif(name MATCHES "[.]css$")
+    set(shorten sed -E -f "${CMAKE_CURRENT_LIST_DIR}/shorten_style.sed")
   endif()
   # -n: without name and time, so that the same file gives the same bytes.
-  execute_process(COMMAND sed -E "${shorten}" "${FOLDER}/${name}" COMMAND gzip -9 -n -c OUTPUT_FILE "${OUTPUT}.gz" RESULT_VARIABLE failed)
+  execute_process(COMMAND env LC_ALL=C ${shorten} "${FOLDER}/${name}" COMMAND gzip -9 -n -c OUTPUT_FILE "${OUTPUT}.gz" RESULT_VARIABLE failed)
   if(failed)
     message(FATAL_ERROR "cannot compress ${FOLDER}/${name}")
   endif()
