@@ -25,7 +25,7 @@ class Firmware(PageTest):
         eventually(lambda: "1 board without ASIP: usb-3" in page.text(".attention"), "the board without ASIP", 40)
         self.assertNotIn("lost", page.driver.title)
         self.assertIn("no ASIP sketch yet", page.table()["usb-3"])
-        page.button("Load AsipServices?")
+        page.button("Load AsipServices")
         page.screenshot("board-without-asip")
         self.open("board/usb-3")
         eventually(lambda: "that speaks no ASIP. Load AsipServices?" in page.text("asip-firmware"), "the question")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What was asked of a board, in the words of the service's model: no screen but "Advanced" shows the wire.
 import { button_text } from "./form.js";
+import { t } from "./language.js";
 import { service_text, with_unit, words } from "./text.js";
 
 /// The model of a service: that of its name, also where a board has several ("servo2"). Undefined: it is not known.
@@ -50,9 +51,9 @@ function model_text(model, name, args) {
 /// "Turn servo 0: 90°" for {"write":[0,90]} and for "W,0,90".
 export function asked_text(request, service = "", models = new Map()) {
   const { model, name, args } = read(request, service, models);
-  if (!service && ["labels", "names", "meanings"].includes(name)) return "names and labels";
+  if (!service && ["labels", "names", "meanings"].includes(name)) return t("names-and-labels");
   if (model?.commands?.[name]) return model_text(model, name, args);
-  if (!name) return "a raw request";
+  if (!name) return t("raw-request");
   const values = (Array.isArray(args) ? args : args === true || args === null ? [] : typeof args === "object" ? Object.entries(args).map((each) => each.join(" ")) : [args]).map((each) => (typeof each === "object" ? "…" : each));
   return [`${service && `${service_text(service)}, `}${words(name).toLowerCase()}`, values.join(", ")].filter((each) => each !== "").join(" ");
 }

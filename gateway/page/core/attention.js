@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a user has to look after: boards that are lost, and boards that were stopped. And a view of the table in an address.
-import { plural, reason_text } from "./text.js";
+import { t } from "./language.js";
+import { reason_text } from "./text.js";
 
 const kNamed = 5;
 const kBurstMs = 5000; // boards that are lost within this time are one loss
@@ -31,7 +32,7 @@ export const named = (rows) => rows.slice(0, kNamed);
 
 /// In front of the page's title: "(2 lost) ".
 export function title_badge({ lost, stopped }) {
-  const parts = [lost.length > 0 && `${lost.length} lost`, stopped.length > 0 && `${stopped.length} stopped`].filter(Boolean);
+  const parts = [lost.length > 0 && t("lost-lost", { lost: lost.length }), stopped.length > 0 && t("stopped-stopped", { stopped: stopped.length })].filter(Boolean);
   return parts.length > 0 ? `(${parts.join(", ")}) ` : "";
 }
 
@@ -54,9 +55,9 @@ export class Losses {
 function loss_text(rows) {
   const reasons = [...new Set(rows.map((row) => reason_text(row.reason)).filter(Boolean))].join("; ");
   const name = (row) => row.called || row.name;
-  if (rows.length === 1) return { title: `${name(rows[0])} is lost`, body: reasons };
+  if (rows.length === 1) return { title: t("board-is-lost", { board: name(rows[0]) }), body: reasons };
   const more = rows.length > kNamed ? ", …" : "";
-  return { title: `${plural(rows.length, "board")} lost`, body: `${named(rows).map(name).join(", ")}${more}${reasons && `: ${reasons}`}` };
+  return { title: t("n-boards-lost", { n: rows.length }), body: `${named(rows).map(name).join(", ")}${more}${reasons && `: ${reasons}`}` };
 }
 
 // `value`: the service whose value the table shows; "": the first sensor of each board, "-": none. `group`: the key of a label.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The boards that are there, as a table shows them: rows by name, filtered and sorted.
 import { shown_state } from "./firmware.js";
+import { t } from "./language.js";
 import { time_of } from "./text.js";
 
 export const states = ["online", "sleeping", "updating", "no-asip", "lost", "offline"];
@@ -127,7 +128,7 @@ function grouped(rows, key) {
     groups.get(value).push(row);
   }
   const values = [...groups.keys()].sort((a, b) => (a === undefined) - (b === undefined) || names.compare(a, b));
-  const title = (value) => (value === undefined ? `without ${key}` : value === "" ? key : `${key}: ${value}`);
+  const title = (value) => (value === undefined ? t("without-key", { key }) : value === "" ? key : `${key}: ${value}`);
   return values.flatMap((value) => [{ group: title(value), names: groups.get(value).map((row) => row.name) }, ...groups.get(value)]);
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What can stand on a dashboard, and what a widget shows. A widget is as the gateway keeps it:
 // {id, kind, title, size, board, property}; in place of `board` it may have `labels`: the gateway makes one of each board then.
+import { t } from "./language.js";
 import { range_of } from "./properties.js";
-import { unit_text } from "./text.js";
+import { state_text, unit_text } from "./text.js";
 
 export const kSizes = ["small", "wide", "large"];
 const kMaxOffers = 60;
@@ -17,7 +18,7 @@ export function name_of_title(title) {
 export function offers_of(board, properties) {
   return properties.flatMap((property) => kinds_of(property).map((kind) => {
     const unit = property.unit ? ` (${unit_text(property.unit)})` : "";
-    return { text: `${property.name}${unit}: ${kind}`, widget: { kind, ...(kind === "plot" ? { size: "wide" } : {}), board, property: property.id } };
+    return { text: `${property.name}${unit}: ${t(`kind.${kind}`)}`, widget: { kind, ...(kind === "plot" ? { size: "wide" } : {}), board, property: property.id } };
   })).slice(0, kMaxOffers);
 }
 
@@ -56,20 +57,20 @@ export function moved(widgets, id, step) {
 }
 
 /// A property that its board does not list: "servo 0 angle" for servo/0/angle.
-const id_text = (id) => id.replace(/^io\//, "pin ").replaceAll("/", " ");
+const id_text = (id) => id.replace(/^io\/(.*)$/, (_, label) => t("pin-label-within", { label })).replaceAll("/", " ");
 
 export function title_of(widget, property) {
   if (widget.title) return widget.title;
-  if (!widget.property) return widget.kind === "stop" ? "Stop" : "";
+  if (!widget.property) return widget.kind === "stop" ? t("stop") : "";
   return property?.name ?? `${widget.board ?? widget.labels} ${id_text(widget.property)}`;
 }
 
 /// Why a widget can do nothing now; "" where it can. `board`: {state, reason} as the stream says.
 export function trouble_of(widget, board, property) {
   if (!widget.board) return "";
-  if (!board) return "Waiting for the bus …";
-  if (board.state === "unknown") return `Board ${widget.board} is not known. It may have been forgotten.`;
-  if (board.state === "lost" || board.state === "offline") return `Board ${widget.board} is ${board.state}.`;
-  return board.state === "updating" ? `Board ${widget.board}: its port is in other hands.` : property === null ? `Board ${widget.board} has no ${id_text(widget.property)} now.`
-    : property?.refused && ["switch", "slider"].includes(widget.kind) ? `It cannot be set: ${property.refused}.` : "";
+  if (!board) return t("waiting-bus");
+  if (board.state === "unknown") return t("board-board", { board: widget.board });
+  if (board.state === "lost" || board.state === "offline") return t("board-board-state", { board: widget.board, state: state_text(board.state) });
+  return board.state === "updating" ? t("board-board-port", { board: widget.board }) : property === null ? t("board-board-no", { board: widget.board, property: id_text(widget.property) })
+    : property?.refused && ["switch", "slider"].includes(widget.kind) ? t("cannot-set", { refused: property.refused }) : "";
 }

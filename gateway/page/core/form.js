@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Forms for commands, made from the service model.
-import { words } from "./text.js";
+import { known_text, locale, t } from "./language.js";
+import { first_up, words } from "./text.js";
 
 const kMaxSliderSteps = 1023;
 
@@ -63,15 +64,15 @@ export function place_of(model, name) {
 }
 
 function range_text(field) {
-  if (field.min !== undefined && field.max !== undefined) return `${field.min} to ${field.max}`;
-  if (field.min !== undefined) return `${field.min} or more`;
-  return field.max !== undefined ? `${field.max} or less` : "";
+  if (field.min !== undefined && field.max !== undefined) return t("min-max", { min: field.min, max: field.max });
+  if (field.min !== undefined) return t("min-or-more", { min: field.min });
+  return field.max !== undefined ? t("max-or-less", { max: field.max }) : "";
 }
 
 /// What may be entered: "0 to 180", "up to 21 characters".
 export function hint_of(field) {
-  if (field.kind === "text") return field.max_length ? `up to ${field.max_length} characters` : "";
-  if (field.kind === "list") return field.max_length ? `up to ${field.max_length}` : "";
+  if (field.kind === "text") return field.max_length ? t("up-max", { max_length: field.max_length }) : "";
+  if (field.kind === "list") return field.max_length ? t("up-max-length", { max_length: field.max_length }) : "";
   return range_text(field);
 }
 
@@ -79,10 +80,10 @@ function parse_number(field, text) {
   const named = field.names?.[text.trim()];
   if (named !== undefined) return { value: named };
   const value = Number(text);
-  if (!Number.isFinite(value)) return { error: "is not a number" };
-  if (field.kind === "integer" && !Number.isInteger(value)) return { error: "is not a whole number" };
-  if (value < field.min) return { error: `is below ${field.min}` };
-  if (value > field.max) return { error: `is above ${field.max}` };
+  if (!Number.isFinite(value)) return { error: t("not-number") };
+  if (field.kind === "integer" && !Number.isInteger(value)) return { error: t("not-whole") };
+  if (value < field.min) return { error: t("below-min", { min: field.min }) };
+  if (value > field.max) return { error: t("above-max", { max: field.max }) };
   return { value };
 }
 
@@ -90,8 +91,8 @@ function parse_number(field, text) {
 export function parse_field(field, text) {
   if (field.kind === "list") return parse_list(field, text);
   if (field.kind === "text") {
-    if (/[^\x20-\x7e]/.test(text)) return { error: "takes plain ASCII characters only" };
-    if (text.length > field.max_length) return { error: `is longer than ${field.max_length} characters` };
+    if (/[^\x20-\x7e]/.test(text)) return { error: t("takes-plain") };
+    if (text.length > field.max_length) return { error: t("longer-than", { max_length: field.max_length }) };
     return { value: text };
   }
   if (text === undefined || String(text).trim() === "") return { error: "is missing" };
@@ -101,7 +102,7 @@ export function parse_field(field, text) {
 
 function parse_list(field, rows) {
   if (!rows?.length) return { error: "is empty" };
-  if (rows.length > field.max_length) return { error: `has more than ${field.max_length} items` };
+  if (rows.length > field.max_length) return { error: t("more-than", { max_length: field.max_length }) };
   const items = [];
   for (const [index, row] of rows.entries()) {
     const item = {};
@@ -145,21 +146,31 @@ export function safe_form(model, name, args) {
 export function answer_text(answer) {
   switch (answer.status) {
     case "ok":
-      if (answer.proof === "answer") return { kind: "ok", text: `Answer: ${value_text(answer.answer)}` };
-      return { kind: "ok", text: "Done: the board has executed it." };
+      if (answer.proof === "answer") return { kind: "ok", text: t("answer-answer", { answer: value_text(answer.answer) }) };
+      return { kind: "ok", text: t("done-board") };
     case "error":
-      return { kind: "error", text: `The board's error ${answer.code ?? ""}: ${words_of_error(answer.error)}.` };
+      return { kind: "error", text: t("boards-error", { code: answer.code ?? "", error: words_of_error(answer.error) }) };
     case "refused":
-      return { kind: "refused", text: `Not sent: ${answer.error ?? answer.reason}` };
+      return { kind: "refused", text: t("not-sent-why", { why: why_text(answer) }) };
     default:
-      return { kind: "timeout", text: sentence(answer.error ?? "the connection was lost; it may or may not have been executed") };
+      return { kind: "timeout", text: sentence(why_text(answer)) };
   }
 }
 
-const sentence = (text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
+const say_more = ["invalid", "not-kept", "not-loaded", "partly"]; // reasons beside which it is told what exactly
+
+/// Why there is no proof, or why it was not sent. What is said beside the reason is in English: others read the reason's own sentence first.
+export function why_text({ status, reason, error }) {
+  const known = known_text(`answer.${status}.${reason}`) ?? (status === "timeout" ? t("answer.timeout.") : undefined);
+  if (error !== undefined && (!known || locale.startsWith("en"))) return error;
+  const whole = (known ?? reason ?? "") + (status === "timeout" && reason !== "no-value" ? t("maybe") : "");
+  return error !== undefined && say_more.includes(reason) ? `${whole} (${error})` : whole;
+}
+
+const sentence = (text) => `${first_up(text)}.`;
 
 /// "invalid device number" for INVALID_DEVICE_NUMBER.
-export function words_of_error(error) { return String(error ?? "unknown").toLowerCase().replaceAll("_", " "); }
+export function words_of_error(error) { return String(error ?? t("unknown")).toLowerCase().replaceAll("_", " "); }
 
 function value_text(answer) {
   return Object.values(answer ?? {}).map((value) => JSON.stringify(value)).join(" ").replace(/[{}"[\]]/g, " ")

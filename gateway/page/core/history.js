@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened, in words; searched, and equal rows folded.
 import { asked_text } from "./asked.js";
-import { reason_text, time_of, who_text, words } from "./text.js";
+import { t } from "./language.js";
+import { reason_text, state_text, time_of, who_text, words } from "./text.js";
 
-const ends = { ok: "done", timeout: "no answer" };
-const commands = { command: "", stop: "stopped it", undone: "not renewed, undone:" };
-const happenings = { added: "first seen", state: "", description: "description changed", conflict: "two agents use the name", resolved: "conflict over", forgotten: "forgotten" };
+const ends = { ok: t("done-within"), timeout: t("no-answer"), error: t("error"), refused: t("refused") };
+const commands = { command: "", stop: t("stopped-it"), undone: t("not-renewed-undone") };
+const happenings = { added: t("first-seen"), state: "", description: t("description-changed"), conflict: t("two-agents"), resolved: t("conflict-over"), forgotten: t("forgotten") };
 
 /// A change or command of the API as a row: {board, at, until, state, status, text, raw, times}. `until`: of the oldest of equal ones;
 /// `raw`: as it was asked, for the search. `models` of services, by name.
@@ -16,10 +17,10 @@ export function row_of(item, models = new Map()) {
     const asked = item.request === undefined ? "" : asked_text(item.request, item.service, models);
     row.raw = [item.by, item.service, item.request].filter(Boolean).join(" ");
     const link = item.by.startsWith("link "); // says why, too
-    row.text = [[!link && `${who_text(item.by)}:`, commands[item.what] ?? item.what, asked].filter(Boolean).join(" "), link && `by ${item.by}`, item.reason && words(item.reason).toLowerCase()].filter(Boolean).join(", ");
+    row.text = [[!link && `${who_text(item.by)}:`, commands[item.what] ?? item.what, asked].filter(Boolean).join(" "), link && t("by-link", { link: item.by.replace("link", t("link-within")) }), item.reason && words(item.reason).toLowerCase()].filter(Boolean).join(", ");
   } else {
-    const was = item.was && item.was !== item.state && `was ${item.was}`;
-    row.text = [happenings[item.what] ?? item.what, was, reason_text(item.reason) || (item.was && !was && "resumed")].filter(Boolean).join(", ");
+    const was = item.was && item.was !== item.state && t("was-was", { was: state_text(item.was) });
+    row.text = [happenings[item.what] ?? item.what, was, reason_text(item.reason) || (item.was && !was && t("resumed-within"))].filter(Boolean).join(", ");
   }
   return row;
 }

@@ -108,7 +108,7 @@ export class Link {
   /// at some later moment when the user does not expect it any more.
   command(id, request, now) {
     if (this.state !== "open") {
-      this.deliver({ id, status: "refused", reason: "connection", error: "there is no connection to the gateway" });
+      this.deliver({ id, status: "refused", reason: "connection" });
       return;
     }
     this.commands.set(id, { until: now + (request.deadline_ms ?? 5000) + kCommandGraceMs, held: request.hold_ms !== undefined });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One task for many boards: a few at a time, and again a moment later where the gateway says that it was too much at once.
+import { t } from "./language.js";
 
 const kAtOnce = 8;
 const kTries = 60;
@@ -52,13 +53,13 @@ export function lists_of(names, most = kBodyBytes) {
 /// What the answer to one request for these boards says, as for_each_board() says it.
 export function result_of(names, answer) {
   const failed = names.map((name) => [name, answer?.boards?.[name]]).filter(([, of_board]) => of_board?.status !== "ok")
-    .map(([name, of_board]) => [name, of_board?.error ?? "no proof in time"]);
+    .map(([name, of_board]) => [name, of_board?.error ?? t("no-proof")]);
   return { done: names.length - failed.length, failed };
 }
 
 /// "Done on 3 boards.", or what failed where.
 export function many_text({ done, failed }) {
-  if (failed.length === 0) return `Done on ${done} ${done === 1 ? "board" : "boards"}.`;
+  if (failed.length === 0) return t("done-n", { n: done });
   const some = failed.slice(0, 3).map(([name, why]) => `${name}: ${why}`).join("; ");
-  return `Done on ${done} of ${done + failed.length} boards. ${some}${failed.length > 3 ? ` … and ${failed.length - 3} more` : ""}`;
+  return `${t("done-done", { done, n: done + failed.length })} ${some}${failed.length > 3 ? ` … ${t("n-more", { n: failed.length - 3 })}` : ""}`;
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What can be read and set on a board, as the gateway lists it, and how it stands.
+import { t } from "./language.js";
 import { with_unit } from "./text.js";
 
 const kMaxSliderSteps = 1023;
 const kFullBrightness = 255;
 
-const seen = ["detected", "clear"];
+const seen = [t("detected"), t("clear-within")];
 const two_words = {
-  __proto__: null, button: ["pressed", "released"], door: ["open", "closed"], window: ["open", "closed"], moisture: ["wet", "dry"],
+  __proto__: null, button: [t("pressed"), t("released")], door: [t("open-within"), t("closed")], window: [t("open-within"), t("closed")], moisture: [t("wet"), t("dry")],
   motion: seen, occupancy: seen, smoke: seen, vibration: seen,
 };
 
@@ -15,14 +16,14 @@ const two_words = {
 /// button, as they stand beside its value: how it is pressed.
 export function value_text(property, value, events = []) {
   if (value === undefined) return "";
-  if (value === null) return "none";
+  if (value === null) return t("no-value");
   const act = events.at(-1)?.[1];
-  if (typeof value === "boolean") return (two_words[property?.meaning?.class] ?? ["on", "off"])[value ? 0 : 1] + (act === "hold" || act === "double" ? `, ${act}` : "");
+  if (typeof value === "boolean") return (two_words[property?.meaning?.class] ?? [t("on"), t("off")])[value ? 0 : 1] + (act === "hold" || act === "double" ? `, ${t(`press.${act}`)}` : "");
   if (typeof value === "number") return with_unit(value, property?.unit);
   if (typeof value === "string") return value;
   if (value.on === undefined) return JSON.stringify(value);
-  if (!value.on) return "off";
-  return has_brightness(property) && value.brightness !== undefined ? `${Math.round((value.brightness * 100) / kFullBrightness)}%` : "on";
+  if (!value.on) return t("off");
+  return has_brightness(property) && value.brightness !== undefined ? `${Math.round((value.brightness * 100) / kFullBrightness)}%` : t("on");
 }
 
 /// Whether it is on: true, false, or undefined where it is not known, or has no such value.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Links: what can move what, and how. Their rules are the agent's; see docs/links.md.
+import { t } from "./language.js";
 import { floats } from "./properties.js";
 
 const kMaxName = 63;
@@ -17,12 +18,12 @@ export function ways_of(source, target) {
   const switches = two_states(target);
   const way = (when, text, level = false) => ({ when, text, level, values: !switches && !(when === "follows" && !two_states(source)) });
   return [
-    ...(button && switches ? [way("toggles", "each press switches it")] : []),
-    ...(two_states(source) ? [way("follows", button ? "it is on while pressed" : "it is on while that is on"), way("inverted", button ? "it is on while released" : "it is on while that is off")] : []),
-    ...(!button && two_states(source) && switches ? [way("toggles", "it is switched each time that goes on")] : []),
-    ...(button ? [way("hold", "it is set by a long press"), way("double", "it is set by a double press")] : []),
-    ...(is_number(source) ? [way("above", "it is on above a level", true), way("below", "it is on below a level", true)] : []),
-    ...(!two_states(source) && is_number(source) && !switches ? [way("follows", "it has the same number")] : []),
+    ...(button && switches ? [way("toggles", t("each-press"))] : []),
+    ...(two_states(source) ? [way("follows", button ? t("while-pressed") : t("while")), way("inverted", button ? t("while-released") : t("while-off"))] : []),
+    ...(!button && two_states(source) && switches ? [way("toggles", t("switched-each"))] : []),
+    ...(button ? [way("hold", t("set-long")), way("double", t("set-double"))] : []),
+    ...(is_number(source) ? [way("above", t("above-level"), true), way("below", t("below-level"), true)] : []),
+    ...(!two_states(source) && is_number(source) && !switches ? [way("follows", t("same-number"))] : []),
   ];
 }
 
@@ -45,9 +46,9 @@ export function rule_of(from, to_id, when, typed = {}) {
 
 /// How a link stands, in a few words: {text, kind}; `there`: whether the board of its source is.
 export function standing_of(link, there) {
-  if (link.disabled) return { text: "off", kind: "muted" };
-  if (link.state === "on") return { text: "on", kind: "good" };
-  if (link.suspended) return { text: "waits until its source changes", kind: "warn" };
-  const grant = there && link.state.endsWith(" is not heard") ? `. On a secured bus an administrator allows it: asipctl secure link ${link.board} ${link.from.split("/")[0]}` : "";
+  if (link.disabled) return { text: t("off"), kind: "muted" };
+  if (link.state === "on") return { text: t("on"), kind: "good" };
+  if (link.suspended) return { text: t("waits-until"), kind: "warn" };
+  const grant = there && link.state.endsWith(" is not heard") ? `. ${t("secured-bus")} asipctl secure link ${link.board} ${link.from.split("/")[0]}` : "";
   return { text: link.state + grant, kind: "bad" };
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Words and numbers for people.
+import { known_text, locale, t } from "./language.js";
 
 /// "3 s", "5 min", "2 h", "4 days"; "" where it is not known.
 export function duration_text(ms) {
@@ -10,22 +11,21 @@ export function duration_text(ms) {
   if (minutes < 60) return `${minutes} min`;
   const hours = Math.floor(minutes / 60);
   if (hours < 48) return `${hours} h`;
-  return `${Math.floor(hours / 24)} days`;
+  return t("n-days", { n: Math.floor(hours / 24) });
 }
 
-const reasons = {
-  unplugged: "cable unplugged", silent: "the board answers nothing", "agent-gone": "its agent died or lost the broker",
-  expired: "its agent fell silent and the lease ran out", released: "its port is in other hands",
-  stopped: "its agent was stopped", conflict: "two agents claim its name", latched: "STOPPED until it is resumed",
-};
 /// Why a board is in its state; "" where there is nothing to explain. A word of a later version stays as it is.
-export function reason_text(reason) { return reasons[reason] ?? reason ?? ""; }
+export function reason_text(reason) { return known_text(`reason.${reason}`) ?? reason ?? ""; }
+
+/// What a user is to the gateway.
+export const role_text = (role) => known_text(`role.${role}`) ?? role;
 
 /// A state of shown_state() in words.
-export const state_text = (state) => (state === "no-asip" ? "no ASIP sketch yet" : state);
+export const state_text = (state) => known_text(`state.${state}`) ?? state;
 
-const clock = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit" });
-const date = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", year: "numeric" });
+const clock = new Intl.DateTimeFormat(locale, { hour: "2-digit", minute: "2-digit", second: "2-digit" });
+const date = new Intl.DateTimeFormat(locale, { day: "numeric", month: "short", year: "numeric" });
+const measured = new Intl.NumberFormat(locale, { maximumFractionDigits: 4, useGrouping: false, signDisplay: "negative" });
 
 export function clock_text(ms) { return clock.format(ms); }
 
@@ -37,10 +37,7 @@ export function moment_text(ms, now = Date.now()) {
 }
 
 /// At most four digits behind the point, none that say nothing.
-export function number_text(value) {
-  if (typeof value !== "number") return String(value);
-  return Number.isInteger(value) ? String(value) : String(Number(value.toFixed(4)));
-}
+export function number_text(value) { return Math.abs(value) < 1e15 && typeof value === "number" ? measured.format(value) : String(value); }
 
 const units = { degrees: "°", us: "µs" };
 export function unit_text(unit) { return unit === undefined ? "" : units[unit] ?? unit; }
@@ -51,13 +48,12 @@ export function with_unit(value, unit) {
   return number_text(value) + (text === "°" || text === "%" ? "" : "\u00a0") + text;
 }
 
-export function plural(count, one, many = one + "s") { return `${count.toLocaleString("en")} ${count === 1 ? one : many}`; }
-
 /// "input-pullup" as a person reads it: "Input pullup".
 export function words(name) {
-  const text = String(name).replace(/[-_]/g, " ");
-  return text.charAt(0).toUpperCase() + text.slice(1);
+  return first_up(String(name).replace(/[-_]/g, " "));
 }
+
+export const first_up = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
 /// Milliseconds since 1970 from what the API gives: ISO text, seconds or milliseconds. Undefined: not a time.
 export function time_of(value) {
@@ -67,8 +63,8 @@ export function time_of(value) {
 }
 
 /// What a service is called where no person has named it.
-export const service_text = (name) => (name === "io" ? "Pins" : words(name));
+export const service_text = (name) => (name === "io" ? t("pins") : words(name));
 
-const programs = { loopback: "this machine", "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug", "web-of-things": "Web of Things" };
+const programs = { loopback: t("machine"), "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug", "web-of-things": "Web of Things" };
 /// Who asked, as a person reads it.
 export const who_text = (by) => programs[by] ?? by;

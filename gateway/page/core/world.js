@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A floor with a line and the rovers on it, as their services say: millimetres, y upwards, degrees counter-clockwise.
-import { number_text, plural } from "./text.js";
+import { t } from "./language.js";
+import { number_text } from "./text.js";
 
 export const kGrades = 4;
 const kStepMm = 4;
@@ -55,20 +56,20 @@ export class World {
 
   /// A value of the floor's service. Whatever is not as it should be is left out, and is a fault.
   floor_said(value) {
-    if (value === null || typeof value !== "object") return void this.check("floor", false, "says no measures");
+    if (value === null || typeof value !== "object") return void this.check("floor", false, t("says-no-measures"));
     if ("line" in value) this.line = this.checked_list("line", value.line, ["x", "y"]);
     if ("obstacles" in value) this.obstacles = this.checked_list("obstacles", value.obstacles, ["x", "y", "r"]).filter((each) => each.r > 0);
     if (!("floor" in value)) return;
     const { floor } = value;
     const good = known(floor, [...kMeasures, "ahead"]) && kMeasures.every((name) => floor[name] >= kLeastMm);
-    if (!this.check("floor", good, "has measures that cannot be drawn")) return;
+    if (!this.check("floor", good, t("measures-cannot"))) return;
     this.floor = floor;
     for (const [name, pose] of this.early.splice(0)) this.moved(name, pose);
   }
 
   checked_list(name, items, members) {
     const good = list(items, members);
-    this.check(name, Array.isArray(items) && good.length === items.length, `has points that cannot be drawn, or more than ${kMaxItems}`);
+    this.check(name, Array.isArray(items) && good.length === items.length, t("points-cannot", { most: kMaxItems }));
     return good;
   }
 
@@ -79,7 +80,7 @@ export class World {
   }
 
   moved(name, pose) {
-    if (!this.check(name, known(pose, ["x", "y", "heading", "offset"]), "says a pose that cannot be drawn")) return;
+    if (!this.check(name, known(pose, ["x", "y", "heading", "offset"]), t("says-pose"))) return;
     if (!this.floor) {
       if (this.early.push([name, pose]) > kMaxItems) this.early.shift();
       return;
@@ -115,18 +116,20 @@ export class World {
   /// Why something is not drawn; "" while all is.
   problem() {
     const faults = [...this.faults].map(([name, why]) => `${name} ${why}`);
-    if (!this.floor && faults.length === 0) return "Its floor has said nothing yet.";
-    return faults.length === 0 ? "" : `Not drawn: ${faults.slice(0, 3).join("; ")}${faults.length > 3 ? " …" : "."}`;
+    if (!this.floor && faults.length === 0) return t("floor-said");
+    return faults.length === 0 ? "" : t("not-drawn-faults", { faults: faults.slice(0, 3).join("; ") }) + (faults.length > 3 ? " …" : ".");
   }
 
   text() {
-    const things = this.obstacles.length > 0 ? `, ${plural(this.obstacles.length, "obstacle")}` : "";
-    return [`Floor with a line${things}`, ...this.rover_texts()].join(". ");
+    const things = this.obstacles.length > 0 ? `, ${t("n-obstacles", { n: this.obstacles.length })}` : "";
+    return [t("floor-line") + things, ...this.rover_texts()].join(". ");
   }
 }
 
+const way_text = (offset) => number_text(Math.round(Math.abs(offset) * 10) / 10);
+
 function pose_text({ x, y, heading, offset, laps, lap }) {
-  const side = Math.abs(offset) < 0.05 ? "on the line" : `${Number(Math.abs(offset).toFixed(1))} mm ${offset > 0 ? "left" : "right"} of the line`;
-  const rounds = Number.isSafeInteger(laps) && laps > 0 ? `; ${plural(laps, "lap")}${typeof lap === "number" ? `, the last in ${number_text(lap)} s` : ""}` : "";
-  return `${side}, at ${Math.round(x)}, ${Math.round(y)} mm, heading ${Math.round(heading)}°${rounds}`;
+  const side = Math.abs(offset) < 0.05 ? t("on-the-line") : (offset > 0 ? t("way-mm", { way: way_text(offset) }) : t("way-mm-right", { way: way_text(offset) }));
+  const rounds = Number.isSafeInteger(laps) && laps > 0 ? `; ${t("n-laps", { n: laps })}${typeof lap === "number" ? `, ${t("last-lap", { lap: number_text(lap) })}` : ""}` : "";
+  return t("side-x", { side, x: Math.round(x), y: Math.round(y), heading: Math.round(heading) }) + rounds;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a tab knows of the gateway: subscriptions, commands, requests.
+import { t } from "../core/language.js";
 import { answer_ms } from "../core/link.js";
 import { Hub } from "./hub.js";
 
@@ -53,7 +54,7 @@ class Bus extends EventTarget {
   answered(message) {
     const resolve = this.waiting.get(message.id);
     this.waiting.delete(message.id);
-    if (message.status === undefined) message = { status: "refused", reason: "invalid", error: message.error ?? "refused by the gateway" };
+    if (message.status === undefined) message = { status: "refused", reason: "invalid", error: message.error };
     resolve?.(message);
   }
 
@@ -134,11 +135,11 @@ export async function request_with_tag(path, { method = "GET", body, headers = {
       signal: AbortSignal.timeout(answer_ms(path)),
     });
   } catch {
-    throw new Problem(0, "The gateway does not answer.");
+    throw new Problem(0, t("gateway-does-not"));
   }
   const json = await response.json().catch(() => undefined);
   if (response.ok) return { body: json, tag: response.headers.get("ETag") ?? undefined };
-  throw new Problem(response.status, json?.detail ?? json?.title ?? `The gateway answers with status ${response.status}.`);
+  throw new Problem(response.status, json?.detail ?? json?.title ?? t("gateway-answers", { status: response.status }));
 }
 
 export const path_of = (...parts) => "api/" + parts.map(encodeURIComponent).join("/");

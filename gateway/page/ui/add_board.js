@@ -2,15 +2,16 @@
 // A first board in four steps: which one, its firmware, its name and place, and what of it stands on a dashboard.
 import { alive } from "../core/catalogue.js";
 import { loading_of } from "../core/firmware.js";
+import { t } from "../core/language.js";
 import { path_of, request } from "../net/bus.js";
 import { offers_of_board } from "./add_widget.js";
-import { command_line, fresh_id, h, Part, set_text, svg } from "./dom.js";
+import { answer_line, command_line, field, fresh_id, h, muted, page_of, Part, set_text, small, svg } from "./dom.js";
 import { kinds, load_firmware } from "./firmware.js";
 import { boards, status } from "./model.js";
 import { keep_labels } from "./names.js";
 
-const steps = [["Find it", "M8 3v5M16 3v5M6 8h12v4a6 6 0 0 1-12 0zM12 18v3"], ["Load it", "M6 14h12v7H6zM12 2v8M8.5 7l3.5 3.5L15.5 7"],
-  ["Name it", "M3 12V4h8l10 10-8 8zM7.5 8.2v.1"], ["Show it", "M4 18a8 8 0 1 1 16 0zM12 18l4-6"]];
+const steps = [[t("find"), "M8 3v5M16 3v5M6 8h12v4a6 6 0 0 1-12 0zM12 18v3"], [t("load"), "M6 14h12v7H6zM12 2v8M8.5 7l3.5 3.5L15.5 7"],
+  [t("name"), "M3 12V4h8l10 10-8 8zM7.5 8.2v.1"], [t("show"), "M4 18a8 8 0 1 1 16 0zM12 18l4-6"]];
 const kFind = 0, kLoad = 1, kName = 2, kShow = 3;
 
 const picture = (d) => svg("svg", { viewBox: "0 0 24 24", "aria-hidden": "true" }, svg("path", { d }));
@@ -27,8 +28,8 @@ class AddBoard extends Part {
     this.items = steps.map(([title, d]) => h("li", {}, picture(d), h("span", {}, title)));
     this.heading = h("h2", { tabindex: "-1" });
     this.panel = h("div", {});
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
-    this.append(h("h1", { tabindex: "-1" }, "Add board"), h("ol", { class: "steps" }, this.items), h("section", { class: "card add-board", "aria-label": "This step" }, this.heading, this.panel, this.answer));
+    this.answer = answer_line();
+    this.append(h("h1", { tabindex: "-1" }, t("add-board")), h("ol", { class: "steps" }, this.items), h("section", { class: "card add-board", "aria-label": t("step") }, this.heading, this.panel, this.answer));
     this.listen(boards, "change", () => this.changed());
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.said(event.kind); });
     this.listen(status, "change", () => { if (this.step === kFind) this.changed(); });
@@ -48,11 +49,6 @@ class AddBoard extends Part {
     if (step !== kFind && step !== kName) this.heading.focus();
   }
 
-  tell(kind, text) {
-    this.answer.className = `answer ${kind}`;
-    set_text(this.answer, text);
-  }
-
   row() { return boards.catalogue.rows.get(this.name); }
 
   choose(name) {
@@ -69,13 +65,13 @@ class AddBoard extends Part {
   }
 
   find() {
-    set_text(this.heading, "Which board?");
+    set_text(this.heading, t("which-board"));
     this.list = h("ul", { class: "link-list" });
     this.note = h("p", { class: "muted", role: "status" });
-    this.more = h("details", {}, h("summary", {}, "It is not in the list"),
-      h("p", {}, "An agent of the machine that it is plugged into reads its port. Where the package asip-agent is installed, one starts by itself. Else this starts one; PORT is such as ttyACM0 or ttyUSB0:"),
+    this.more = h("details", {}, h("summary", {}, t("not-list")),
+      h("p", {}, t("agent-machine")),
       command_line("asip-agent --serial /dev/PORT"),
-      (this.simulated = h("div", { hidden: true }, h("p", {}, "You have no board? This simulates one, with a distance sensor and a servo:"),
+      (this.simulated = h("div", { hidden: true }, h("p", {}, t("you-have")),
         command_line("asip-sim --link /tmp/desk /usr/share/asip/boards/desk.json & asip-agent --serial /tmp/desk --name desk"))));
     this.panel.replaceChildren(this.note, this.list, this.more);
     this.list_key = undefined;
@@ -89,18 +85,18 @@ class AddBoard extends Part {
     if (key === this.list_key) return;
     this.list_key = key;
     if (rows.length === 0) this.more.open = true;
-    set_text(this.note, !status.now ? "" : !status.may_label ? "Your token adds no boards. That of an operator does." : rows.length === 0 ? "Plug a board into a USB port. It appears here by itself." : "");
+    set_text(this.note, !status.now ? "" : !status.may_label ? t("your-token") : rows.length === 0 ? t("plug-board") : "");
     this.list.replaceChildren(...(status.may_label ? rows : []).map((row) => h("li", {}, h("span", {}, row.name), " ",
-      h("small", { class: "muted" }, row.state === "no-asip" ? "from the box: no firmware yet" : [row.chip, row.sketch].filter(Boolean).join(", ")), " ",
-      h("button", { class: "main", onclick: () => this.choose(row.name) }, row.state === "no-asip" ? `Load ${row.name}` : `Take ${row.name}`))));
+      small(row.state === "no-asip" ? t("box-no") : [row.chip, row.sketch].filter(Boolean).join(", ")), " ",
+      h("button", { class: "main", onclick: () => this.choose(row.name) }, row.state === "no-asip" ? t("load-row", { row: row.name }) : t("take-row", { row: row.name })))));
   }
 
   load() {
-    set_text(this.heading, `${this.name} gets its firmware`);
+    set_text(this.heading, t("name-gets", { name: this.name }));
     const id = fresh_id("kind");
     this.kind = h("select", { id }, kinds.map(([value, text]) => h("option", { value }, text)));
-    this.again = h("span", { class: "actions", hidden: true }, h("label", { for: id }, "Which board: "), this.kind, " ", h("button", { class: "main", onclick: () => this.begin_loading(this.kind.value) }, "Try again"));
-    this.bar = h("progress", { max: 100, "aria-label": "Loading" });
+    this.again = h("span", { class: "actions", hidden: true }, h("label", { for: id }, t("which-board"), " "), this.kind, " ", h("button", { class: "main", onclick: () => this.begin_loading(this.kind.value) }, t("try-again")));
+    this.bar = h("progress", { max: 100, "aria-label": t("loading") });
     this.log = h("ol", { class: "loading-log" });
     this.panel.replaceChildren(this.bar, h("div", { role: "log" }, this.log), this.again);
   }
@@ -116,14 +112,14 @@ class AddBoard extends Part {
     this.again.hidden = true;
     this.bar.hidden = false;
     this.tell("", "");
-    this.note_step("Its agent is asked …");
+    this.note_step(t("agent-asked"));
     const { kind: how, text } = await load_firmware(this.name, kind);
     if (!this.isConnected || this.step !== kLoad) return;
     this.note_step(text);
     if (how === "ok") return this.changed();
     this.bar.hidden = how !== ""; // "": it may go on
     this.again.hidden = how === "";
-    this.tell(how, how === "refused" ? "Not loaded. The line above says why." : "");
+    this.tell(how, how === "refused" ? t("not-loaded") : "");
   }
 
   async said(kind) {
@@ -140,38 +136,38 @@ class AddBoard extends Part {
 
   give_name() {
     const { tags = {}, called = "" } = this.row() ?? {};
-    set_text(this.heading, `What is ${this.name} called, and where is it?`);
+    set_text(this.heading, t("what-name", { name: this.name }));
     const rooms = [...new Set([...boards.catalogue.rows.values()].map((row) => row.tags.room).filter(Boolean))];
     const list = h("datalist", { id: fresh_id("rooms") }, rooms.map((value) => h("option", { value })));
-    const field = (title, value, more) => {
+    const asked = (title, value, more) => {
       const input = h("input", { id: fresh_id("add"), type: "text", maxlength: 63, autocomplete: "off", value, ...more });
-      return [input, h("div", { class: "field text" }, h("label", { for: input.id }, title), input)];
+      return [input, field(title, input, "text")];
     };
-    const [name, name_field] = field("Name", called, { placeholder: "Desk" });
-    const [room, room_field] = field("Place", tags.room ?? "", { placeholder: "Office", list: list.id });
-    this.panel.replaceChildren(h("form", { "aria-label": "Name and place", onsubmit: (event) => { event.preventDefault(); this.save(name.value.trim(), room.value.trim()); } },
-      name_field, room_field, list, h("span", { class: "actions" }, h("button", { class: "main" }, "Save"))));
+    const [name, name_field] = asked(t("name-within"), called, { placeholder: t("desk") });
+    const [room, room_field] = asked(t("place"), tags.room ?? "", { placeholder: t("office"), list: list.id });
+    this.panel.replaceChildren(h("form", { "aria-label": t("name-place"), onsubmit: (event) => { event.preventDefault(); this.save(name.value.trim(), room.value.trim()); } },
+      name_field, room_field, list, h("span", { class: "actions" }, h("button", { class: "main" }, t("save")))));
     name.focus();
   }
 
   async save(name, room) {
     const labels = { ...(name && { name }), ...(room && { room }) };
     if (Object.keys(labels).length === 0) return this.go(kShow);
-    this.tell("", "Waiting for the agent …");
+    this.tell("", t("waiting-agent"));
     const { kind, text } = await keep_labels(this.name, { labels });
     if (kind !== "ok") return this.tell(kind, text);
     return this.go(kShow);
   }
 
   async show_value() {
-    set_text(this.heading, "What of it stands on a dashboard?");
-    const page = h("p", {}, h("a", { href: `#/board/${encodeURIComponent(this.name)}` }, "To its page"));
+    set_text(this.heading, t("what-stands"));
+    const page = h("p", {}, h("a", { href: page_of("board", this.name) }, t("page")));
     const offers = await offers_of_board(this.name).catch(() => []);
     if (!this.isConnected || this.panel.contains(document.activeElement)) return; // a person is choosing
-    if (status.you.arrange !== true) return this.panel.replaceChildren(h("p", { class: "muted" }, "Your token changes no dashboards."), page);
-    if (offers.length === 0) return this.panel.replaceChildren(h("p", { class: "muted" }, "It shows nothing by itself. Give a pin a use on its page; “+ Dashboard” is there, too."), page);
-    const adder = document.createElement("asip-add-widget").begin(`a value of ${this.name}`, () => offers,
-      { title: "My boards", done: (dashboard) => { location.hash = `#/dashboard/${encodeURIComponent(dashboard)}`; } });
+    if (status.you.arrange !== true) return this.panel.replaceChildren(muted(t("your-token-changes")), page);
+    if (offers.length === 0) return this.panel.replaceChildren(muted(t("shows-nothing")), page);
+    const adder = document.createElement("asip-add-widget").begin(t("value-name", { name: this.name }), () => offers,
+      { title: t("my-boards"), done: (dashboard) => { location.hash = page_of("dashboard", dashboard); } });
     this.panel.replaceChildren(adder, page);
   }
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // "Add to dashboard": beside a service and a pin on a board's page, and in the editor of a dashboard.
 import { name_of_title, offers_of } from "../core/dashboard.js";
+import { t } from "../core/language.js";
 import { path_of, request, request_with_tag } from "../net/bus.js";
-import { fresh_id, h, Part } from "./dom.js";
+import { answer_line, field, fresh_id, h, muted, page_of, Part } from "./dom.js";
 import { status } from "./model.js";
 
 const kTries = 3;
@@ -37,7 +38,7 @@ class AddWidget extends Part {
   }
 
   shown() {
-    this.button = h("button", { class: "add-widget", "aria-expanded": "false", title: `Add ${this.what} to a dashboard`, onclick: () => this.toggle() }, "+ Dashboard ", h("span", { class: "hidden" }, `with ${this.what}`));
+    this.button = h("button", { class: "add-widget", "aria-expanded": "false", title: t("add-what", { what: this.what }), onclick: () => this.toggle() }, t("dashboard"), " ", h("span", { class: "hidden" }, t("with-what", { what: this.what })));
     this.panel = h("div", { class: "add-panel", hidden: true });
     this.append(this.button, this.panel);
     this.listen(status, "change", () => this.allow());
@@ -53,7 +54,7 @@ class AddWidget extends Part {
     this.panel.hidden = !open;
     this.button.setAttribute("aria-expanded", String(open));
     if (!open) return;
-    this.panel.replaceChildren(h("p", { class: "muted" }, "Looking what there is …"));
+    this.panel.replaceChildren(muted(t("looking-what")));
     try {
       const [offers, dashboards] = await Promise.all([this.offers(), request("api/dashboards")]);
       this.show(offers, dashboards.items);
@@ -63,31 +64,31 @@ class AddWidget extends Part {
   }
 
   show(offers, dashboards) {
-    if (offers.length === 0) return this.panel.replaceChildren(h("p", { class: "muted" }, "Nothing here can stand on a dashboard."));
+    if (offers.length === 0) return this.panel.replaceChildren(muted(t("nothing-here")));
     const what = h("select", { id: fresh_id("what") }, offers.map((offer, i) => h("option", { value: i }, offer.text)));
     const where = h("select", { id: fresh_id("where"), onchange: () => { fresh.hidden = where.value !== ""; } },
-      dashboards.map((each) => h("option", { value: each.name }, each.title || each.name)), h("option", { value: "" }, "A new dashboard"));
+      dashboards.map((each) => h("option", { value: each.name }, each.title || each.name)), h("option", { value: "" }, t("new-dashboard")));
     if (dashboards.some((each) => each.name === last_dashboard)) where.value = last_dashboard;
-    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, value: this.title, placeholder: "Its title, such as Greenhouse", autocomplete: "off" });
-    const fresh = h("div", { class: "field text", hidden: where.value !== "" }, h("label", { for: title.id }, "Title of the new dashboard"), title);
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, value: this.title, placeholder: t("title-such"), autocomplete: "off" });
+    const fresh = h("div", { class: "field text", hidden: where.value !== "" }, h("label", { for: title.id }, t("title-new")), title);
+    this.answer = answer_line();
     const save = async (event) => {
       event.preventDefault();
       await this.save(offers[Number(what.value)].widget, where.value || name_of_title(title.value), title.value.trim(), where.value === "");
     };
-    this.panel.replaceChildren(h("form", { "aria-label": `Add ${this.what} to a dashboard`, onsubmit: save },
-      h("div", { class: "field" }, h("label", { for: what.id }, "What"), what), h("div", { class: "field" }, h("label", { for: where.id }, "To"), where), fresh,
-      h("span", { class: "actions" }, h("button", { class: "main" }, "Add")), this.answer));
+    this.panel.replaceChildren(h("form", { "aria-label": t("add-what", { what: this.what }), onsubmit: save },
+      field(t("what"), what), field(t("to"), where), fresh,
+      h("span", { class: "actions" }, h("button", { class: "main" }, t("add"))), this.answer));
     what.focus();
   }
 
   async save(widget, name, title, fresh) {
-    if (name === "") return this.tell("refused", "A new dashboard needs a title with letters or digits.");
+    if (name === "") return this.tell("refused", t("dashboard-needs"));
     try {
       await add_to_dashboard(name, title, widget, fresh);
       last_dashboard = name;
       if (this.done) return this.done(name);
-      this.tell("ok", "Added. ", h("a", { href: `#/dashboard/${encodeURIComponent(name)}` }, "Show the dashboard"));
+      this.tell("ok", t("added"), " ", h("a", { href: page_of("dashboard", name) }, t("show-dashboard")));
     } catch (problem) {
       this.tell("refused", problem.message);
     }

@@ -2,10 +2,11 @@
 // One board: its values, its controls, its pins, what it is, its history.
 import { alive, label_texts } from "../core/catalogue.js";
 import { shown_state } from "../core/firmware.js";
+import { t } from "../core/language.js";
 import { moves } from "../core/properties.js";
 import { duration_text, moment_text, time_of, reason_text, who_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
-import { fresh_id, h, Part, set_text, state_mark } from "./dom.js";
+import { fresh_id, h, Part, set_text, small, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
 import "./firmware.js";
 import "./history.js";
@@ -30,35 +31,35 @@ class Board extends Part {
   }
 
   shown() {
-    this.heading = h("h1", { tabindex: "-1" }, h("span", {}, this.name), h("small", { class: "muted" }));
+    this.heading = h("h1", { tabindex: "-1" }, h("span", {}, this.name), small());
     this.mark = h("span", {});
     this.since = h("span", { class: "muted" });
     this.facts = h("dl", { class: "facts" });
     this.pins = document.createElement("asip-pins");
-    this.pins_box = h("section", { "aria-label": "Pins", hidden: true }, h("h2", {}, "Pins"));
-    this.world_box = h("section", { "aria-label": "World", hidden: true }, h("h2", {}, "World"));
+    this.pins_box = h("section", { "aria-label": t("pins"), hidden: true }, h("h2", {}, t("pins")));
+    this.world_box = h("section", { "aria-label": t("world"), hidden: true }, h("h2", {}, t("world")));
     this.shown_services = new Map();
     this.stands = new Map(); // id of a property -> {value, how, unknown}
-    this.no_service = h("p", { class: "empty", hidden: true }, "This board offers no service.");
-    this.values = h("section", { class: "services values-box", "aria-label": "Values" }, h("div", { class: "head-row" }, h("h2", {}, "Values"), this.rate_box()));
-    this.controls = h("section", { class: "services controls-box", "aria-label": "Controls" }, h("h2", {}, "Controls"));
+    this.no_service = h("p", { class: "empty", hidden: true }, t("board-offers"));
+    this.values = h("section", { class: "services values-box", "aria-label": t("values") }, h("div", { class: "head-row" }, h("h2", {}, t("values")), this.rate_box()));
+    this.controls = h("section", { class: "services controls-box", "aria-label": t("controls") }, h("h2", {}, t("controls")));
     this.names = document.createElement("asip-names").begin(this.name);
-    this.proof = h("dd", {}, "no command was sent from this page yet");
+    this.proof = h("dd", {}, t("no-command"));
     this.deep_facts = h("dl", { class: "facts" });
-    this.advanced = h("details", { class: "advanced" }, h("summary", {}, "Advanced"), this.deep_facts,
-      h("dl", { class: "facts" }, h("div", {}, h("dt", {}, "Last command, its proof"), this.proof)));
+    this.advanced = h("details", { class: "advanced" }, h("summary", {}, t("advanced")), this.deep_facts,
+      h("dl", { class: "facts" }, h("div", {}, h("dt", {}, t("last-command")), this.proof)));
     this.listen(this, "proof", (event) => set_text(this.proof, event.proof));
     this.firmware = document.createElement("asip-firmware").begin(this.name);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
     this.unusable = h("p", { class: "unusable muted", role: "status" });
     this.stopped = h("p", { class: "stopped-note", role: "status" });
     this.tools = h("span", { class: "tools" });
-    this.append(h("p", { class: "back" }, h("a", { href: "#/" }, "← All boards")), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
+    this.append(h("p", { class: "back" }, h("a", { href: "#/" }, `← ${t("all-boards")}`)), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
       this.problem, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
-      h("section", { "aria-label": "Links" }, h("h2", {}, "Links"), document.createElement("asip-links").begin(this.name)),
-      h("section", { "aria-label": "About" }, h("h2", {}, "About"), this.facts, this.names, this.advanced),
+      h("section", { "aria-label": t("links") }, h("h2", {}, t("links")), document.createElement("asip-links").begin(this.name)),
+      h("section", { "aria-label": t("about") }, h("h2", {}, t("about")), this.facts, this.names, this.advanced),
       h("details", { class: "history", ontoggle: (event) => { if (!this.past) event.target.append((this.past = document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false))); } },
-        h("summary", {}, h("h2", {}, "History"))));
+        h("summary", {}, h("h2", {}, t("history")))));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());
     this.listen(status, "change", () => this.show_state());
@@ -101,10 +102,10 @@ class Board extends Part {
       for (const element of this.shown_services.values()) element.at_rate(rate);
       this.unfollow();
       this.follow();
-    } }, rates.map((each) => h("option", { value: each }, `${each} a second`)));
+    } }, rates.map((each) => h("option", { value: each }, t("each-second", { each }))));
     select.value = rate;
-    return (this.rate = h("div", { class: "rate", hidden: true, title: "While this page is seen the board is asked for so many values" },
-      h("label", { for: id }, "Live, "), select));
+    return (this.rate = h("div", { class: "rate", hidden: true, title: t("while-page") },
+      h("label", { for: id }, t("live"), " "), select));
   }
 
   reload(kind) {
@@ -126,7 +127,7 @@ class Board extends Part {
       if (this.isConnected) this.show();
     } catch (problem) {
       this.problem.hidden = false;
-      set_text(this.problem, problem.status === 404 ? `There is no board ${this.name} now. This page shows it as soon as it is there.` : problem.message);
+      set_text(this.problem, problem.status === 404 ? t("there-no-board", { name: this.name }) : problem.message);
     }
     this.show_state();
   }
@@ -140,12 +141,12 @@ class Board extends Part {
       this.show_tools();
     }
     const since = row?.since ?? time_of(this.board?.since);
-    const time = since === undefined ? "" : `since ${moment_text(since)} (${duration_text(Date.now() - since)})`;
+    const time = since === undefined ? "" : `${t("since-since", { since: moment_text(since) })} (${duration_text(Date.now() - since)})`;
     set_text(this.since, [time, reason_text(row?.reason ?? this.board?.reason)].filter(Boolean).join(": "));
     this.classList.toggle("gone", Boolean(state) && !alive(state));
     this.show_usable(state);
     const stop = row?.reason === "latched" || this.board?.reason === "latched" ? this.board?.description?.stopped : undefined;
-    set_text(this.stopped, row?.reason === "latched" && alive(state) ? `Stopped${stop?.by ? ` by ${who_text(stop.by)}` : ""}${stop?.why ? `: ${stop.why}` : ""}. Commands are refused until it is resumed.` : "");
+    set_text(this.stopped, row?.reason === "latched" && alive(state) ? `${stop?.by ? t("stopped-who", { who: who_text(stop.by) }) : t("stopped")}${stop?.why ? `: ${stop.why}` : ""}. ${t("commands-refused")}` : "");
     if (this.tools_for !== rights()) this.show_tools();
   }
 
@@ -157,22 +158,22 @@ class Board extends Part {
     for (const element of this.shown_services.values()) element.usable = usable;
     for (const element of [...this.shown_services.values(), this.pins]) element.board_is(now);
     if (this.pins.panel) this.pins.panel.inert = !usable;
-    set_text(this.unusable, usable ? "" : !reachable ? "Commands are off: the bus cannot be reached." : state === "updating" ? "Commands are off: its port is in other hands." : "Commands are off until the board is back.");
+    set_text(this.unusable, usable ? "" : !reachable ? t("commands-off") : state === "updating" ? t("commands-off-port") : t("commands-off-until"));
   }
 
   show_tools() {
     this.tools_for = rights();
     const stop = () => status.may_stop && h("asip-stop", { board: this.name });
-    const forget = () => status.may_forget && h("button", { onclick: () => this.ask_to_forget() }, "Forget this board");
+    const forget = () => status.may_forget && h("button", { onclick: () => this.ask_to_forget() }, t("forget-board"));
     const tool = this.state && (alive(this.state) ? stop() : forget());
     this.tools.replaceChildren(...(tool ? [tool] : []));
   }
 
   /// Everything that is kept of it on the bus is cleared: one wrong click does not do that.
   ask_to_forget() {
-    const no = h("button", { onclick: () => this.show_tools() }, "Keep it");
-    this.tools.replaceChildren(h("span", {}, `Forget ${this.name}, and clear all that the bus keeps of it?`), " ",
-      h("button", { class: "danger", onclick: () => this.forget() }, "Yes, forget"), " ", no);
+    const no = h("button", { onclick: () => this.show_tools() }, t("keep"));
+    this.tools.replaceChildren(h("span", {}, t("forget-name", { name: this.name })), " ",
+      h("button", { class: "danger", onclick: () => this.forget() }, t("yes-forget")), " ", no);
     no.focus();
   }
 
@@ -192,11 +193,11 @@ class Board extends Part {
     const called = board.labels?.name;
     set_text(this.heading.firstChild, called || this.name);
     set_text(this.heading.lastChild, called ? ` ${this.name}` : "");
-    this.facts.replaceChildren(...facts_of([["Chip", board.chip], ["Sketch", board.sketch],
-      ["Labels", label_texts(board.labels).join(", ")],
-      ["Conflict", board.conflict && `another agent, ${board.conflict.other_agent ?? board.conflict.other}, uses this name`],
-      ["Known by", !board.description && "its names only: it publishes no description"]]));
-    this.deep_facts.replaceChildren(...facts_of([["Protocol", board.protocol && `ASIP ${board.protocol}`], ["Link", board.link], ["Agent", board.agent]]));
+    this.facts.replaceChildren(...facts_of([[t("chip"), board.chip], [t("sketch"), board.sketch],
+      [t("labels"), label_texts(board.labels).join(", ")],
+      [t("conflict"), board.conflict && t("another-agent", { other: board.conflict.other_agent ?? board.conflict.other })],
+      [t("known"), !board.description && t("names-only")]]));
+    this.deep_facts.replaceChildren(...facts_of([[t("protocol"), board.protocol && `ASIP ${board.protocol}`], [t("link"), board.link], [t("agent"), board.agent]]));
     this.names.show(board);
     this.firmware.show(board);
     this.rate.hidden = !description.on_demand;

@@ -2,16 +2,17 @@
 // The table of all boards.
 import { attention_of, filter_of, named, query_of } from "../core/attention.js";
 import { alive, states } from "../core/catalogue.js";
-import { duration_text, moment_text, plural, reason_text, service_text, state_text } from "../core/text.js";
+import { count_text, t } from "../core/language.js";
+import { duration_text, moment_text, reason_text, service_text, state_text } from "../core/text.js";
 import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
 import { boards, status } from "./model.js";
 import { load_firmware } from "./firmware.js";
 import { RowValues } from "./row_values.js";
 import "./notify.js";
 import "./selection.js";
-import { h, Part, set_class, set_text } from "./dom.js";
+import { h, page_of, Part, set_class, set_text, small } from "./dom.js";
 
-const columns = [["name", "Board"], ["state", "State"], ["since", "Since"], ["value", "Value"], ["services", "Services"], ["chip", "Chip, sketch"]];
+const columns = [["name", t("board")], ["state", t("state")], ["since", t("since")], ["value", t("value")], ["services", t("services")], ["chip", t("chip-sketch")]];
 const filter = filter_of(""); // kept from visit to visit
 const picked = new Set();     // names of the boards that are selected
 
@@ -30,7 +31,7 @@ class Boards extends Part {
     this.values = new RowValues(() => this.draw());
     this.while_shown(() => this.values.end());
     this.selection = document.createElement("asip-selection").begin(picked, () => this.pick([...picked], false));
-    this.append(h("h1", { class: "hidden" }, "Boards"), this.attention = h("div", { class: "attention", role: "status", hidden: true }), this.toolbar(), this.selection, this.table());
+    this.append(h("h1", { class: "hidden" }, t("boards")), this.attention = h("div", { class: "attention", role: "status", hidden: true }), this.toolbar(), this.selection, this.table());
     this.keep_address();
     this.row_height = this.styled_row_height();
     this.listen(boards, "change", () => this.refresh());
@@ -45,14 +46,14 @@ class Boards extends Part {
   }
 
   toolbar() {
-    const search = h("input", { type: "search", "aria-label": "Search boards", placeholder: "Search name, label, chip, sketch or service",
+    const search = h("input", { type: "search", "aria-label": t("search-boards"), placeholder: t("search-name"),
       value: filter.text, oninput: () => this.filtered({ text: search.value }) });
-    this.kind = h("select", { "aria-label": "Kind of service", onchange: () => this.filtered({ kind: this.kind.value }) });
-    this.chips = h("div", { class: "chips", role: "group", "aria-label": "State" });
+    this.kind = h("select", { "aria-label": t("kind-service"), onchange: () => this.filtered({ kind: this.kind.value }) });
+    this.chips = h("div", { class: "chips", role: "group", "aria-label": t("state") });
     this.found = h("span", { class: "muted found", role: "status" });
-    this.value = h("select", { "aria-label": "Value that is shown", onchange: () => this.filtered({ value: this.value.value }) });
-    this.group = h("select", { "aria-label": "Group by a label", onchange: () => this.filtered({ group: this.group.value }) });
-    this.adding = h("a", { class: "button", href: "#/add" }, "Add board");
+    this.value = h("select", { "aria-label": t("value-shown"), onchange: () => this.filtered({ value: this.value.value }) });
+    this.group = h("select", { "aria-label": t("group-label"), onchange: () => this.filtered({ group: this.group.value }) });
+    this.adding = h("a", { class: "button", href: "#/add" }, t("add-board"));
     return this.tools = h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"), this.adding);
   }
 
@@ -70,17 +71,17 @@ class Boards extends Part {
   }
 
   table() {
-    this.pick_all = h("input", { type: "checkbox", "aria-label": "Select all that are shown",
+    this.pick_all = h("input", { type: "checkbox", "aria-label": t("select-all"),
       onchange: () => this.pick(this.rows.filter((row) => row.name).map((row) => row.name), this.pick_all.checked) });
     this.heads = columns.map(([key, title]) => h("span", { role: "columnheader", class: `c-${key}` }, key === "value" ? title
       : h("button", { onclick: () => this.filtered({ sort: key, descending: filter.sort === key && !filter.descending }) }, title)));
     this.filler = h("div", { class: "filler", role: "presentation" });
     this.scroll = h("div", { class: "scroll", role: "rowgroup", tabindex: "-1", onkeydown: (event) => this.key(event) }, this.filler);
     this.empty = h("p", {});
-    this.invite = h("a", { class: "button main", href: "#/add" }, "Add board");
+    this.invite = h("a", { class: "button main", href: "#/add" }, t("add-board"));
     this.empty_box = h("div", { class: "empty", hidden: true }, this.empty, this.invite);
-    this.grid = h("div", { class: "boards", role: "table", "aria-label": "Boards" },
-      h("div", { role: "rowgroup", class: "head-box" }, h("div", { role: "row", class: "row head" }, h("span", { role: "columnheader", class: "c-pick" }, this.pick_all), this.heads)), this.scroll);
+    this.grid = h("div", { class: "boards", role: "table", "aria-label": t("boards") },
+      h("div", { role: "rowgroup", class: "head-box" }, h("div", { role: "row", class: "row head", "data-by": t("sort-by") }, h("span", { role: "columnheader", class: "c-pick" }, this.pick_all), this.heads)), this.scroll);
     return h("div", { class: "table-box" }, this.grid, this.empty_box);
   }
 
@@ -104,17 +105,17 @@ class Boards extends Part {
     const key = JSON.stringify([lost.map((row) => [row.name, row.reason, row.since]).slice(0, 5), lost.length, stopped.length, bare.map((row) => row.name), this.loads, status.may_label, named(stopped).map((row) => row.name)]);
     if (key === this.shown_attention) return;
     this.shown_attention = key;
-    const link = (row, more = "") => h("a", { href: `#/board/${encodeURIComponent(row.name)}` }, row.name, more);
+    const link = (row, more = "") => h("a", { href: page_of("board", row.name) }, row.name, more);
     const list = (rows, text) => named(rows).map((row, i) => [i > 0 ? ", " : "", link(row), text(row)]);
-    const rest = (rows, state) => rows.length > named(rows).length && [" … ", h("button", { onclick: () => this.filtered({ state, text: "" }) }, "Show all")];
-    const all_alike = reasons.length === 1 && lost.length > 1 ? ` (all: ${reason_text(reasons[0][0])})` : "";
-    const why = (row) => [all_alike ? "" : reason_text(row.reason), row.since && `since ${moment_text(row.since)}`].filter(Boolean).join(", ");
+    const rest = (rows, state) => rows.length > named(rows).length && [" … ", h("button", { onclick: () => this.filtered({ state, text: "" }) }, t("show-all"))];
+    const all_alike = reasons.length === 1 && lost.length > 1 ? ` (${t("all")}: ${reason_text(reasons[0][0])})` : "";
+    const why = (row) => [all_alike ? "" : reason_text(row.reason), row.since && t("since-since", { since: moment_text(row.since) })].filter(Boolean).join(", ");
     this.attention.hidden = lost.length + stopped.length + bare.length === 0 && !this.loaded;
     this.attention.replaceChildren(
-      lost.length > 0 ? h("p", {}, h("strong", { class: "state lost" }, `${plural(lost.length, "board")} lost${all_alike}: `), list(lost, (row) => ` (${why(row)})`), rest(lost, "lost")) : "",
-      stopped.length > 0 ? h("p", {}, h("strong", { class: "state latched" }, `${plural(stopped.length, "board")} stopped: `), list(stopped, () => ""), rest(stopped, "")) : "",
-      bare.length > 0 ? h("p", {}, h("strong", {}, `${plural(bare.length, "board")} without ASIP: `), list(bare, () => ""), " ",
-        status.may_label && h("button", { disabled: this.loads, onclick: () => this.load_all(bare) }, this.loads ? "Loading …" : "Load AsipServices?")) : "",
+      lost.length > 0 ? h("p", {}, h("strong", { class: "state lost" }, t("n-boards-lost", { n: lost.length }), `${all_alike}: `), list(lost, (row) => ` (${why(row)})`), rest(lost, "lost")) : "",
+      stopped.length > 0 ? h("p", {}, h("strong", { class: "state latched" }, t("n-boards-stopped", { n: stopped.length }), ": "), list(stopped, () => ""), rest(stopped, "")) : "",
+      bare.length > 0 ? h("p", {}, h("strong", {}, t("n-without-asip", { n: bare.length }), ": "), list(bare, () => ""), " ",
+        status.may_label && h("button", { disabled: this.loads, onclick: () => this.load_all(bare) }, this.loads ? `${t("loading")} …` : t("load-asipservices"))) : "",
       this.loaded ? h("p", { class: "loaded" }, this.loaded) : "");
   }
 
@@ -168,13 +169,13 @@ class Boards extends Part {
     set_text(this.empty, this.empty_text(catalogue));
     this.allow();
     const all = catalogue.rows.size;
-    set_text(this.found, this.shown_boards === all ? plural(all, "board") : `${this.shown_boards.toLocaleString("en")} of ${plural(all, "board")}`);
+    set_text(this.found, this.shown_boards === all ? t("n-boards", { n: all }) : t("shown-n", { shown: count_text(this.shown_boards), n: all }));
     this.measure();
   }
 
   empty_text(catalogue) {
-    if (catalogue.rows.size > 0) return "No board fits. Change the search or the filters.";
-    return catalogue.complete ? "No board is there yet. Plug one in, and it appears here." : "Looking for boards …";
+    if (catalogue.rows.size > 0) return t("no-board");
+    return catalogue.complete ? t("no-board-there") : t("looking-boards");
   }
 
   show_filters(catalogue) {
@@ -188,9 +189,9 @@ class Boards extends Part {
         select.replaceChildren(...first.map(([value, text]) => h("option", { value }, text)), ...all.map((name) => h("option", { value: name }, text_of(name))));
         select.value = chosen;
       };
-      fill(this.kind, [["", "All services"]], kinds, filter.kind);
-      fill(this.value, [["", "First value of each"], ["-", "No values"]], kinds, filter.value);
-      fill(this.group, [["", "Not grouped"]], labels, filter.group, (key) => key);
+      fill(this.kind, [["", t("all-services")]], kinds, filter.kind);
+      fill(this.value, [["", t("first-value")], ["-", t("no-values")]], kinds, filter.value);
+      fill(this.group, [["", t("not-grouped")]], labels, filter.group, (key) => key);
       this.group.hidden = labels.length === 0 && filter.group === "";
     }
     const counts = catalogue.counts();
@@ -198,7 +199,7 @@ class Boards extends Part {
     if (wanted.join() !== this.shown_states) {
       this.shown_states = wanted.join();
       this.chips.replaceChildren(...wanted.map((state) => h("button", { "data-state": state, onclick: () => this.filtered({ state }) },
-        h("span", { class: state && `state ${state}` }, state_text(state) || "all"), h("span", { class: "count" }))));
+        h("span", { class: state && `state ${state}` }, state ? state_text(state) : t("all")), h("span", { class: "count" }))));
     }
     for (const chip of this.chips.children) {
       const { state } = chip.dataset;
@@ -236,7 +237,7 @@ class Boards extends Part {
 
   new_row() {
     const cells = columns.map(([key]) => h("span", { role: "cell", class: `c-${key}` }));
-    cells[0].append(h("a", {}), " ", h("small", { class: "muted" }));
+    cells[0].append(h("a", {}), " ", small());
     cells[1].append(h("span", {}));
     const box = h("input", { type: "checkbox", onchange: () => this.pick(row.names, box.checked) });
     const row = h("div", { role: "row", class: "row" }, h("span", { role: "cell", class: "c-pick" }, box), cells);
@@ -252,21 +253,21 @@ class Boards extends Part {
     row.names = of_group ? board.names : [board.name];
     pick.firstChild.tabIndex = index === this.current || of_group ? 0 : -1;
     pick.firstChild.checked = row.names.every((each) => picked.has(each));
-    pick.firstChild.setAttribute("aria-label", `Select ${of_group ? board.group : board.name}`);
+    pick.firstChild.setAttribute("aria-label", t("select-board", { board: of_group ? board.group : board.name }));
     if (of_group) return this.fill_group(row, board);
     set_text(link, board.called || board.name);
     set_text(value, this.values.text(board.name));
-    const href = `#/board/${encodeURIComponent(board.name)}`;
+    const href = page_of("board", board.name);
     if (link.getAttribute("href") !== href) link.setAttribute("href", href);
     set_text(name.lastChild, [board.called && board.name, ...board.labels].filter(Boolean).join("  "));
     name.title = [board.name, ...board.labels].join(", ");
     link.tabIndex = index === this.current ? 0 : -1;
     const stopped = board.reason === "latched" && alive(board.state);
-    set_text(state.firstChild, board.conflict ? `${board.state}, conflict` : stopped ? "stopped" : state_text(board.state));
+    set_text(state.firstChild, board.conflict ? `${state_text(board.state)}, ${t("conflict-within")}` : stopped ? t("stopped-within") : state_text(board.state));
     set_class(state.firstChild, `state ${stopped ? "latched" : board.state}`);
     set_text(since, board.since === undefined ? "" : duration_text(now - board.since));
     const why = reason_text(board.reason);
-    since.title = [board.since === undefined ? state_text(board.state) : `${state_text(board.state)} since ${moment_text(board.since, now)}`, why].filter(Boolean).join(": ");
+    since.title = [board.since === undefined ? state_text(board.state) : t("state-since-time", { state: state_text(board.state), time: moment_text(board.since, now) }), why].filter(Boolean).join(": ");
     state.title = why;
     const text = board.services.map(service_text).join(", ");
     set_text(services, text);
@@ -279,7 +280,7 @@ class Boards extends Part {
     const [, name, ...others] = row.children;
     set_text(name.firstChild, "");
     name.firstChild.removeAttribute("href");
-    set_text(name.lastChild, `${group} (${names.length.toLocaleString("en")})`);
+    set_text(name.lastChild, `${group} (${count_text(names.length)})`);
     name.title = "";
     set_text(others[0].firstChild, "");
     set_class(others[0].firstChild, "");

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A form for one command, made from the model of its service.
-import { answer_text, arguments_of, button_text, fields_of, hint_of, parse_field, safe_form } from "../core/form.js";
+import { answer_text, arguments_of, button_text, fields_of, hint_of, parse_field, safe_form, why_text } from "../core/form.js";
+import { t } from "../core/language.js";
 import { unit_text, words } from "../core/text.js";
 import { bus } from "../net/bus.js";
-import { fresh_id, h, Part, set_text } from "./dom.js";
+import { answer_line, fresh_id, h, Part, set_text } from "./dom.js";
 import { status } from "./model.js";
 
 const kHoldMs = 500;
@@ -23,11 +24,11 @@ class Command extends Part {
   shown() {
     const title = this.command.title ?? words(this.name);
     this.inputs = new Map();
-    this.output = h("output", { class: "answer", "aria-live": "polite" });
+    this.answer = answer_line();
     this.actions = h("span", { class: "actions" }, this.buttons());
     this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "", onchange: () => this.name_button(),
       onsubmit: (event) => { event.preventDefault(); this.send(); } },
-      h("div", { class: "title" }, h("span", {}, title), this.output), this.fields.map((field) => this.control(field)), this.actions);
+      h("div", { class: "title" }, h("span", {}, title), this.answer), this.fields.map((field) => this.control(field)), this.actions);
     this.name_button();
     this.append(this.form);
   }
@@ -38,16 +39,16 @@ class Command extends Part {
 
   buttons() {
     const first = this.runs_while_held;
-    const set = h("button", first ? { title: "Stays on when you let go" } : { class: "main" }, first ? "Keep on" : "");
+    const set = h("button", first ? { title: t("stays-when") } : { class: "main" }, first ? t("keep-on") : "");
     this.name_button = () => { if (!first) set_text(set, button_text(this.command, this.name, this.model.element, this.inputs.get(this.model.element)?.value())); };
     if (!this.held_kind) return set;
     const hold = h("button", { type: "button", class: first ? "main hold" : "hold", "aria-pressed": "false",
-      title: "Works as long as you hold it; made safe as soon as you let go",
+      title: t("works-long"),
       onpointerdown: (event) => { hold.setPointerCapture(event.pointerId); this.hold(hold); },
       onpointerup: () => this.release(), onpointercancel: () => this.release(), onlostpointercapture: () => this.release(),
       onkeydown: (event) => { if (is_press(event)) { event.preventDefault(); if (!event.repeat) this.hold(hold); } },
       onkeyup: (event) => { if (is_press(event)) this.release(); },
-      onblur: () => this.release(), oncontextmenu: (event) => event.preventDefault() }, first ? "Hold to run" : "Hold");
+      onblur: () => this.release(), oncontextmenu: (event) => event.preventDefault() }, first ? t("hold-run") : t("hold"));
     this.listen(document, "visibilitychange", () => this.release());
     this.while_shown(() => this.release());
     return first ? [hold, set] : [set, hold];
@@ -89,7 +90,7 @@ class Command extends Part {
     const args = this.arguments();
     if (!args) return [...this.inputs.values()].find((input) => input.focusable.getAttribute("aria-invalid") === "true")?.focusable.focus();
     this.busy = true;
-    const waiting = setTimeout(() => this.tell("", "Waiting for the board …"), 150);
+    const waiting = setTimeout(() => this.tell("", t("waiting-board")), 150);
     const began = performance.now();
     const entered = this.entered();
     const answer = await (this.ask?.(args) ?? bus.command(this.board, this.service.name, this.name, args).answer);
@@ -104,13 +105,8 @@ class Command extends Part {
     const { kind, text } = answer_text(answer);
     this.tell(kind, text);
     if (answer.status !== "ok") return;
-    const proof = `${this.service.name} ${this.name}: proof: ${answer.proof}${ms === undefined ? "" : `, ${Math.round(ms)} ms`}`;
+    const proof = `${this.service.name} ${this.name}: ${answer.proof}${ms === undefined ? "" : `, ${Math.round(ms)} ms`}`;
     this.dispatchEvent(Object.assign(new Event("proof", { bubbles: true }), { proof }));
-  }
-
-  tell(kind, text) {
-    this.output.className = `answer ${kind}`;
-    set_text(this.output, text);
   }
 
   hold(button) {
@@ -134,7 +130,7 @@ class Command extends Part {
   lost(held, answer) {
     if (this.held !== held) return;
     this.release(false);
-    this.tell("timeout", `Not held any more: ${answer.error ?? "the connection was lost"}`);
+    this.tell("timeout", t("not-held", { why: why_text(answer) }));
   }
 
   async send_held(args) {
@@ -152,7 +148,7 @@ class Command extends Part {
     if (!current) return;
     held.begun = true;
     last_values.set(this.key, this.entered());
-    this.tell("ok", "Held.");
+    this.tell("ok", t("held"));
   }
 
   /// Made safe at once; should that be lost on its way, the agent does it by itself within the hold time.
@@ -166,7 +162,7 @@ class Command extends Part {
     const safe = safe_form(this.model, this.name, held.args);
     if (!make_safe || !safe) return;
     const answer = await bus.command(this.board, this.service.name, safe.command, safe.args).answer;
-    const { kind, text } = answer.status === "ok" ? { kind: "ok", text: "Let go: safe." } : answer_text(answer);
+    const { kind, text } = answer.status === "ok" ? { kind: "ok", text: t("let-go-safe") } : answer_text(answer);
     if (!this.held && this.isConnected) this.tell(kind, text);
   }
 }
@@ -196,7 +192,7 @@ function make_number(form, field, id, known = field.preset) {
   } else {
     // Not known yet: the slider must not look as if this were the present value.
     slider.classList.add("unknown");
-    slider.setAttribute("aria-valuetext", "not known yet");
+    slider.setAttribute("aria-valuetext", t("not-known"));
     slider.value = (field.min + field.max) / 2;
   }
   return { elements: [slider, number], focusable: number, value };
@@ -206,7 +202,7 @@ function make_choice(form, field, id, known) {
   const options = field.choices.map(({ value, name }) => h("option", { value }, words(name)));
   const select = h("select", { id }, options);
   const preset = known ?? field.preset;
-  if (preset === undefined) select.prepend(h("option", { value: "" }, "Choose"));
+  if (preset === undefined) select.prepend(h("option", { value: "" }, t("choose")));
   select.value = preset ?? "";
   return { elements: [select], focusable: select, value: () => select.value };
 }
@@ -224,14 +220,14 @@ function make_color(form, field, id, known) {
 function make_list(form, field, id) {
   const rows = [];
   const list = h("div", { class: "list", role: "group", "aria-label": words(field.name) });
-  const add = h("button", { id, type: "button", onclick: () => append() }, "Add");
+  const add = h("button", { id, type: "button", onclick: () => append() }, t("add"));
   const append = () => {
     const parts = field.items.map((item) => {
       const part_id = fresh_id("field");
       const input = makers[item.kind]?.(form, item, part_id) ?? make_number(form, { ...item, slider: false }, part_id);
       return { input, element: h("span", { class: "part" }, h("label", { for: part_id, class: field.items.length === 1 ? "hidden" : "" }, words(item.name)), input.elements) };
     });
-    const remove = h("button", { type: "button", "aria-label": `Remove ${words(field.name)} ${rows.length + 1}`, onclick: () => {
+    const remove = h("button", { type: "button", "aria-label": t("remove-name", { name: `${words(field.name)} ${rows.length + 1}` }), onclick: () => {
       rows.splice(rows.indexOf(row), 1);
       row.element.remove();
       add.disabled = false;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One dashboard, live: to be looked at and used, full screen, too; and its editor.
 import { kSizes, moved, name_of_title, selectors_of, title_of } from "../core/dashboard.js";
+import { t } from "../core/language.js";
 import { who_text } from "../core/text.js";
 import { bus, path_of, request, request_with_tag } from "../net/bus.js";
-import { fresh_id, h, Part, set_text } from "./dom.js";
+import { answer_line, field, fresh_id, h, page_of, Part, set_text, small } from "./dom.js";
 import { boards, status } from "./model.js";
 import { offers_of_board } from "./add_widget.js";
 import "./share.js";
@@ -21,12 +22,12 @@ class Dashboard extends Part {
     this.note = h("p", { class: "muted", role: "status" }, "");
     this.grid = h("div", { class: "dashboard-grid", onkeydown: (event) => this.step(event) });
     this.follow_drags();
-    this.edit_button = h("button", { "aria-expanded": "false", onclick: () => this.edit(this.editor.hidden) }, "Edit");
-    this.full_button = h("button", { onclick: () => this.full_screen() }, "Full screen");
+    this.edit_button = h("button", { "aria-expanded": "false", onclick: () => this.edit(this.editor.hidden) }, t("edit"));
+    this.full_button = h("button", { onclick: () => this.full_screen() }, t("full-screen"));
     this.share = document.createElement("asip-share").begin(this.name);
     this.tools = h("span", { class: "tools dashboard-tools" }, this.full_button, this.edit_button);
-    this.editor = h("section", { class: "dashboard-editor", "aria-label": "Editor", hidden: true });
-    this.append(h("p", { class: "back" }, h("a", { href: "#/dashboards" }, "← All dashboards")),
+    this.editor = h("section", { class: "dashboard-editor", "aria-label": t("editor"), hidden: true });
+    this.append(h("p", { class: "back" }, h("a", { href: "#/dashboards" }, `← ${t("all-dashboards")}`)),
       h("div", { class: "title-row" }, this.heading, this.tools), this.share, this.note, this.editor, this.grid);
     this.listen(status, "change", () => this.allow());
     this.listen(document, "visibilitychange", () => (document.hidden ? this.unfollow() : this.follow()));
@@ -80,7 +81,7 @@ class Dashboard extends Part {
     this.document = undefined;
     this.grid.replaceChildren();
     this.editor.hidden = true;
-    set_text(this.note, `There is no dashboard ${this.name} now. This page shows it as soon as it is there.`);
+    set_text(this.note, t("there-no-dashboard", { name: this.name }));
   }
 
   /// Widgets that stay as they are keep their element, with what they draw.
@@ -92,7 +93,7 @@ class Dashboard extends Part {
     this.document = document_;
     this.etag = etag;
     set_text(this.heading, document_.title || this.name);
-    set_text(this.note, document_.widgets.length === 0 ? "Nothing is on it yet: “Edit” adds values and controls, and so does “+ Dashboard” on the page of a board." : "");
+    set_text(this.note, document_.widgets.length === 0 ? t("nothing-yet") : "");
     this.widgets = new Map(tiles.map((each) => {
       const old = before.get(each.id);
       const same = old && JSON.stringify(old.widget) === JSON.stringify(each);
@@ -111,7 +112,7 @@ class Dashboard extends Part {
     this.editor.hidden = !on;
     this.grid.classList.toggle("editing", on);
     this.edit_button.setAttribute("aria-expanded", String(on));
-    set_text(this.edit_button, on ? "Done" : "Edit");
+    set_text(this.edit_button, on ? t("done") : t("edit"));
     if (on) this.show_editor();
   }
 
@@ -119,34 +120,34 @@ class Dashboard extends Part {
     if (!this.document) return;
     const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, value: this.document.title, autocomplete: "off",
       onchange: () => this.change((document_) => ({ ...document_, title: title.value.trim() })) });
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
-    this.editor.replaceChildren(h("h2", {}, "Editor"), h("div", { class: "field text" }, h("label", { for: title.id }, "Title"), title),
+    this.answer = answer_line();
+    this.editor.replaceChildren(h("h2", {}, t("editor")), field(t("title"), title, "text"),
       h("ul", { class: "widget-list" }, this.document.widgets.map((each) => this.widget_row(each))), this.adder(), this.answer,
       h("p", {}, this.remove_button()));
   }
 
   widget_row(widget) {
     const tile = [...this.widgets.values()].find((each) => kept_id(each.widget) === widget.id);
-    const name = title_of(widget, tile?.property) || "Text";
+    const name = title_of(widget, tile?.property) || t("text");
     const change = (edit) => this.change((document_) => ({ ...document_, widgets: edit(document_.widgets) }));
     const set = (more) => change((all) => all.map((each) => (each.id === widget.id ? { ...each, ...more } : each)));
-    const title = h("input", { type: "text", maxlength: 60, value: widget.title ?? "", placeholder: name, "aria-label": `Title of ${name}`, autocomplete: "off", onchange: () => set({ title: title.value.trim() }) });
-    const size = h("select", { "aria-label": `Size of ${name}`, onchange: () => set({ size: size.value }) }, kSizes.map((each) => h("option", { value: each }, each)));
+    const title = h("input", { type: "text", maxlength: 60, value: widget.title ?? "", placeholder: name, "aria-label": t("title-name", { name }), autocomplete: "off", onchange: () => set({ title: title.value.trim() }) });
+    const size = h("select", { "aria-label": t("size-name", { name }), onchange: () => set({ size: size.value }) }, kSizes.map((each) => h("option", { value: each }, t(`size.${each}`))));
     size.value = widget.size ?? "small";
-    const text = widget.kind === "text" && h("textarea", { rows: 2, maxlength: 1000, "aria-label": `Text of ${name}`, onchange: () => set({ text: text.value }) }, widget.text);
-    return h("li", {}, h("span", { class: "muted" }, widget.kind, widget.labels && h("small", {}, ` of ${widget.labels}`)), title, text, size,
-      h("button", { "aria-label": `Duplicate ${name}`, onclick: () => change((all) => all.flatMap((each) => (each.id === widget.id ? [each, { ...each, id: undefined }] : each))) }, "Duplicate"),
-      h("button", { "aria-label": `Remove ${name}`, onclick: () => change((all) => all.filter((each) => each.id !== widget.id)) }, "×"));
+    const text = widget.kind === "text" && h("textarea", { rows: 2, maxlength: 1000, "aria-label": t("text-name", { name }), onchange: () => set({ text: text.value }) }, widget.text);
+    return h("li", {}, h("span", { class: "muted" }, t(`kind.${widget.kind}`), widget.labels && h("small", {}, ` ${widget.labels}`)), title, text, size,
+      h("button", { "aria-label": t("duplicate-name", { name }), onclick: () => change((all) => all.flatMap((each) => (each.id === widget.id ? [each, { ...each, id: undefined }] : each))) }, t("duplicate")),
+      h("button", { "aria-label": t("remove-name", { name }), onclick: () => change((all) => all.filter((each) => each.id !== widget.id)) }, "×"));
   }
 
   adder() {
     const rows = boards.catalogue.view();
     const selectors = selectors_of(rows);
-    const board = h("select", { id: fresh_id("board"), onchange: () => load() }, h("option", { value: "" }, "Choose"),
-      selectors.length > 0 && h("optgroup", { label: "One tile for each board with" }, selectors.map((each) => h("option", { value: `=${each}` }, each))),
-      h("optgroup", { label: "One board" }, rows.map((row) => h("option", { value: row.name }, row.called ? `${row.called}, ${row.name}` : row.name))));
+    const board = h("select", { id: fresh_id("board"), onchange: () => load() }, h("option", { value: "" }, t("choose")),
+      selectors.length > 0 && h("optgroup", { label: t("one-tile") }, selectors.map((each) => h("option", { value: `=${each}` }, each))),
+      h("optgroup", { label: t("one-board") }, rows.map((row) => h("option", { value: row.name }, row.called ? `${row.called}, ${row.name}` : row.name))));
     const what = h("select", { id: fresh_id("what"), disabled: true });
-    const add = h("button", { type: "button", disabled: true, onclick: () => this.add(offers[Number(what.value)].widget) }, "Add");
+    const add = h("button", { type: "button", disabled: true, onclick: () => this.add(offers[Number(what.value)].widget) }, t("add"));
     let offers = [];
     const load = async () => {
       const labels = board.value.startsWith("=") ? board.value.slice(1) : undefined;
@@ -156,9 +157,9 @@ class Dashboard extends Part {
       what.replaceChildren(...offers.map((offer, i) => h("option", { value: i }, offer.text)));
       what.disabled = add.disabled = offers.length === 0;
     };
-    return h("div", { class: "adder", role: "group", "aria-label": "Add a widget" }, h("div", { class: "field" }, h("label", { for: board.id }, "Board"), board),
-      h("div", { class: "field" }, h("label", { for: what.id }, "What"), what), add, h("button", { type: "button", onclick: () => this.add({ kind: "stop", title: "Stop" }) }, "Add a stop"),
-      h("button", { type: "button", onclick: () => this.add({ kind: "text", text: "Write here" }) }, "Add a text"));
+    return h("div", { class: "adder", role: "group", "aria-label": t("add-widget") }, field(t("board"), board),
+      field(t("what"), what), add, h("button", { type: "button", onclick: () => this.add({ kind: "stop", title: t("stop") }) }, t("add-stop")),
+      h("button", { type: "button", onclick: () => this.add({ kind: "text", text: t("write-here") }) }, t("add-text")));
   }
 
   /// A tile is dragged by its handle, with a finger, too; it is moved where it is let go.
@@ -209,9 +210,9 @@ class Dashboard extends Part {
 
   remove_button() {
     const button = h("button", { onclick: () => {
-      button.replaceWith(h("span", {}, `Remove this dashboard and its links? `, h("button", { class: "danger", onclick: () => this.remove() }, "Yes, remove"), " ",
-        h("button", { onclick: () => this.show_editor() }, "Keep it")));
-    } }, "Remove this dashboard");
+      button.replaceWith(h("span", {}, t("remove-dashboard"), " ", h("button", { class: "danger", onclick: () => this.remove() }, t("yes-remove")), " ",
+        h("button", { onclick: () => this.show_editor() }, t("keep"))));
+    } }, t("remove-this-dashboard"));
     return button;
   }
 
@@ -237,7 +238,7 @@ class Dashboard extends Part {
     } catch (problem) {
       this.saving = false;
       this.show_editor();
-      this.tell(problem.status === 412 ? "Not kept: another user changed it meanwhile. You see what it is now; try again." : `Not kept: ${problem.message}`);
+      this.tell(problem.status === 412 ? t("not-kept") : t("not-kept-message", { message: problem.message }));
     }
   }
 
@@ -256,11 +257,11 @@ class Dashboards extends Part {
   shown() {
     this.list = h("ul", { class: "dashboard-list" });
     this.note = h("p", { class: "muted", role: "status" });
-    this.title_input = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, placeholder: "Greenhouse", autocomplete: "off" });
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
-    this.form = h("form", { "aria-label": "New dashboard", hidden: true, onsubmit: (event) => { event.preventDefault(); this.make(); } },
-      h("div", { class: "field text" }, h("label", { for: this.title_input.id }, "New dashboard"), this.title_input, h("button", { class: "main" }, "Make")), this.answer);
-    this.append(h("h1", { tabindex: "-1" }, "Dashboards"), this.note, this.list, this.form);
+    this.title_input = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, placeholder: t("greenhouse"), autocomplete: "off" });
+    this.answer = answer_line();
+    this.form = h("form", { "aria-label": t("new-dashboard-within"), hidden: true, onsubmit: (event) => { event.preventDefault(); this.make(); } },
+      h("div", { class: "field text" }, h("label", { for: this.title_input.id }, t("new-dashboard-within")), this.title_input, h("button", { class: "main" }, t("make"))), this.answer);
+    this.append(h("h1", { tabindex: "-1" }, t("dashboards")), this.note, this.list, this.form);
     this.listen(boards, "dashboards", () => this.load());
     this.listen(status, "change", () => { this.form.hidden = status.you.arrange !== true; });
     this.form.hidden = status.you.arrange !== true;
@@ -270,9 +271,9 @@ class Dashboards extends Part {
   async load() {
     try {
       const { items } = await request("api/dashboards");
-      this.list.replaceChildren(...items.map((each) => h("li", {}, h("a", { href: `#/dashboard/${encodeURIComponent(each.name)}` }, each.title || each.name), " ",
-        h("small", { class: "muted" }, `${each.widgets} ${each.widgets === 1 ? "widget" : "widgets"}${each.by ? `, changed by ${who_text(each.by)}` : ""}`))));
-      set_text(this.note, items.length > 0 ? "" : "There is none yet. A dashboard shows chosen values and controls of your boards on one page, which can be shared by a link.");
+      this.list.replaceChildren(...items.map((each) => h("li", {}, h("a", { href: page_of("dashboard", each.name) }, each.title || each.name), " ",
+        small(`${t("n-widgets", { n: each.widgets })}${each.by ? `, ${t("changed-who", { who: who_text(each.by) })}` : ""}`))));
+      set_text(this.note, items.length > 0 ? "" : t("there-none-yet"));
     } catch (problem) {
       set_text(this.note, problem.message);
     }
@@ -281,10 +282,10 @@ class Dashboards extends Part {
   async make() {
     const title = this.title_input.value.trim();
     const name = name_of_title(title);
-    if (name === "") return set_text(this.answer, "A dashboard needs a title with letters or digits.");
+    if (name === "") return set_text(this.answer, t("dashboard-needs"));
     try {
       await request(path_of("dashboards", name), { method: "PUT", body: { title, widgets: [] }, headers: { "If-None-Match": "*" } });
-      location.hash = `#/dashboard/${encodeURIComponent(name)}`;
+      location.hash = page_of("dashboard", name);
     } catch (problem) {
       set_text(this.answer, problem.message);
     }

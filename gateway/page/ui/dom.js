@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Elements without HTML text: names and values only ever become text nodes.
+import { t } from "../core/language.js";
 import { state_text } from "../core/text.js";
 
 /// h("button", { class: "plain", onclick: f, disabled: true }, "Send")
@@ -28,6 +29,20 @@ export function set_text(element, text) {
 
 export function set_class(element, name) {
   if (element.className !== name) element.className = name;
+}
+
+export const muted = (...children) => h("p", { class: "muted" }, ...children);
+export const small = (...children) => h("small", { class: "muted" }, ...children);
+export const page_of = (kind, name) => `#/${kind}/${encodeURIComponent(name)}`;
+
+/// A control with an id below its title.
+export const field = (title, control, kind = "") => h("div", { class: `field ${kind}` }, h("label", { for: control.id }, title), control);
+
+/// Where it is told how what a person asked for has ended.
+export const answer_line = () => h("output", { class: "answer", "aria-live": "polite" });
+export function tell(line, kind, text) {
+  set_class(line, `answer ${kind}`);
+  set_text(line, text);
 }
 
 let ids = 0;
@@ -61,6 +76,8 @@ export class Part extends HTMLElement {
     this.while_shown(() => clearInterval(timer));
   }
 
+  tell(kind, text) { tell(this.answer, kind, text); }
+
   connectedCallback() { this.shown(); }
 
   disconnectedCallback() {
@@ -71,7 +88,7 @@ export class Part extends HTMLElement {
 
 /// A command that a person types on a machine, with a button that copies it.
 export function command_line(text) {
-  const copy = h("button", { "aria-label": `Copy ${text}`, onclick: () => navigator.clipboard?.writeText(text).then(() => set_text(copy, "Copied"), () => undefined) }, "Copy");
+  const copy = h("button", { "aria-label": t("copy-text", { text }), onclick: () => navigator.clipboard?.writeText(text).then(() => set_text(copy, t("copied")), () => undefined) }, t("copy"));
   return h("div", { class: "command-line" }, h("code", {}, text), copy);
 }
 

@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // Other systems that boards are shown to. The gateway's own user may write no file of the machine and start nothing anew: to switch
 // one on or off is a command that a person types there.
-import { command_line, h, Part, set_class, set_text } from "./dom.js";
+import { t } from "../core/language.js";
+import { command_line, h, muted, Part, set_class, set_text } from "./dom.js";
 import { status } from "./model.js";
 
 const names = { sparkplug: "plant" }; // what the command needs beside the system
 
 function words_of({ on, shows, other }) {
-  if (shows) return ["online", "on, shows your boards"];
-  if (on) return other ? ["online", `on; the gateway of ${other} shows them`] : ["updating", "on, begins"];
-  return ["offline", other ? `off here; the gateway of ${other} shows them` : "off"];
+  if (shows) return ["online", t("shows-your")];
+  if (on) return other ? ["online", t("gateway-other", { other })] : ["updating", t("begins")];
+  return ["offline", other ? t("off-here", { other }) : t("off")];
 }
 
 function found_text({ system, found }) {
-  if (system === "web-of-things") return "Over MQTT. Over HTTP each board is a thing anyway.";
+  if (system === "web-of-things") return t("over-mqtt");
   if (system !== "home-assistant") return "";
-  if (found === undefined) return "It has said nothing on this broker yet. It does when it starts, and when its MQTT integration is set up.";
-  return found ? "Found: it uses this broker." : "It was on this broker, and has left.";
+  if (found === undefined) return t("said-nothing");
+  return found ? t("found-uses") : t("was-broker");
 }
 
 class Exports extends Part {
   shown() {
     this.cards = new Map();
-    this.note = h("p", { class: "muted" });
+    this.note = muted();
     this.box = h("div", { class: "cards" });
     this.append(this.note, this.box);
     this.listen(status, "change", () => this.show());
@@ -31,11 +32,11 @@ class Exports extends Part {
 
   show() {
     const { exports = [] } = status.now ?? {};
-    set_text(this.note, exports.length > 0 ? "" : "Your token shows some boards only, and nothing of other systems.");
+    set_text(this.note, exports.length > 0 ? "" : t("your-token-shows"));
     for (const each of exports) {
       let card = this.cards.get(each.system);
       if (!card) {
-        card = { mark: h("span", {}), found: h("p", { class: "muted" }), how: h("details", {}) };
+        card = { mark: h("span", {}), found: muted(), how: h("details", {}) };
         this.cards.set(each.system, card);
         this.box.append(h("article", { class: "card" }, h("h3", {}, each.title), card.mark, card.found, card.how));
       }
@@ -46,7 +47,7 @@ class Exports extends Part {
       card.how.hidden = status.you.role !== "admin" || each.system === "web-of-things"; // that one has things over HTTP
       if (card.on === each.on) continue;
       card.on = each.on;
-      card.how.replaceChildren(h("summary", {}, each.on ? "Switch off" : "Switch on"), h("p", { class: "muted" }, "On the gateway's machine; the gateway starts anew, and this page is back a second later:"),
+      card.how.replaceChildren(h("summary", {}, each.on ? t("switch-off") : t("switch")), muted(t("gateways-machine")),
         command_line(["sudo asip-gateway export", each.system, each.on ? "--off" : names[each.system] ?? ""].join(" ").trim()));
     }
   }

@@ -2,9 +2,10 @@
 // What happened to one board, or on the whole bus.
 import { model_name } from "../core/asked.js";
 import { fits, folded, row_of } from "../core/history.js";
+import { t } from "../core/language.js";
 import { moment_text } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
-import { h, Part, set_text, state_mark } from "./dom.js";
+import { h, page_of, Part, set_text, state_mark } from "./dom.js";
 import { boards } from "./model.js";
 
 const models = new Map(); // by name
@@ -38,13 +39,13 @@ class History extends Part {
   shown() {
     this.rows = [];
     this.body = h("tbody", {});
-    const heads = ["Time", this.with_board && "Board", "State", "What happened"].filter(Boolean);
-    this.table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "History" },
+    const heads = [t("time"), this.with_board && t("board"), t("state"), t("what-happened")].filter(Boolean);
+    this.table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": t("history") },
       h("table", {}, h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col" }, head)))), this.body));
     this.note = h("p", { class: "muted", role: "status" });
-    this.more = h("button", { hidden: true, onclick: () => this.load(this.cursor) }, "Earlier");
+    this.more = h("button", { hidden: true, onclick: () => this.load(this.cursor) }, t("earlier"));
     let typing;
-    this.search = h("input", { type: "search", "aria-label": "Search the history", placeholder: "Search: user, event, board", oninput: () => {
+    this.search = h("input", { type: "search", "aria-label": t("search-history"), placeholder: t("search-user"), oninput: () => {
       clearTimeout(typing);
       typing = setTimeout(() => this.load(), 300);
     } });
@@ -86,15 +87,15 @@ class History extends Part {
     this.rows = rows;
     this.cursor = cursor;
     this.body.replaceChildren(...folded(rows).map((row) => this.row(row)));
-    set_text(this.note, problem ?? (rows.length > 0 ? "" : !text ? "Nothing happened yet." : `Not among ${cursor ? "the newest " : ""}${searched} entries.`));
+    set_text(this.note, problem ?? (rows.length > 0 ? "" : !text ? t("nothing-happened-yet") : cursor ? t("not-among", { n: searched }) : t("not-among-n", { n: searched })));
     this.table.hidden = rows.length === 0;
     this.more.hidden = !this.cursor;
   }
 
   row(row) {
-    const times = row.times > 1 && `, ${row.times} times${row.until !== row.at ? ` since ${moment_text(row.until)}` : ""}`;
+    const times = row.times > 1 && `, ${t("n-times", { n: row.times })}${row.until !== row.at ? `, ${t("since-since", { since: moment_text(row.until) })}` : ""}`;
     return h("tr", {}, h("td", {}, moment_text(row.at)),
-      this.with_board && h("td", {}, h("a", { href: `#/board/${encodeURIComponent(row.board)}` }, row.board)),
+      this.with_board && h("td", {}, h("a", { href: page_of("board", row.board) }, row.board)),
       h("td", { class: row.status && "muted" }, row.state ? state_mark(row.state) : row.status), h("td", {}, row.text, times));
   }
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The links from and to a board: listed, made in three choices, turned on and off, removed.
 import { alive } from "../core/catalogue.js";
+import { t } from "../core/language.js";
 import { is_source, is_target, rule_of, standing_of, ways_of } from "../core/rule.js";
 import { moment_text, time_of } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
-import { fresh_id, h, Part, set_class, set_text } from "./dom.js";
+import { answer_line, field, fresh_id, h, muted, Part, set_class, set_text, small } from "./dom.js";
 import { boards, status } from "./model.js";
 
 const kMaxBoards = 40;
@@ -21,9 +22,9 @@ class Links extends Part {
 
   shown() {
     this.list = h("ul", { class: "link-list" });
-    this.note = h("p", { class: "muted" });
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
-    this.open = h("button", { "aria-expanded": "false", onclick: () => this.toggle() }, "Make a link");
+    this.note = muted();
+    this.answer = answer_line();
+    this.open = h("button", { "aria-expanded": "false", onclick: () => this.toggle() }, t("make-link"));
     this.panel = h("div", { class: "add-panel", hidden: true });
     this.append(this.list, this.note, this.open, this.panel, this.answer);
     this.items = [];
@@ -44,9 +45,9 @@ class Links extends Part {
   show() {
     this.open.hidden = !status.may_label;
     this.panel.hidden ||= !status.may_label;
-    set_text(this.note, [this.set_aside?.length > 0 && `Cannot be read: ${this.set_aside.join("; ")}.`, this.items.length === 0 && "A link lets one board switch another, while all programs are off. There is none here.",
-      status.now && !status.may_label && "You may look at links; an operator makes and changes them."].filter(Boolean).join(" "));
-    const rows = new Map(this.items.map((link) => [id_of(link), this.rows.get(id_of(link)) ?? h("li", {}, h("span", {}), h("span", {}), h("small", { class: "muted" }), h("span", { class: "link-tools" }))]));
+    set_text(this.note, [this.set_aside?.length > 0 && t("cannot-read", { which: this.set_aside.join("; ") }), this.items.length === 0 && t("link-lets"),
+      status.now && !status.may_label && t("you-may")].filter(Boolean).join(" "));
+    const rows = new Map(this.items.map((link) => [id_of(link), this.rows.get(id_of(link)) ?? h("li", {}, h("span", {}), h("span", {}), small(), h("span", { class: "link-tools" }))]));
     for (const [id, row] of this.rows) if (!rows.has(id)) row.remove();
     this.rows = rows;
     for (const link of this.items) this.show_row(rows.get(id_of(link)), link);
@@ -72,11 +73,11 @@ class Links extends Part {
   tools(link) {
     const id = id_of(link);
     const tool = (word, work, more = {}) => h("button", { "aria-label": `${word} ${id}`, onclick: work, ...more }, word);
-    if (!link.yours) return status.may_label ? [h("small", { class: "muted" }, `set by ${link.user || "others"}, who may change it`)] : [];
-    if (this.asked !== id) return [tool(link.disabled ? "Turn on" : "Turn off", () => this.change(link, link.disabled ? "enable" : "disable")), tool("Remove", () => this.ask(id))];
-    const no = tool("Keep it", () => this.ask(undefined));
+    if (!link.yours) return status.may_label ? [small(link.user ? t("set-user", { user: link.user }) : t("set-others"))] : [];
+    if (this.asked !== id) return [tool(link.disabled ? t("turn") : t("turn-off"), () => this.change(link, link.disabled ? "enable" : "disable")), tool(t("remove"), () => this.ask(id))];
+    const no = tool(t("keep"), () => this.ask(undefined));
     queueMicrotask(() => no.focus());
-    return [h("span", {}, "Remove it?"), tool("Yes, remove", () => this.change(link, "remove"), { class: "danger" }), no];
+    return [h("span", {}, t("remove-it")), tool(t("yes-remove"), () => this.change(link, "remove"), { class: "danger" }), no];
   }
 
   ask(id) {
@@ -107,7 +108,7 @@ class Links extends Part {
     this.panel.hidden = !open;
     this.open.setAttribute("aria-expanded", String(open));
     if (!open) return;
-    this.panel.replaceChildren(h("p", { class: "muted" }, "Looking what there is …"));
+    this.panel.replaceChildren(muted(t("looking-what")));
     const others = boards.catalogue.by_name().filter((row) => row.name !== this.board && alive(row.state));
     const names = [this.board, ...others.slice(0, kMaxBoards).map((row) => row.name)];
     const lists = await Promise.all(names.map((name) => request(path_of("boards", name, "properties")).catch(() => ({ properties: [] }))));
@@ -119,23 +120,22 @@ class Links extends Part {
     const offered = (wanted) => [...this.offers].map(([board, properties]) => [board, properties.filter(wanted)]).filter(([, properties]) => properties.length > 0);
     const sources = offered(is_source);
     const targets = offered(is_target);
-    if (sources.length === 0 || targets.length === 0) return this.panel.replaceChildren(h("p", { class: "muted" }, "No board has a value that a link could follow, or none that it could set. Set the mode of a pin first."));
+    if (sources.length === 0 || targets.length === 0) return this.panel.replaceChildren(muted(t("no-board-value")));
     const select = (name, groups) => h("select", { id: fresh_id(name), onchange: () => this.choose() }, groups.map(([board, properties]) => h("optgroup", { label: boards.catalogue.rows.get(board)?.called || board },
       properties.map((each) => h("option", { value: `${board}/${each.id}` }, `${board}: ${each.name}`)))));
     const input = (name) => h("input", { id: fresh_id(name), type: "text", autocomplete: "off", size: 8 });
-    const field = (label, control) => h("div", { class: "field" }, h("label", { for: control.id }, label), control);
     this.from = select("from", sources);
     this.how = h("select", { id: fresh_id("how"), onchange: () => this.show_fields() });
     this.to = select("to", targets);
     this.inputs = { level: input("level"), back: input("back"), value: input("value"), otherwise: input("otherwise") };
-    this.levels = [field("Level", this.inputs.level), field("Back again at (may be empty)", this.inputs.back)];
-    this.values = [field("Its value then", this.inputs.value), field("Its value else", this.inputs.otherwise)];
+    this.levels = [field(t("level"), this.inputs.level), field(t("back-again"), this.inputs.back)];
+    this.values = [field(t("value-then"), this.inputs.value), field(t("value-else"), this.inputs.otherwise)];
     const save = async (event) => {
       event.preventDefault();
       await this.make();
     };
-    this.panel.replaceChildren(h("form", { "aria-label": "Make a link", onsubmit: save }, field("1. What happens", this.from), field("2. What it does", this.how), this.levels, this.values, field("3. Which it sets", this.to),
-      h("span", { class: "actions" }, h("button", { class: "main" }, "Make it"))), more ? h("p", { class: "muted" }, `Offered are this board and ${kMaxBoards} others; asipctl link takes any.`) : "");
+    this.panel.replaceChildren(h("form", { "aria-label": t("make-link"), onsubmit: save }, field(t("1-what-happens"), this.from), field(t("2-what"), this.how), this.levels, this.values, field(t("3-which"), this.to),
+      h("span", { class: "actions" }, h("button", { class: "main" }, t("make-it")))), more ? muted(t("offered-board", { most: kMaxBoards })) : "");
     this.choose();
     this.from.focus();
   }
@@ -163,12 +163,7 @@ class Links extends Part {
   async make() {
     const to = this.property(this.to);
     const typed = Object.fromEntries(Object.entries(this.inputs).map(([key, input]) => [key, input.closest(".field").hidden ? "" : input.value]));
-    if (await this.send(to.board, { set: rule_of(this.from.value, to.id, this.way.when, typed) }, "Kept by the board's agent.")) this.toggle();
-  }
-
-  tell(kind, text) {
-    this.answer.className = `answer ${kind}`;
-    set_text(this.answer, text);
+    if (await this.send(to.board, { set: rule_of(this.from.value, to.id, this.way.when, typed) }, t("kept-boards"))) this.toggle();
   }
 }
 

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What people call a board, its services and its pins, and its labels. The board's agent keeps them.
 import { changed_labels, changed_names, labels_text } from "../core/labels.js";
+import { t } from "../core/language.js";
 import { service_text, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
-import { fresh_id, h, Part, set_text } from "./dom.js";
+import { answer_line, field, fresh_id, h, Part, tell } from "./dom.js";
 import { status } from "./model.js";
 
 /// Asks the agent of a board to keep `change`: {labels, names}. The sentence that says how it ended: {kind, text}.
 export async function keep_labels(board, change) {
   try {
     await request(path_of("boards", board, "labels"), { method: "POST", body: change });
-    return { kind: "ok", text: "Kept." };
+    return { kind: "ok", text: t("kept") };
   } catch (problem) {
     return { kind: "refused", text: problem.message, status: problem.status };
   }
@@ -25,10 +26,10 @@ class Names extends Part {
 
   shown() {
     this.fields = h("div", { class: "name-fields" });
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
-    this.box = h("details", { hidden: true }, h("summary", {}, "Names and labels"),
-      h("form", { "aria-label": "Names and labels", onsubmit: (event) => { event.preventDefault(); this.save(); } }, this.fields,
-        h("span", { class: "actions" }, h("button", { class: "main" }, "Save")), this.answer));
+    this.answer = answer_line();
+    this.box = h("details", { hidden: true }, h("summary", {}, t("names-labels")),
+      h("form", { "aria-label": t("names-labels"), onsubmit: (event) => { event.preventDefault(); this.save(); } }, this.fields,
+        h("span", { class: "actions" }, h("button", { class: "main" }, t("save"))), this.answer));
     this.append(this.box);
     this.listen(status, "change", () => this.allow());
     this.allow();
@@ -50,17 +51,17 @@ class Names extends Part {
 
   build() {
     const { labels = {}, names = {}, description } = this.board;
-    const field = (title, value, more = {}) => {
+    const asked = (title, value, more = {}) => {
       const input = h("input", { id: fresh_id("name"), type: "text", autocomplete: "off", value, ...more });
-      this.fields.append(h("div", { class: "field text" }, h("label", { for: input.id }, title), input));
+      this.fields.append(field(title, input, "text"));
       return input;
     };
     this.fields.replaceChildren();
-    this.own = field("Name of this board", labels.name ?? "", { maxlength: 63, placeholder: this.board_name });
+    this.own = asked(t("name-board"), labels.name ?? "", { maxlength: 63, placeholder: this.board_name });
     const services = description?.services ?? [];
     this.services = new Map(services.map((service) => [service.name,
-      field(`Name of ${service_text(service.name)}`, names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.name === "io" ? "Pins" : service.title ?? words(service.name) })]));
-    this.labels = field("Labels, with commas or blanks between them", labels_text(labels), { placeholder: "room=lab, shelf=2" });
+      asked(t("name-service", { service: service_text(service.name) }), names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.name === "io" ? t("pins") : service.title ?? words(service.name) })]));
+    this.labels = asked(t("labels-commas"), labels_text(labels), { placeholder: "room=lab, shelf=2" });
   }
 
   async save() {
@@ -68,16 +69,15 @@ class Names extends Part {
     const labels = changed_labels(this.board.labels ?? {}, this.labels.value, this.own.value.trim());
     const services = changed_names(this.board.names?.services ?? {}, entered);
     const change = { ...(Object.keys(labels).length > 0 && { labels }), ...(Object.keys(services).length > 0 && { names: { services } }) };
-    if (Object.keys(change).length === 0) return void this.tell({ kind: "ok", text: "Nothing was changed." });
-    this.tell({ kind: "", text: "Waiting for the agent …" });
+    if (Object.keys(change).length === 0) return void this.tell({ kind: "ok", text: t("nothing-was-changed") });
+    this.tell({ kind: "", text: t("waiting-agent") });
     const answer = await keep_labels(this.board_name, change);
     this.shown_key = undefined;
     this.tell(answer);
   }
 
   tell({ kind, text }) {
-    this.answer.className = `answer ${kind}`;
-    set_text(this.answer, text);
+    tell(this.answer, kind, text);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Notifications of the browser for boards that are lost. Nothing is asked before the user presses the button.
 import { Losses } from "../core/attention.js";
+import { t } from "../core/language.js";
 import { script_url } from "../net/bus.js";
 import { h, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";
@@ -46,9 +47,9 @@ class Notify extends Part {
   }
 
   shown() {
-    this.button = h("button", { onclick: () => this.turn() }, "Notify me of lost boards");
+    this.button = h("button", { onclick: () => this.turn() }, t("notify-me"));
     this.answer = h("span", { role: "status", class: "muted" });
-    this.trial = h("button", { onclick: () => tell({ title: "A board is lost", body: "So it is told. None is lost now." }) }, "Try it");
+    this.trial = h("button", { onclick: () => tell({ title: t("board-lost"), body: t("so-told") }) }, t("try"));
     this.append(this.button, " ", this.trial, " ", this.answer);
     this.listen(status, "change", () => this.show());
     this.show();
@@ -64,7 +65,7 @@ class Notify extends Part {
     const on = !wanted();
     const allowed = on ? await Notification.requestPermission() === "granted" : true;
     keep(on && allowed);
-    set_text(this.answer, allowed ? "" : "The browser does not allow it for this page.");
+    set_text(this.answer, allowed ? "" : t("browser-does"));
     this.show();
   }
 }

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pins of a board, drawn as the board has them. A click on a free pin shows what it can do.
 import { answer_text } from "../core/form.js";
+import { known_text, t } from "../core/language.js";
 import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";
 import { is_simple } from "../core/properties.js";
-import { words } from "../core/text.js";
+import { first_up, service_text, words } from "../core/text.js";
 import { offers_of_board } from "./add_widget.js";
 import { bus } from "../net/bus.js";
-import { before_picture, fresh_id, h, Part, set_class, set_text } from "./dom.js";
+import { answer_line, before_picture, field, fresh_id, h, Part, set_class, set_text, small, tell } from "./dom.js";
 import { status } from "./model.js";
 import { keep_labels } from "./names.js";
 import "./widget.js";
 
-const short = { unallocated: "", input: "in", "input-pullup": "in ↑", output: "out", analog: "A in", pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
-const kinds = ["digital", "analog in", "PWM"];
+const short = { unallocated: "", input: t("in"), "input-pullup": `${t("in")} ↑`, output: t("out"), analog: `A ${t("in")}`, pwm: "PWM", reserved: "", "other-service": "", invalid: "" };
+const kinds = [t("digital"), t("analog"), "PWM"];
 const classes = ["button", "door", "window", "motion", "occupancy", "moisture", "smoke", "vibration", "light", "plug", "relay", "fan", "pump", "heater", "buzzer"]; // of meanings
+
+const mode_text = (mode) => known_text(`mode.${mode}`) ?? words(mode ?? "").toLowerCase();
 
 class Pins extends Part {
   /// Call before it is put into the page, and again for a new description. What is on the screen is built anew only where
@@ -50,14 +53,14 @@ class Pins extends Part {
   build() {
     this.cells = new Map();
     const draw_pin = (pin) => {
-      const cell = { pin, name: h("span", { class: "pin-name" }, h("span", { class: "hidden" }, "Pin "), pin.label), called: h("span", { class: "pin-called" }), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }), more: h("span", { class: "hidden" }) };
+      const cell = { pin, name: h("span", { class: "pin-name" }, h("span", { class: "hidden" }, t("pin"), " "), pin.label), called: h("span", { class: "pin-called" }), light: h("span", { class: "light" }), text: h("span", { class: "pin-text" }), more: h("span", { class: "hidden" }) };
       cell.name.append(cell.called);
       cell.button = h("button", { class: "pin", "aria-expanded": "false", onclick: () => this.open(pin) }, cell.name, " ", cell.light, cell.text, cell.more);
       this.cells.set(pin.number, cell);
       return cell.button;
     };
     const rows = board_rows(this.pins).map((row) => h("div", { class: "pin-row" }, row.map((group) => h("div", { class: "pin-group" }, group.map(draw_pin)))));
-    this.panel = h("div", { class: "pin-panel", role: "region", "aria-label": "Pin", hidden: true });
+    this.panel = h("div", { class: "pin-panel", role: "region", "aria-label": t("pin"), hidden: true });
     this.map = h("div", { class: "pcb" }, rows);
     this.all_button = h("button", { class: "all-pins", onclick: () => { this.all = !this.all; this.draw(); } });
     this.replaceChildren(this.map, this.all_button, this.panel);
@@ -89,9 +92,9 @@ class Pins extends Part {
       set_class(button, `pin${taken ? " taken" : ""}${idle ? " idle" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
       set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}${told ? " told" : ""}`);
       light.style.opacity = level > 0 ? String(0.35 + 0.65 * level) : "";
-      const now = this.standing_of(pin, mode, value && (told ? `set to ${value}` : value));
+      const now = this.standing_of(pin, mode, value && (told ? t("set-value", { value }) : value));
       set_text(more, `, ${now}`);
-      const title = `Pin ${pin.label}${pin.name && ` (${pin.name})`}: ${now}`;
+      const title = `${t("pin-label", { label: pin.label })}${pin.name && ` (${pin.name})`}: ${now}`;
       if (button.title !== title) button.title = title;
       button.setAttribute("aria-expanded", String(pin.number === this.opened));
     }
@@ -99,14 +102,14 @@ class Pins extends Part {
     set_class(this.map, `pcb${this.pins.some((pin) => pin.name) ? " named" : ""}${this.all ? "" : " few"}`);
     this.map.hidden = used === 0 && !this.all;
     this.all_button.setAttribute("aria-expanded", String(Boolean(this.all)));
-    set_text(this.all_button, this.all ? "Only pins in use" : `All ${this.pins.length} pins`);
+    set_text(this.all_button, this.all ? t("only-pins") : t("all-pins-pins", { pins: this.pins.length }));
     if (this.opened !== undefined) this.show_panel();
   }
 
   standing_of(pin, mode, value) {
-    if (pin.owner === "system") return "used by the board itself";
-    if (pin.owner !== "") return `belongs to ${pin.owner}`;
-    return `free, ${words(mode ?? "unknown mode").toLowerCase()}${value ? `, ${value}` : ""}`;
+    if (pin.owner === "system") return t("used-board-itself");
+    if (pin.owner !== "") return t("belongs-owner", { owner: service_text(pin.owner) });
+    return `${t("free-within")}, ${mode_text(mode)}${value ? `, ${value}` : ""}`;
   }
 
   open(pin) {
@@ -119,23 +122,23 @@ class Pins extends Part {
   open_panel() {
     const { pin } = this.cells.get(this.opened);
     this.panel.hidden = false;
-    this.panel.setAttribute("aria-label", `Pin ${pin.label}`);
+    this.panel.setAttribute("aria-label", t("pin-label", { label: pin.label }));
     this.state_line = h("span", {});
-    this.output = h("output", { class: "answer", "aria-live": "polite" });
-    this.panel.replaceChildren(h("h3", {}, `Pin ${pin.label} `, (this.panel_note = h("small", { class: "muted" }))), h("p", {}, this.state_line));
+    this.output = answer_line();
+    this.panel.replaceChildren(h("h3", {}, t("pin-label", { label: pin.label }), " ", (this.panel_note = small())), h("p", {}, this.state_line));
     this.mode_buttons = new Map();
     this.controls = h("div", { class: "setters" });
     if (pin.owner === "" && this.may_command) this.add_modes(pin);
     if (this.may_label) this.panel.append(this.meaning_form(pin));
     const offers = () => offers_of_board(this.board, (each) => each.id === `io/${pin.number}`);
-    if (pin.owner === "") this.panel.append(document.createElement("asip-add-widget").begin(`pin ${pin.label}`, offers));
+    if (pin.owner === "") this.panel.append(document.createElement("asip-add-widget").begin(t("pin-label-within", { label: pin.label }), offers));
   }
 
   add_modes(pin) {
     for (const mode of settable_modes(pin)) {
-      this.mode_buttons.set(mode, h("button", { onclick: () => this.send("mode", { pin: pin.number, mode }) }, words(mode)));
+      this.mode_buttons.set(mode, h("button", { onclick: () => this.send("mode", { pin: pin.number, mode }) }, first_up(mode_text(mode))));
     }
-    this.panel.append(h("div", { class: "chips", role: "group", "aria-label": `Mode of pin ${pin.label}` }, [...this.mode_buttons.values()]), this.controls, this.output);
+    this.panel.append(h("div", { class: "chips", role: "group", "aria-label": t("mode-pin", { label: pin.label }) }, [...this.mode_buttons.values()]), this.controls, this.output);
     this.controls_for = undefined;
   }
 
@@ -145,16 +148,16 @@ class Pins extends Part {
     const meaning = this.values.properties.get(pin.number)?.property.meaning ?? {};
     const klass = meaning.class ?? "";
     const inverted = String(meaning.inverted ?? "");
-    const name = h("input", { id: fresh_id("pin-name"), type: "text", maxlength: 63, autocomplete: "off", value: pin.name, placeholder: "status lamp" });
+    const name = h("input", { id: fresh_id("pin-name"), type: "text", maxlength: 63, autocomplete: "off", value: pin.name, placeholder: t("status-lamp") });
     const select = (title, choices, value) => {
       const element = h("select", { id: fresh_id("pin") }, choices.map(([each, text]) => h("option", { value: each }, text)));
       element.value = value;
-      return [element, h("div", { class: "field" }, h("label", { for: element.id }, title), element)];
+      return [element, field(title, element)];
     };
-    const [what, what_field] = select("Is", [["", "whatever its mode says"], ...classes.map((each) => [each, each])], klass);
-    const [turned, turned_field] = select("On when", [["", "as usual"], ["false", "high"], ["true", "low"]], inverted);
+    const [what, what_field] = select(t("is"), [["", t("whatever-mode")], ...classes.map((each) => [each, t(`class.${each}`)])], klass);
+    const [turned, turned_field] = select(t("when"), [["", t("usual")], ["false", t("high")], ["true", t("low")]], inverted);
     const icon = h("input", { id: fresh_id("pin-icon"), type: "text", maxlength: 63, autocomplete: "off", value: meaning.icon ?? "", placeholder: "mdi:lamp" });
-    const answer = h("output", { class: "answer", "aria-live": "polite" });
+    const answer = answer_line();
     const save = async (event) => {
       event.preventDefault();
       const change = { names: { pins: { [pin.number]: name.value.trim() || null } } };
@@ -162,22 +165,21 @@ class Pins extends Part {
         change.meanings = { [id]: { class: what.value || null, inverted: turned.value === "" ? null : turned.value === "true", icon: icon.value.trim() || null } };
       }
       const { kind, text } = await keep_labels(this.board, change);
-      answer.className = `answer ${kind}`;
-      set_text(answer, text);
+      tell(answer, kind, text);
     };
-    return h("form", { class: "pin-name-form", "aria-label": `Name of pin ${pin.label}`, onsubmit: save },
-      h("div", { class: "field text" }, h("label", { for: name.id }, "Name"), name), what_field, turned_field,
-      h("div", { class: "field text" }, h("label", { for: icon.id }, "Icon"), icon), h("button", {}, "Save"), answer);
+    return h("form", { class: "pin-name-form", "aria-label": t("name-pin", { label: pin.label }), onsubmit: save },
+      field(t("name-within"), name, "text"), what_field, turned_field,
+      field(t("icon"), icon, "text"), h("button", {}, t("save")), answer);
   }
 
   show_panel() {
     const { pin } = this.cells.get(this.opened);
     const { mode, text, told } = this.values.state_of(pin);
     const { property, value } = this.values.properties.get(pin.number) ?? {};
-    set_text(this.panel_note, [pin.name, kinds.filter((_, bit) => pin.can & (1 << bit)).join(", ") || "no use known"].filter(Boolean).join(", "));
-    const owner = { "": "Free", system: "Used by the board itself" }[pin.owner] ?? `Belongs to the service ${pin.owner}`;
-    set_text(this.state_line, [owner, mode && pin.owner === "" ? `mode ${words(mode).toLowerCase()}` : "", text && (told ? `set to ${text}` : `now ${text}`)].filter(Boolean).join(", ") + "."
-      + (property?.refused ? ` It cannot be set: ${property.refused}.` : ""));
+    set_text(this.panel_note, [pin.name, kinds.filter((_, bit) => pin.can & (1 << bit)).join(", ") || t("no-use-known")].filter(Boolean).join(", "));
+    const owner = first_up({ "": t("free-within"), system: t("used-board-itself") }[pin.owner] ?? t("belongs-owner", { owner: service_text(pin.owner) }));
+    set_text(this.state_line, [owner, mode && pin.owner === "" ? t("mode-mode", { mode: mode_text(mode) }) : "", text && (told ? t("set-value", { value: text }) : t("now-text", { text }))].filter(Boolean).join(", ") + "."
+      + (property?.refused ? ` ${t("cannot-set", { refused: property.refused })}` : ""));
     if (pin.owner !== "") return;
     for (const [each, button] of this.mode_buttons) button.setAttribute("aria-pressed", String(each === mode));
     const key = property && !property.refused && this.may_command && is_simple(property) ? JSON.stringify(property) : "";
@@ -192,12 +194,11 @@ class Pins extends Part {
 
   async send(command, args) {
     this.output.className = "answer";
-    set_text(this.output, "Waiting for the board …");
+    set_text(this.output, t("waiting-board"));
     const { output } = this;
     const answer = await bus.command(this.board, "io", command, args).answer;
     const { kind, text } = answer_text(answer);
-    output.className = `answer ${kind}`;
-    set_text(output, text);
+    tell(output, kind, text);
   }
 }
 

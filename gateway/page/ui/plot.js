@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A plot of the last minutes on a canvas: follows, pauses, zooms, and gives its points as CSV.
+import { t } from "../core/language.js";
 import { thinned, ticks } from "../core/series.js";
-import { clock_text, unit_text, with_unit } from "../core/text.js";
+import { clock_text, number_text, unit_text, with_unit } from "../core/text.js";
 import { h, Part } from "./dom.js";
 
 const spans = [["10 s", 10_000], ["1 min", 60_000], ["10 min", 600_000]];
@@ -31,12 +32,12 @@ class Plot extends Part {
     this.hidden_lines = new Set();
     this.canvas = h("canvas", { role: "img", tabindex: "0", onwheel: (event) => this.wheel(event), onkeydown: (event) => this.key(event),
       onpointerdown: (event) => this.grab(event), onpointermove: (event) => this.point(event), onpointerleave: () => { this.cursor = undefined; } });
-    this.pause_button = h("button", { onclick: () => this.pause(this.end === undefined) }, "Pause");
-    this.spans = spans.map(([text, ms]) => h("button", { "aria-label": `Show ${text}`, onclick: () => this.zoom_to(ms) }, text));
+    this.pause_button = h("button", { onclick: () => this.pause(this.end === undefined) }, t("pause"));
+    this.spans = spans.map(([text, ms]) => h("button", { "aria-label": t("show-text", { text }), onclick: () => this.zoom_to(ms) }, text));
     this.legend = h("div", { class: "legend" });
-    this.append(this.canvas, this.legend, h("div", { class: "plot-tools", role: "group", "aria-label": `Plot of ${this.label}` },
-      this.pause_button, h("button", { "aria-label": "Zoom in", onclick: () => this.zoom(0.5) }, "+"),
-      h("button", { "aria-label": "Zoom out", onclick: () => this.zoom(2) }, "−"), this.spans,
+    this.append(this.canvas, this.legend, h("div", { class: "plot-tools", role: "group", "aria-label": t("plot-label", { label: this.label }) },
+      this.pause_button, h("button", { "aria-label": t("zoom"), onclick: () => this.zoom(0.5) }, "+"),
+      h("button", { "aria-label": t("zoom-out"), onclick: () => this.zoom(2) }, "−"), this.spans,
       h("button", { onclick: () => this.save() }, "CSV")));
     const resized = new ResizeObserver(() => this.resize());
     resized.observe(this.canvas);
@@ -80,7 +81,7 @@ class Plot extends Part {
   pause(on) {
     this.end = on ? Date.now() : undefined;
     this.series = on ? this.live.frozen() : this.live;
-    this.pause_button.textContent = on ? "Follow" : "Pause";
+    this.pause_button.textContent = on ? t("follow") : t("pause");
     this.describe();
   }
 
@@ -129,9 +130,9 @@ class Plot extends Part {
   describe() {
     const lines = [...this.series.lines.values()].map((line) => {
       const last = line.values.findLast((value) => !Number.isNaN(value));
-      return last === undefined ? `${line.name}: nothing yet` : `${line.name}: ${with_unit(last, line.unit)}`;
+      return last === undefined ? `${line.name}: ${t("nothing-yet-within").toLowerCase()}` : `${line.name}: ${with_unit(last, line.unit)}`;
     });
-    this.canvas.setAttribute("aria-label", `Plot of ${this.label}, ${this.end === undefined ? "following" : "paused"}. ${lines.join(", ") || "Nothing yet"}`);
+    this.canvas.setAttribute("aria-label", `${this.end === undefined ? t("plot-label-following", { label: this.label }) : t("plot-label-paused", { label: this.label })}. ${lines.join(", ") || t("nothing-yet-within")}`);
   }
 
   show_legend(lines) {
@@ -185,7 +186,7 @@ class Plot extends Part {
     for (const tick of ticks(low, high, Math.max(2, this.height / 40))) {
       const y = Math.round(y_of(tick)) + 0.5;
       stroke(context, left, y, this.width, y);
-      context.fillText(String(tick), left - 6, y);
+      context.fillText(number_text(tick), left - 6, y);
     }
     if (unit) {
       context.textBaseline = "bottom";

@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which screen is shown.
-import "./ui/add_board.js";
-import "./ui/board.js";
-import "./ui/boards.js";
-import { is_kiosk } from "./ui/dashboard.js";
-import "./ui/shell.js";
-import "./ui/settings.js";
-import { attention_of, title_badge } from "./core/attention.js";
-import { base, request } from "./net/bus.js";
-import { command_line, h, set_text } from "./ui/dom.js";
-import { boards, status } from "./ui/model.js";
+import "./add_board.js";
+import "./board.js";
+import "./boards.js";
+import { is_kiosk } from "./dashboard.js";
+import "./shell.js";
+import "./settings.js";
+import { attention_of, title_badge } from "../core/attention.js";
+import { t } from "../core/language.js";
+import { base, request } from "../net/bus.js";
+import { command_line, h, set_text } from "./dom.js";
+import { boards, status } from "./model.js";
 
 const main = document.getElementById("main");
 const kDocs = "https://github.com/asip/asip-service-bus/blob/main/docs/";
 const kPage = "gateway.md#the-page";
 // Address, what shows it with its title, and the page of the documentation that is about it.
 const screens = [
-  [/^(?:\?(.*))?$/, (query) => ["Boards", document.createElement("asip-boards").begin(query)], kPage],
-  [/^add(?:\/([^/]+))?$/, (name) => ["Add board", document.createElement("asip-add-board").begin(name ?? "")], "asipctl.md#boards-from-the-box"],
+  [/^(?:\?(.*))?$/, (query) => [t("boards"), document.createElement("asip-boards").begin(query)], kPage],
+  [/^add(?:\/([^/]+))?$/, (name) => [t("add-board"), document.createElement("asip-add-board").begin(name ?? "")], "asipctl.md#boards-from-the-box"],
   [/^board\/([^/]+)$/, (name) => [name, document.createElement("asip-board").begin(name)], kPage],
-  [/^dashboards$/, () => ["Dashboards", document.createElement("asip-dashboards")], "dashboards.md"],
+  [/^dashboards$/, () => [t("dashboards"), document.createElement("asip-dashboards")], "dashboards.md"],
   [/^dashboard\/([^/?]+)(?:\?.*)?$/, (name) => [name, document.createElement("asip-dashboard").begin(name)], "dashboards.md"],
-  [/^history$/, () => ["History", h("div", {}, h("h1", { tabindex: "-1" }, "History"), document.createElement("asip-history").begin("api/history", true))], "service-bus.md#who-did-what"],
-  [/^(?:settings|bus)$/, () => ["Settings", document.createElement("asip-settings")], "gateway.md#boards-in-other-systems"],
+  [/^history$/, () => [t("history"), h("div", {}, h("h1", { tabindex: "-1" }, t("history")), document.createElement("asip-history").begin("api/history", true))], "service-bus.md#who-did-what"],
+  [/^(?:settings|bus)$/, () => [t("settings"), document.createElement("asip-settings")], "gateway.md#boards-in-other-systems"],
 ];
 
 // The token becomes a code that works once, and the code a cookie: the token itself is kept nowhere.
@@ -31,22 +32,22 @@ async function enter(token, answer) {
     const { code } = await request("api/codes", { method: "POST", body: {}, headers: { Authorization: `Bearer ${token}` } });
     location.assign(new URL(`?code=${code}${location.hash}`, base));
   } catch (problem) {
-    set_text(answer, problem.status === 401 ? "The gateway does not know this token, or it has expired." : problem.message);
+    set_text(answer, problem.status === 401 ? t("gateway-does") : problem.message);
   }
 }
 
 function sign_in() {
   const token = h("input", { id: "token", type: "password", autocomplete: "current-password", required: true });
   const answer = h("output", { class: "answer refused", "aria-live": "polite" });
-  return ["Sign in", h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, "Sign in"),
-    h("p", {}, "This gateway shows its boards to users who have a token. A token is made on the gateway's machine, by"),
+  return [t("sign"), h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, t("sign")),
+    h("p", {}, t("gateway-shows")),
     command_line("asip-gateway token ROLE NAME --tokens FILE"),
     h("form", { onsubmit: (event) => { event.preventDefault(); enter(token.value.trim(), answer); } },
-      h("label", { for: "token" }, "Token"), " ", token, " ", h("button", { class: "main" }, "Sign in"), h("p", {}, answer)))];
+      h("label", { for: "token" }, t("token")), " ", token, " ", h("button", { class: "main" }, t("sign")), h("p", {}, answer)))];
 }
 
-const link_is_over = () => ["Not valid", h("div", {}, h("h1", { tabindex: "-1" }, "This link is not valid any more"),
-  h("p", {}, "Ask the person from whom you have it for another one."))];
+const link_is_over = () => [t("not-valid"), h("div", {}, h("h1", { tabindex: "-1" }, t("link-not")),
+  h("p", {}, t("ask-person")))];
 
 function decoded(text) {
   try {
@@ -64,7 +65,7 @@ function screen_of(path) {
     const match = pattern.exec(path);
     if (match) return [...make(...match.slice(1).map((part) => (path.startsWith("?") || part === undefined ? part : decoded(part)))), help];
   }
-  return ["Not found", h("div", {}, h("h1", { tabindex: "-1" }, "There is no such page"), h("a", { href: "#/" }, "All boards"))];
+  return [t("not-found"), h("div", {}, h("h1", { tabindex: "-1" }, t("there-no")), h("a", { href: "#/" }, t("all-boards")))];
 }
 
 let path;

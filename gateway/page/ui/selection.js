@@ -2,11 +2,12 @@
 // What can be done with the boards that are selected in the table: stop them, resume them, label them, send them a command.
 import { command_order } from "../core/form.js";
 import { parse_assignments } from "../core/labels.js";
+import { t } from "../core/language.js";
 import { for_each_board, lists_of, many_text, result_of } from "../core/many.js";
-import { plural, service_text, words } from "../core/text.js";
+import { service_text, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import "./command.js";
-import { fresh_id, h, Part, set_text } from "./dom.js";
+import { answer_line, field, fresh_id, h, muted, Part, set_text } from "./dom.js";
 import { boards, status } from "./model.js";
 
 class Selection extends Part {
@@ -18,22 +19,22 @@ class Selection extends Part {
 
   shown() {
     this.setAttribute("role", "region");
-    this.setAttribute("aria-label", "Selected boards");
+    this.setAttribute("aria-label", t("selected-boards"));
     this.count = h("strong", {});
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    this.answer = answer_line();
     const button = (text, work, more = {}) => h("button", { onclick: work, ...more }, text);
-    this.stops = [button("Stop", () => this.ask_all("stop"), { class: "stop" }), button("Resume", () => this.ask_all("resume"))];
-    this.send = button("Send …", () => this.open(() => this.send_form()));
-    this.labels = button("Label …", () => this.open(() => this.label_form()));
+    this.stops = [button(t("stop"), () => this.ask_all("stop"), { class: "stop" }), button(t("resume"), () => this.ask_all("resume"))];
+    this.send = button(t("send"), () => this.open(() => this.send_form()));
+    this.labels = button(t("label"), () => this.open(() => this.label_form()));
     this.panel = h("div", { class: "selection-panel" });
-    this.append(h("div", { class: "toolbar" }, this.count, this.stops, this.send, this.labels, button("Clear", () => this.clear()), this.answer), this.panel);
+    this.append(h("div", { class: "toolbar" }, this.count, this.stops, this.send, this.labels, button(t("clear"), () => this.clear()), this.answer), this.panel);
     this.listen(status, "change", () => this.show());
     this.show();
   }
 
   show() {
     this.hidden = this.picked.size === 0;
-    set_text(this.count, `${plural(this.picked.size, "board")} selected`);
+    set_text(this.count, t("n-boards-selected", { n: this.picked.size }));
     for (const each of this.stops) each.hidden = !status.may_stop;
     this.send.hidden = !status.may_command;
     this.labels.hidden = !status.may_label;
@@ -46,21 +47,16 @@ class Selection extends Part {
     this.panel.querySelector("input, select")?.focus();
   }
 
-  tell(kind, text) {
-    this.answer.className = `answer ${kind}`;
-    set_text(this.answer, text);
-  }
-
   async each(task) {
     const names = [...this.picked];
-    const result = await for_each_board(names, task, { progress: (ended) => this.tell("", `${ended} of ${names.length} …`) });
+    const result = await for_each_board(names, task, { progress: (ended) => this.tell("", t("ended-all", { ended, all: names.length })) });
     return { ...result, status: result.failed.length === 0 ? "ok" : "error", kind: result.failed.length === 0 ? "ok" : "error", text: many_text(result) };
   }
 
   /// Stops or resumes them: however many they are, the gateway is asked once.
   async ask_all(what) {
     const all = { done: 0, failed: [] };
-    this.tell("", "Asked …");
+    this.tell("", t("asked"));
     for (const names of lists_of(this.picked)) {
       const result = await request(path_of(what), { method: "POST", body: { boards: names } }).then(
         (answer) => result_of(names, answer), (problem) => ({ done: 0, failed: names.map((name) => [name, problem.message]) }));
@@ -71,18 +67,18 @@ class Selection extends Part {
   }
 
   label_form() {
-    const input = h("input", { id: fresh_id("label"), type: "text", autocomplete: "off", placeholder: "room=lab, or room- to remove it" });
+    const input = h("input", { id: fresh_id("label"), type: "text", autocomplete: "off", placeholder: t("room-lab") });
     const apply = async (event) => {
       event.preventDefault();
       const labels = parse_assignments(input.value);
-      if (!labels) return this.tell("refused", "Type a label: room=lab sets it, room- removes it.");
+      if (!labels) return this.tell("refused", t("type-label"));
       const { kind, text } = await this.each(async (name) => {
         await request(path_of("boards", name, "labels"), { method: "POST", body: { labels } });
       });
       return this.tell(kind, text);
     };
-    return h("form", { "aria-label": "Label the selected boards", onsubmit: apply },
-      h("div", { class: "field text" }, h("label", { for: input.id }, "Label"), input), h("button", { class: "main" }, "Label them"));
+    return h("form", { "aria-label": t("label-selected"), onsubmit: apply },
+      field(t("label-within"), input, "text"), h("button", { class: "main" }, t("label-them")));
   }
 
   /// Of the services that all of them have, and where there is none of those that any has.
@@ -102,7 +98,7 @@ class Selection extends Part {
     let model;
     const choose_command = () => {
       const ask = (args) => this.each(async (name) => {
-        if (!boards.catalogue.rows.get(name)?.services.includes(service.value)) return `has no ${service_text(service.value)}`;
+        if (!boards.catalogue.rows.get(name)?.services.includes(service.value)) return t("no-service", { service: service_text(service.value) });
         await request(path_of("boards", name, "services", service.value, "commands", command.value), { method: "POST", body: args });
         return undefined;
       });
@@ -115,10 +111,10 @@ class Selection extends Part {
       const names = model ? command_order(model) : [];
       command.replaceChildren(...names.map((name) => h("option", { value: name }, model.commands[name].title ?? words(name))));
       if (names.length > 0) choose_command();
-      else form.replaceChildren(h("p", { class: "muted" }, "No model describes commands of this service."));
+      else form.replaceChildren(muted(t("no-model")));
     };
     choose_service();
-    return h("div", { class: "send-many" }, h("div", { class: "toolbar" }, h("label", { for: ids[0] }, "Service"), service, h("label", { for: ids[1] }, "Command"), command), form);
+    return h("div", { class: "send-many" }, h("div", { class: "toolbar" }, h("label", { for: ids[0] }, t("service")), service, h("label", { for: ids[1] }, t("command")), command), form);
   }
 }
 

@@ -2,12 +2,13 @@
 // One service of a board: its live values with a plot, and forms for its commands, which stand where the board has its controls.
 import { asked_text } from "../core/asked.js";
 import { command_order, place_of, words_of_error } from "../core/form.js";
+import { count_text, t } from "../core/language.js";
 import { elements_of, floats, is_simple, value_text } from "../core/properties.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
-import { duration_text, moment_text, plural, time_of, unit_text, with_unit, words } from "../core/text.js";
+import { duration_text, moment_text, service_text, time_of, unit_text, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { offers_of_board } from "./add_widget.js";
-import { before_picture, h, Part, set_text } from "./dom.js";
+import { before_picture, h, Part, set_text, small } from "./dom.js";
 import "./command.js";
 import { status } from "./model.js";
 import "./plot.js";
@@ -35,14 +36,14 @@ class Service extends Part {
     this.values = h("div", { class: "values" });
     this.note = h("p", { class: "muted note" });
     this.plots = h("div", { class: "plots" });
-    this.waiting = h("p", { class: "muted note" }, "No value yet.");
-    this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", h("small", { class: "muted" })));
-    this.settings = h("details", { hidden: true }, h("summary", {}, "Advanced"), this.more = h("div", { class: "values" }), h("div", { class: "commands" }));
-    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], this.adder("controls", (kind) => kind === "switch" || kind === "slider")), this.set_box = h("div", { class: "setters" }), this.known = h("p", { class: "muted note" }), this.usual = h("div", { class: "commands" }));
+    this.waiting = h("p", { class: "muted note" }, t("no-value-yet"));
+    this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", small()));
+    this.settings = h("details", { hidden: true }, h("summary", {}, t("advanced")), this.more = h("div", { class: "values" }), h("div", { class: "commands" }));
+    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], this.adder(t("controls"), (kind) => kind === "switch" || kind === "slider")), this.set_box = h("div", { class: "setters" }), this.known = h("p", { class: "muted note" }), this.usual = h("div", { class: "commands" }));
     this.titles[0].id = `service-${this.service.name}`;
     this.show_titles();
     this.hidden = true;
-    this.append(h("div", { class: "card-head" }, this.titles[0], this.adder("values", (kind) => kind !== "switch" && kind !== "slider")), this.values, this.waiting, this.note, this.plots);
+    this.append(h("div", { class: "card-head" }, this.titles[0], this.adder(t("values"), (kind) => kind !== "switch" && kind !== "slider")), this.values, this.waiting, this.note, this.plots);
     this.controls.append(this.card);
     if (this.pins) this.advanced.append(this.settings);
     this.while_shown(() => { this.card.remove(); this.settings.remove(); this.unfollow(); });
@@ -57,7 +58,7 @@ class Service extends Part {
 
   adder(what, wanted) {
     const offers = async () => (await offers_of_board(this.board, (each) => each.service === this.service.name)).filter((offer) => wanted(offer.widget.kind));
-    return document.createElement("asip-add-widget").begin(`${what} of ${this.service.name}`, offers);
+    return document.createElement("asip-add-widget").begin(t("what-service", { what, service: service_text(this.service.name) }), offers);
   }
 
   /// Whether commands can reach the board now.
@@ -77,8 +78,8 @@ class Service extends Part {
   subtitle() {
     const { count, model, label, title } = this.service;
     const parts = label && title ? [title] : [];
-    if (count > 0) parts.push(plural(count, this.element ?? "element"));
-    if (!model) parts.push("no model describes it");
+    if (count > 0) parts.push(`${count_text(count)} × ${this.element ?? t("element")}`);
+    if (!model) parts.push(t("no-model-describes"));
     return parts.join(", ");
   }
 
@@ -91,7 +92,7 @@ class Service extends Part {
   show_titles() {
     for (const box of [this, this.card]) box.classList.toggle("named", Boolean(this.service.label));
     for (const title of this.titles) {
-      set_text(title.firstChild, this.pins ? this.service.label ?? "Pins" : this.title_text());
+      set_text(title.firstChild, this.pins ? this.service.label ?? t("pins") : this.title_text());
       set_text(title.lastChild, this.subtitle());
       title.title = this.service.name;
     }
@@ -114,8 +115,8 @@ class Service extends Part {
     const says = this.listed?.length > 0 || (!this.pins && (!this.model || Object.keys(this.model.events ?? {}).length > 0));
     this.hidden = !says && this.groups.size === 0 && this.note.textContent === "";
     this.waiting.hidden = [...this.groups.values()].some((group) => group.at !== undefined);
-    const why = this.on_demand || !this.model?.commands?.report ? "" : " The agent of this board sets no periods: set one under “Advanced”.";
-    set_text(this.waiting, `No value yet.${why}`);
+    const why = this.on_demand || !this.model?.commands?.report ? "" : ` ${t("agent-board")}`;
+    set_text(this.waiting, t("no-value-yet") + why);
   }
 
   /// Forms are there for users who may send commands, and go when the right to it ends.
@@ -132,7 +133,7 @@ class Service extends Part {
     // Where there is a control, rare commands stand below it; those of a sensor below its values. They are moved
     // without forms: a form that is moved would be built twice.
     this.settings.lastChild.replaceChildren();
-    if (this.pins) set_text(this.settings.firstChild, `All commands of ${this.service.name}`);
+    if (this.pins) set_text(this.settings.firstChild, t("all-commands", { service: service_text(this.service.name) }));
     else (usual.length + this.simple?.length > 0 ? this.card : this).append(this.settings);
     this.usual.replaceChildren(...forms(usual));
     this.settings.lastChild.replaceChildren(...forms(rare));
@@ -245,7 +246,7 @@ class Service extends Part {
   received(message) {
     if (message.event === "error") return this.board_error(message);
     if (message.cut !== undefined) {
-      set_text(this.note, `The value of ${moment_text(time_of(message.at))} is too long to be shown: ${plural(message.cut, "byte")}.`);
+      set_text(this.note, t("value-time", { time: moment_text(time_of(message.at)), n: message.cut }));
       this.show_card();
     }
     if (message.event !== "value" || message.value === null || typeof message.value !== "object") return;
@@ -276,7 +277,7 @@ class Service extends Part {
     const error = message.value ?? message;
     this.on_value?.(error);
     const asked = typeof error.request === "string" ? asked_text(error.request, this.service.name, new Map(this.model ? [[this.model.name, this.model]] : [])) : "";
-    set_text(this.note, `The board reported an error at ${moment_text(time_of(message.at))}: ${shortened(words_of_error(error.error))}${asked && ` (${shortened(asked)})`}`);
+    set_text(this.note, `${t("board-reported", { time: moment_text(time_of(message.at)) })} ${shortened(words_of_error(error.error))}${asked && ` (${shortened(asked)})`}`);
     this.show_card();
   }
 
@@ -294,9 +295,9 @@ class Service extends Part {
       }
       if (!group.plotted && group.numbers.some((number) => typeof number.value === "number")) this.add_plot(group);
       const age = Date.now() - group.at;
-      set_text(group.age, Number.isNaN(age) ? "" : age < 2000 ? "just now" : `${duration_text(age)} ago`);
+      set_text(group.age, Number.isNaN(age) ? "" : age < 2000 ? t("just-now") : t("age-ago", { age: duration_text(age) }));
     }
-    if (this.left_out > 0) set_text(this.note, `${plural(this.left_out, "value")} left out: this browser is too slow for all of them.`);
+    if (this.left_out > 0) set_text(this.note, t("n-values", { n: this.left_out }));
   }
 
   add_group(group) {
@@ -318,7 +319,7 @@ class Service extends Part {
     const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"));
     plot.group = group.key;
     const [box, open] = group.place === this.values ? [this.plots, !this.folded] : [group.place, false];
-    box.append(h("details", { open }, h("summary", {}, "Plot"), plot));
+    box.append(h("details", { open }, h("summary", {}, t("plot")), plot));
   }
 }
 

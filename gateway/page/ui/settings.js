@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Settings and health: other systems, who may do what, notices, programs with their versions and counters, and boards that are not there.
 import { alive } from "../core/catalogue.js";
-import { duration_text, moment_text, time_of, who_text, words } from "../core/text.js";
+import { count_text, t } from "../core/language.js";
+import { duration_text, moment_text, role_text, state_text, time_of, who_text, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
-import { command_line, h, Part, set_class, set_text, state_mark } from "./dom.js";
+import { command_line, h, muted, page_of, Part, set_class, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
 import "./access.js";
 import "./exports.js";
@@ -19,19 +20,19 @@ class Settings extends Part {
     this.hosts = h("div", {});
     this.lost_body = h("tbody", {});
     this.lost_note = h("p", { class: "muted", role: "status" });
-    this.lost_table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Which, and since when" },
-      h("table", {}, h("thead", {}, h("tr", {}, ["Board", "State", "Since", "For"].map((head) => h("th", { scope: "col" }, head)))), this.lost_body));
-    this.append(h("h1", { tabindex: "-1" }, "Settings and health"),
-      section("Boards that are not there", this.lost_note, this.lost_table),
-      section("Other systems", document.createElement("asip-exports")),
-      section("Users and links", document.createElement("asip-access")),
-      section("Notices", document.createElement("asip-notify").begin(true),
-        h("p", { class: "muted" }, "A registry tells a chat, whether a browser is open or not. Its file says which, and it is started anew:"),
+    this.lost_table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": t("which-since") },
+      h("table", {}, h("thead", {}, h("tr", {}, [t("board"), t("state"), t("since"), t("for")].map((head) => h("th", { scope: "col" }, head)))), this.lost_body));
+    this.append(h("h1", { tabindex: "-1" }, t("settings-health")),
+      section(t("boards-not"), this.lost_note, this.lost_table),
+      section(t("other-systems"), document.createElement("asip-exports")),
+      section(t("users-links"), document.createElement("asip-access")),
+      section(t("notices"), document.createElement("asip-notify").begin(true),
+        muted(t("registry-tells")),
         command_line("echo ASIP_NOTIFY=ADDRESS | sudo tee -a /etc/asip/registry.env && sudo systemctl restart asip-registry")),
-      section("Programs", this.programs,
-        h("details", { ontoggle: (event) => { if (event.target.open) this.load_hosts(); } }, h("summary", {}, "Agents and their versions"), this.hosts),
-        h("details", {}, h("summary", {}, "Their logs"), h("p", { class: "muted" }, "What boards and agents say, from now on:"), command_line("asipctl events --logs"),
-          h("p", { class: "muted" }, "What the programs of a machine have said:"), command_line("journalctl -u 'asip-*' -n 100"))));
+      section(t("programs"), this.programs,
+        h("details", { ontoggle: (event) => { if (event.target.open) this.load_hosts(); } }, h("summary", {}, t("agents-their")), this.hosts),
+        h("details", {}, h("summary", {}, t("their-logs")), muted(t("what-boards")), command_line("asipctl events --logs"),
+          muted(t("what-programs")), command_line("journalctl -u 'asip-*' -n 100"))));
     this.listen(status, "change", () => this.show_cards());
     this.listen(boards, "change", () => this.show_lost());
     this.every(2000, () => status.refresh());
@@ -45,21 +46,21 @@ class Settings extends Part {
     const now = status.now;
     if (!now) return;
     const { broker = {}, mirror = {}, streams = {}, registries = [], you = {} } = now; // of a limited token without what is not of its boards
-    const shown = new Set(["Broker", "Gateway", "You", ...registries.map((each) => `Registry ${each.id}`)]);
-    this.card("Broker", broker.connected === false ? ["lost", "not connected"] : ["online", "connected"], [["Address", broker.address], ["Since", since_text(broker.since)]]);
-    this.card("Gateway", mirror.complete === false ? ["updating", "collecting"] : ["online", "up to date"], [["Version", now.version], ["Boards", mirror.boards ?? boards.catalogue.rows.size]],
-      [["Open streams", streams.clients], ["Values left out", streams.left_out]]);
+    const shown = new Set([t("broker"), t("gateway"), t("you"), ...registries.map((each) => t("registry-id", { id: each.id }))]);
+    this.card(t("broker"), broker.connected === false ? ["lost", t("not-connected")] : ["online", t("connected")], [[t("address"), broker.address], [t("since"), since_text(broker.since)]]);
+    this.card(t("gateway"), mirror.complete === false ? ["updating", t("collecting")] : ["online", t("up-date")], [[t("version"), now.version], [t("boards"), mirror.boards ?? boards.catalogue.rows.size]],
+      [[t("open-streams"), streams.clients], [t("values-left-out"), streams.left_out]]);
     for (const { id, state, since, stats = {} } of registries) {
       const { version, uptime, services, ...counters } = stats;
-      this.card(`Registry ${id}`, [state, state], [["Version", version], ["Runs for", uptime === undefined ? undefined : duration_text(uptime * 1000)], ["Since", since_text(since)]], counters_of(counters));
+      this.card(t("registry-id", { id }), [state, state_text(state)], [[t("version"), version], [t("runs"), uptime === undefined ? undefined : duration_text(uptime * 1000)], [t("since"), since_text(since)]], counters_of(counters));
     }
     if (registries.length === 0 && !you.limited) {
-      shown.add("Registries");
-      this.card("Registries", ["offline", "none"], [["Missing", "history and the search in it"]]);
+      shown.add(t("registries"));
+      this.card(t("registries"), ["offline", t("none")], [[t("missing"), t("history-search")]]);
     }
-    this.card("You", you.session && ["online", "signed in"], [["Name", who_text(you.name ?? "")], ["Role", you.role]]);
-    const you_box = this.cards.get("You").box;
-    if (you.session && !you_box.querySelector("button")) you_box.append(h("button", { onclick: sign_out }, "Sign out"));
+    this.card(t("you"), you.session && ["online", t("signed")], [[t("name-within"), who_text(you.name ?? "")], [t("role"), role_text(you.role)]]);
+    const you_box = this.cards.get(t("you")).box;
+    if (you.session && !you_box.querySelector("button")) you_box.append(h("button", { onclick: sign_out }, t("sign-out")));
     for (const [title, { box }] of this.cards) if (!shown.has(title)) { box.remove(); this.cards.delete(title); }
   }
 
@@ -68,7 +69,7 @@ class Settings extends Part {
     let card = this.cards.get(title);
     if (!card) {
       card = { mark: h("span", {}), facts: h("dl", { class: "facts" }), counters: h("dl", { class: "facts" }) };
-      card.more = h("details", {}, h("summary", {}, "Counters"), card.counters);
+      card.more = h("details", {}, h("summary", {}, t("counters")), card.counters);
       card.box = h("article", { class: "card" }, h("h2", {}, title, " ", card.mark), card.facts, card.more);
       this.cards.set(title, card);
       this.programs.append(card.box);
@@ -81,25 +82,25 @@ class Settings extends Part {
 
   /// A version is in the description of a board: one of each machine is asked.
   async load_hosts() {
-    this.hosts.replaceChildren(h("p", { class: "muted" }, "Looking …"));
+    this.hosts.replaceChildren(muted(t("looking-what")));
     const hosts = new Map();
     const { items, total } = await request("api/boards?limit=1000").catch(() => ({ items: [] }));
     for (const { agent, board } of items) if (agent) hosts.set(agent.split(" ")[0], [...hosts.get(agent.split(" ")[0]) ?? [], board]);
     const asked = [...hosts].slice(0, kMaxHosts);
     const versions = await Promise.all(asked.map(([, names]) => request(path_of("boards", names[0])).then((board) => board.description?.agent?.version, () => undefined)));
     const list = h("dl", { class: "facts" });
-    fill(list, asked.map(([host, names], i) => [`${host}, ${names.length} ${names.length === 1 ? "board" : "boards"}`, versions[i] ?? "not known"]));
+    fill(list, asked.map(([host, names], i) => [`${host}, ${t("n-boards", { n: names.length })}`, versions[i] ?? t("not-known")]));
     const more = hosts.size > kMaxHosts || total > items.length;
-    this.hosts.replaceChildren(hosts.size > 0 ? list : h("p", { class: "muted" }, "No board has an agent now."), more ? h("p", { class: "muted" }, "There are more.") : "");
+    this.hosts.replaceChildren(hosts.size > 0 ? list : muted(t("no-board-agent")), more ? muted(t("there-more")) : "");
   }
 
   show_lost() {
     const gone = boards.catalogue.view({ sort: "since" }).filter((row) => !alive(row.state));
     const now = Date.now();
-    set_text(this.lost_note, gone.length === 0 ? "Every board that is known is there." : gone.length > kMaxLost ? `The latest ${kMaxLost} of ${gone.length}:` : "");
+    set_text(this.lost_note, gone.length === 0 ? t("every-board") : gone.length > kMaxLost ? t("latest-most", { most: kMaxLost, gone: gone.length }) : "");
     this.lost_table.hidden = gone.length === 0;
     this.lost_body.replaceChildren(...gone.slice(0, kMaxLost).map((row) => h("tr", {},
-      h("td", {}, h("a", { href: `#/board/${encodeURIComponent(row.name)}` }, row.called || row.name)), h("td", {}, state_mark(row.state)),
+      h("td", {}, h("a", { href: page_of("board", row.name) }, row.called || row.name)), h("td", {}, state_mark(row.state)),
       h("td", {}, moment_text(row.since, now)), h("td", {}, row.since === undefined ? "" : duration_text(now - row.since)))));
   }
 }
@@ -128,7 +129,7 @@ function fill(list, facts) {
 function counters_of(object, prefix = "") {
   return Object.entries(object ?? {}).flatMap(([name, value]) => {
     if (value !== null && typeof value === "object") return counters_of(value, `${prefix}${name} `);
-    return typeof value === "number" && value !== 0 && name !== "seq" ? [[words(prefix + name), value.toLocaleString("en", { maximumFractionDigits: 1 })]] : [];
+    return typeof value === "number" && value !== 0 && name !== "seq" ? [[words(prefix + name), count_text(value)]] : [];
   });
 }
 

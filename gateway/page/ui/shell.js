@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands above every screen: the state of the connection, what is wrong, and the stop button.
+import { t } from "../core/language.js";
 import { clock_text, duration_text } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { h, Part, set_class, set_text } from "./dom.js";
@@ -21,8 +22,8 @@ class LinkSign extends Part {
   show() {
     const broker = status.now?.broker?.connected !== false;
     const { state, was_open } = bus.link;
-    const apart = was_open ? ["bad", "not connected"] : ["warn", "connecting"];
-    const [kind, text] = state !== "open" ? apart : broker ? ["good", "live"] : ["warn", "no broker"];
+    const apart = was_open ? ["bad", t("not-connected")] : ["warn", t("connecting")];
+    const [kind, text] = state !== "open" ? apart : broker ? ["good", t("live-within")] : ["warn", t("no-broker")];
     this.hidden = status.refused; // then there is nothing to be connected to
     set_class(this.sign, `sign ${kind}`);
     set_text(this.sign, text);
@@ -48,15 +49,15 @@ class Banner extends Part {
     const { state, since, was_open } = bus.link;
     if (state !== "open" && Date.now() - since > (was_open ? kShownAfterMs : kFirstMs)) {
       if (status.refused) return "";
-      if (!was_open) return "The gateway does not answer. Trying again …";
-      return `The connection to the gateway is lost since ${clock_text(since)}. What you see may be old. Trying again …`;
+      if (!was_open) return t("gateway-does-not-answer");
+      return t("connection-gateway", { since: clock_text(since) });
     }
     const { broker, mirror } = status.now ?? {};
     if (broker?.connected === false) {
-      const from = broker.since ? ` since ${clock_text(Date.parse(broker.since))}` : "";
-      return `The gateway has no connection to the broker. Boards cannot be reached, and their states are not known${from}.`;
+      const from = broker.since ? ` (${t("since-since", { since: clock_text(Date.parse(broker.since)) })})` : "";
+      return t("gateway-no", { from });
     }
-    return mirror?.complete === false ? "The gateway is still collecting which boards are there." : "";
+    return mirror?.complete === false ? t("gateway-still") : "";
   }
 }
 
@@ -65,17 +66,17 @@ class Stop extends Part {
   shown() {
     const board = this.getAttribute("board");
     this.path = board ? path_of("boards", board) : "api";
-    this.button = h("button", { class: "stop", hidden: true, title: "Brings every motor, light and output into its safe state, ahead of all commands",
+    this.button = h("button", { class: "stop", hidden: true, title: t("brings-every"),
       onclick: () => this.stop() });
     this.answer = h("span", { role: "status", class: "stop-answer" });
-    this.resume_button = h("button", { class: "resume", hidden: true, title: "Nothing moves by it; commands are executed again", onclick: () => this.resume() });
+    this.resume_button = h("button", { class: "resume", hidden: true, title: t("nothing-moves"), onclick: () => this.resume() });
     this.append(this.button, this.resume_button, this.answer);
     const allow = () => {
       this.button.hidden = !status.may_stop;
       const stopped = board ? boards.catalogue.rows.get(board)?.reason === "latched" : attention_of(boards.catalogue.rows.values()).stopped.length > 0;
       this.resume_button.hidden = !status.may_stop || !stopped;
-      set_text(this.resume_button, board ? `Resume ${board}` : "Resume all");
-      set_text(this.button, board ? `Stop ${board}` : status.you.limited ? "Stop my boards" : "Stop all");
+      set_text(this.resume_button, board ? t("resume-board", { board }) : t("resume-all"));
+      set_text(this.button, board ? t("stop-board", { board }) : status.you.limited ? t("stop-my-boards") : t("stop-all"));
     };
     this.listen(status, "change", allow);
     this.listen(boards, "change", allow);
@@ -84,12 +85,12 @@ class Stop extends Part {
 
   async stop() {
     const began = performance.now();
-    set_text(this.answer, "Stopping …");
+    set_text(this.answer, t("stopping"));
     try {
       const answer = await request(`${this.path}/stop`, { method: "POST", body: {} });
       set_text(this.answer, stop_text(answer, performance.now() - began));
     } catch (problem) {
-      set_text(this.answer, `Not stopped: ${problem.message}`);
+      set_text(this.answer, t("not-stopped-message", { message: problem.message }));
       this.answer.classList.add("bad");
       return;
     }
@@ -99,9 +100,9 @@ class Stop extends Part {
   async resume() {
     try {
       const failed = unproven(await request(`${this.path}/resume`, { method: "POST", body: {} }));
-      set_text(this.answer, failed.length > 0 ? `Not resumed: ${some(failed)}` : "Resumed");
+      set_text(this.answer, failed.length > 0 ? t("not-resumed-message", { message: some(failed) }) : t("resumed"));
     } catch (problem) {
-      set_text(this.answer, `Not resumed: ${problem.message}`);
+      set_text(this.answer, t("not-resumed-message", { message: problem.message }));
       this.answer.classList.add("bad");
       return;
     }
@@ -120,8 +121,8 @@ const some = (names) => `${names.slice(0, 3).join(", ")}${names.length > 3 ? " �
 
 function stop_text(answer, ms) {
   const failed = unproven(answer);
-  if (failed.length > 0) return `Stopped, but no proof from ${some(failed)}`;
-  return `Stopped in ${duration_text(ms) === "0 s" ? `${Math.round(ms)} ms` : duration_text(ms)}; commands are refused until it is resumed`;
+  if (failed.length > 0) return t("stopped-but", { failed: some(failed) });
+  return t("stopped-time", { time: ms < 500 ? `${Math.round(ms)} ms` : duration_text(ms) });
 }
 
 customElements.define("asip-link", LinkSign);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // One widget of a dashboard, as it is looked at and used.
 import { title_of, trouble_of } from "../core/dashboard.js";
+import { t } from "../core/language.js";
 import { is_on, place_in, range_of, value_text } from "../core/properties.js";
 import { Series } from "../core/series.js";
 import { duration_text, time_of, with_unit } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
-import { h, Part, set_text, svg } from "./dom.js";
+import { answer_line, h, Part, set_text, small, svg } from "./dom.js";
 import "./plot.js";
 
 const kOldMs = 3000;      // beyond, a value says how old it is
@@ -14,7 +15,7 @@ const kSlideMs = 150;     // a moved slider is sent at most so often
 class Widget extends Part {
   /// Call before it is put into the page. `may`: {use, stop}: which controls may be used.
   begin(dashboard, widget, may) {
-    Object.assign(this, { widget, may, grip: h("button", { class: "grip", title: "Drag it, or press an arrow key" }, "⠿ ", h("span", { class: "hidden" }, "Move")) });
+    Object.assign(this, { widget, may, grip: h("button", { class: "grip", title: t("drag-or") }, "⠿ ", h("span", { class: "hidden" }, t("move"))) });
     this.ask = (body) => request(path_of("dashboards", dashboard, "widgets", widget.id), { method: "POST", body });
     return this;
   }
@@ -33,7 +34,7 @@ class Widget extends Part {
     this.heading = h(this.level ?? "h2", {});
     this.of = h("span", { class: "of-board" }); // whose it is, where there are several
     this.trouble = h("p", { class: "trouble", role: "status" });
-    this.answer = h("output", { class: "answer", "aria-live": "polite" });
+    this.answer = answer_line();
     this.body = h("div", { class: "widget-body" });
     this.setAttribute("role", "group");
     this.replaceChildren(this.grip ?? "", this.of, this.heading, this.body, this.answer, this.trouble);
@@ -58,12 +59,12 @@ class Widget extends Part {
     set_text(this.of, of);
     set_text(this.heading, title);
     this.heading.hidden = title === "" || this.widget.kind === "stop";
-    const label = [title || "Text", of].filter(Boolean).join(", ");
+    const label = [title || t("text"), of].filter(Boolean).join(", ");
     for (const each of [this, this.button, this.input]) each?.setAttribute("aria-label", label);
-    if (this.grip) set_text(this.grip.lastChild, `Move ${label}`);
+    if (this.grip) set_text(this.grip.lastChild, t("move-label", { label }));
   }
 
-  make_value() { this.body.append((this.text = h("span", { class: "big" })), " ", (this.age = h("small", { class: "muted" }))); }
+  make_value() { this.body.append((this.text = h("span", { class: "big" })), " ", (this.age = small())); }
 
   make_plot() {
     this.series = new Series();
@@ -90,7 +91,7 @@ class Widget extends Part {
   }
 
   make_stop() {
-    this.button = h("button", { class: "stop", title: "Brings every board of this dashboard into its safe state; commands are refused until it is resumed",
+    this.button = h("button", { class: "stop", title: t("brings-every-board"),
       onclick: () => this.send(undefined) }, title_of(this.widget, this.property));
     this.body.append(this.button);
   }
@@ -98,7 +99,7 @@ class Widget extends Part {
   make_gauge() {
     const arc = (name) => svg("path", { class: name, d: "M10 50A40 40 0 0 1 90 50", pathLength: 100 });
     this.text = h("span", { class: "big" });
-    this.bounds = h("small", { class: "muted" });
+    this.bounds = small();
     this.body.append(svg("svg", { viewBox: "0 0 100 55", "aria-hidden": "true" }, arc("gauge-all"), (this.arc = arc("gauge-part"))), this.text, this.bounds);
   }
 
@@ -131,7 +132,7 @@ class Widget extends Part {
     const trouble = trouble_of(widget, this.board, this.property);
     const stopped = this.board?.reason === "latched" && trouble === "" && ["switch", "slider"].includes(widget.kind);
     this.text?.classList.toggle("unknown-text", value === undefined);
-    set_text(this.trouble, stopped ? `Board ${widget.board} is stopped until it is resumed.` : trouble);
+    set_text(this.trouble, stopped ? t("board-board-stopped", { board: widget.board }) : trouble);
     this.classList.toggle("gone", trouble !== "" && widget.kind !== "stop");
     for (const control of [this.button, this.input]) if (control) control.disabled = !this.may[widget.kind === "stop" ? "stop" : "use"] || trouble !== "" || Boolean(stopped);
     if (!this.sliding) this[`show_${widget.kind}`]?.(value); // what a person moves stays where it is
@@ -140,15 +141,15 @@ class Widget extends Part {
   show_value(value) {
     set_text(this.text, value_text(this.property, value) || "–");
     const age = Date.now() - this.at;
-    set_text(this.age, age > kOldMs ? `${duration_text(age)} ago` : "");
+    set_text(this.age, age > kOldMs ? t("age-ago", { age: duration_text(age) }) : "");
   }
 
   show_plot(value) { set_text(this.text, value_text(this.property, value) || "–"); }
 
   two_words(value) {
     const on = is_on(value);
-    if (on === undefined || typeof value === "boolean") return value_text(this.property, value) || "not known";
-    return on ? "on" : "off";
+    if (on === undefined || typeof value === "boolean") return value_text(this.property, value) || t("not-known");
+    return on ? t("on") : t("off");
   }
 
   show_gauge(value) {
@@ -156,7 +157,7 @@ class Widget extends Part {
     const { min = 0, max = 1, unit } = this.property ?? {};
     const part = typeof value === "number" ? Math.min(1, Math.max(0, (value - min) / (max - min))) : 0;
     this.arc.setAttribute("stroke-dasharray", `${100 * part} 200`);
-    set_text(this.bounds, this.property ? `${with_unit(min, unit)} to ${with_unit(max, unit)}` : "");
+    set_text(this.bounds, this.property ? t("min-max", { min: with_unit(min, unit), max: with_unit(max, unit) }) : "");
   }
 
   show_lamp(value) {
@@ -174,7 +175,7 @@ class Widget extends Part {
 
   show_slider(value) {
     const place = place_in(value);
-    set_text(this.text, value === undefined ? "not known" : value_text(this.property, value));
+    set_text(this.text, value === undefined ? t("not-known") : value_text(this.property, value));
     this.input.classList.toggle("unknown", place === undefined);
     if (place !== undefined) this.input.value = place;
   }
@@ -205,18 +206,13 @@ class Widget extends Part {
       this.show();
     }
   }
-
-  tell(kind, text) {
-    this.answer.className = `answer ${kind}`;
-    set_text(this.answer, text);
-  }
 }
 
 function stopped_text(answer) {
   const boards = Object.entries(answer?.boards ?? {});
   const failed = boards.filter(([, each]) => each.status !== "ok").map(([name]) => name);
-  if (failed.length > 0) return ["timeout", `Stopped, but no proof from ${failed.join(", ")}.`];
-  return boards.length === 0 ? ["refused", "No board of this dashboard is there."] : ["ok", "Stopped. Commands are refused until it is resumed."];
+  if (failed.length > 0) return ["timeout", `${t("stopped-but", { failed: failed.join(", ") })}.`];
+  return boards.length === 0 ? ["refused", t("no-board-dashboard")] : ["ok", `${t("stopped")}. ${t("commands-refused")}`];
 }
 
 customElements.define("asip-widget", Widget);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The floor of a simulated world, live: the line, the obstacles, the rovers and their ways.
+import { t } from "../core/language.js";
+import { number_text } from "../core/text.js";
 import { kGrades, World } from "../core/world.js";
 import { bus } from "../net/bus.js";
 import { before_picture, h, Part, set_text, svg as s } from "./dom.js";
@@ -27,11 +29,11 @@ class WorldPicture extends Part {
     this.rovers = s("g");
     this.drawn = new Map(); // run -> its polyline
     this.arrows = new Map(); // name of a rover -> {group, name}
-    this.svg = s("svg", { role: "img", "aria-label": "Floor: nothing yet" }, this.track, this.obstacles, this.ways, this.rovers);
+    this.svg = s("svg", { role: "img", "aria-label": t("floor-nothing-yet") }, this.track, this.obstacles, this.ways, this.rovers);
     this.problem = h("p", { class: "muted", role: "status", hidden: true });
     this.texts = h("ul", { class: "rovers" });
     this.signs = h("p", { class: "way-signs muted" });
-    this.append(this.svg, this.problem, this.texts, this.signs, h("button", { onclick: () => { this.world.clear_ways(); this.refresh(); } }, "Clear the ways"));
+    this.append(this.svg, this.problem, this.texts, this.signs, h("button", { onclick: () => { this.world.clear_ways(); this.refresh(); } }, t("clear-ways")));
     this.refresh = before_picture(() => this.draw());
     this.while_shown(bus.subscribe({ subscribe: `${this.board}/${this.service}` }, (message) => {
       if (message.event !== "value") return;
@@ -123,9 +125,9 @@ class WorldPicture extends Part {
     while (this.texts.children.length > texts.length) this.texts.lastChild.remove();
     texts.forEach((text, i) => set_text(this.texts.children[i] ?? this.texts.appendChild(h("li", {})), text));
     const edge = (grade) => Number((floor.off / 2 * grade / kGrades).toFixed(1));
-    const signs = Array.from({ length: kGrades }, (_, grade) => (grade === kGrades - 1 ? `${edge(grade)} mm and more` : `under ${edge(grade + 1)} mm`));
-    if (this.signs.textContent !== ["From the line: ", ...signs].join("")) {
-      this.signs.replaceChildren("From the line: ", ...signs.map((text, grade) => h("span", { class: `way-sign grade${grade}` }, text)));
+    const signs = Array.from({ length: kGrades }, (_, grade) => (grade === kGrades - 1 ? t("way-mm-more", { way: number_text(edge(grade)) }) : t("under-way-mm", { way: number_text(edge(grade + 1)) })));
+    if (this.signs.textContent !== [t("from-the-line"), " ", ...signs].join("")) {
+      this.signs.replaceChildren(t("from-the-line"), " ", ...signs.map((text, grade) => h("span", { class: `way-sign grade${grade}` }, text)));
     }
     const scale = this.svg.viewBox.baseVal.width / Math.max(1, this.svg.clientWidth);
     for (const name of rovers.keys()) this.arrows.get(name)?.lastChild.setAttribute("font-size", 14 * scale / floor.radius);

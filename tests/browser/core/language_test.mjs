@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+import assert from "node:assert/strict";
+import { readFileSync, readdirSync } from "node:fs";
+import test from "node:test";
+import { kLanguages, language_for, speak, t } from "../../../gateway/page/core/language.js";
+
+const page = new URL("../../../gateway/page/", import.meta.url);
+const read = (path) => readFileSync(new URL(path, page), "utf8");
+const vector = (name) => JSON.parse(readFileSync(new URL(`../../vectors/${name}.json`, import.meta.url)));
+const tables = Object.fromEntries(readdirSync(new URL("languages/", page)).map((file) => [file.replace(".json", ""), JSON.parse(read(`languages/${file}`))]));
+const sources = read("files.txt").trim().split("\n").filter((file) => file.endsWith(".js"))
+  .map((file) => [file, read(file).replace(/^\s*\/\/.*$|\s+\/\/ [^"'`\n]*$/gm, "")]);
+const forms_of = (entry) => (typeof entry === "string" ? [entry] : Object.values(entry));
+const places_in = (text) => [...new Set([...text.matchAll(/\{(\w+)\}/g)].map((each) => each[1]))].sort();
+
+/// What is called between ( and its ): the parts between commas that stand in no bracket and no text.
+function arguments_at(source, from) {
+  const parts = [""];
+  let depth = 0;
+  for (let at = from, quote = ""; ; ++at) {
+    const c = source[at];
+    if (c === undefined) throw new Error("no end");
+    if (quote) quote = c === quote ? "" : quote;
+    else if (c === '"') quote = c;
+    else if ("([{".includes(c)) ++depth;
+    else if (")]}".includes(c) && --depth < 0) return parts;
+    if (c === "," && depth === 0 && !quote) parts.push("");
+    else parts[parts.length - 1] += c;
+  }
+}
+
+/// [{file, name, given}] of every text that the sources ask for by name; `given`: the names of the values.
+const asked = sources.flatMap(([file, source]) => [...source.matchAll(/(?<![\w.])t\("([^"]+)"/g)].map((match) => {
+  const [, values = "{}"] = arguments_at(source, match.index + 2);
+  const given = arguments_at(`${values.trim().slice(1, -1)})`, 0).map((part) => /^\s*(\w+)/.exec(part)?.[1]).filter(Boolean).sort();
+  return { file, name: match[1], given };
+}));
+const in_document = [...read("index.html").matchAll(/data-text="([^"]+)"/g)].map((match) => match[1]);
+const families = sources.flatMap(([, source]) => [...source.matchAll(/(?:t|known_text)\(`([a-z]+)\.\$\{/g)].map((match) => match[1]));
+
+test("EachLanguageOfThePage_HasATable", () => assert.deepEqual(Object.keys(tables).sort(), Object.keys(kLanguages).sort()));
+
+test("EachTextThatIsAskedFor_StandsInEveryLanguage", () => {
+  assert.ok(asked.length > 400);
+  for (const [language, table] of Object.entries(tables)) {
+    assert.deepEqual([...asked.map((each) => each.name), ...in_document].filter((name) => !Object.hasOwn(table, name)), [], language);
+    assert.deepEqual(Object.keys(tables.en).filter((name) => !Object.hasOwn(table, name)), [], language);
+  }
+});
+
+test("EachEntry_IsUsed", () => {
+  const used = new Set([...asked.map((each) => each.name), ...in_document]);
+  for (const [language, table] of Object.entries(tables)) {
+    assert.deepEqual(Object.keys(table).filter((name) => !used.has(name) && !families.includes(name.split(".")[0])), [], language);
+  }
+});
+
+test("Values_HaveAPlaceInEveryLanguage", () => {
+  for (const { file, name, given } of asked) assert.deepEqual(given, [...new Set(forms_of(tables.en[name]).flatMap(places_in))].sort(), `${file}: ${name}`);
+  for (const [language, table] of Object.entries(tables)) {
+    for (const [name, entry] of Object.entries(table)) {
+      for (const text of forms_of(entry)) assert.deepEqual(places_in(text), [...new Set(forms_of(tables.en[name]).flatMap(places_in))].sort(), `${language}: ${name}`);
+    }
+  }
+});
+
+test("Numbers_HaveTheFormsOfTheLanguage", () => {
+  for (const [language, table] of Object.entries(tables)) {
+    const forms = new Set([...Array(200).keys()].map((n) => new Intl.PluralRules(language).select(n)));
+    for (const [name, entry] of Object.entries(table)) {
+      assert.equal(typeof entry === "object", typeof tables.en[name] === "object", `${language}: ${name}`);
+      if (typeof entry === "object") assert.deepEqual(Object.keys(entry).sort(), [...forms].sort(), `${language}: ${name}`);
+    }
+  }
+});
+
+test("NoTable_KeepsAnEnglishSentence", () => {
+  for (const [language, table] of Object.entries(tables)) {
+    if (language === "en") continue;
+    const same = Object.keys(table).filter((name) => forms_of(table[name]).some((text) => forms_of(tables.en[name]).includes(text) && / \w+ \w+/.test(text)));
+    assert.deepEqual(same, [], language);
+  }
+});
+
+test("NoTextForAPerson_StandsInTheSources", () => {
+  const commands = /^(?:sudo |asip|echo |journalctl |https?:|12px |Mega 2560$|Home Assistant$|Web of Things$|input, select$|M\d| is not heard$)/;
+  const logged = /console\.(?:warn|error)\(/;
+  for (const [file, source] of sources) {
+    if (["core/language.js", "core/link.js"].includes(file)) continue; // the latter speaks to the gateway alone
+    const left = source.split("\n").filter((line) => !logged.test(line)).flatMap((line) => [...line.replace(/(?<![\w.])t\("[^"]*"/g, "").matchAll(/"((?:[^"\\]|\\.)*)"/g)].map((match) => match[1]))
+      .filter((text) => (/[A-Za-z]{2} [a-z]{2,} [a-z]{2,}|^[A-Z][a-z]+ [a-z]+|[a-z]{2}[.…?!]$/.test(text)) && !commands.test(text));
+    assert.deepEqual(left, [], file);
+  }
+});
+
+test("SentencesOfStatesAndAnswers_AreThoseOfTheVectors", () => {
+  const { states } = vector("reasons");
+  const { words, maybe } = vector("answers");
+  assert.equal(tables.en.maybe, maybe);
+  const of = (family) => Object.fromEntries(Object.entries(tables.en).filter(([name]) => name.startsWith(`${family}.`)).map(([name, text]) => [name.slice(family.length + 1), text]));
+  assert.deepEqual({ "": "", ...of("reason") }, states);
+  const { connection, ...refused } = of("answer.refused"); // the page's own, with the gateway
+  assert.ok(connection);
+  assert.deepEqual({ timeout: of("answer.timeout"), refused }, words);
+});
+
+test("Text_HasItsValuesAndTheFormOfItsNumber", () => {
+  speak("fr", tables.fr);
+  assert.deepEqual([t("n-boards", { n: 0 }), t("n-boards", { n: 1 }), t("n-boards", { n: 2 })], ["0 carte", "1 carte", "2 cartes"]);
+  assert.equal(t("remove-name", { name: "{n}" }), "Retirer {n}");
+  speak("de", tables.de);
+  assert.equal(t("n-boards", { n: 10000 }), "10.000 Boards");
+  speak("en", tables.en);
+  assert.equal(t("n-boards", { n: 10000 }), "10,000 boards");
+  assert.equal(t("of-a-later-version"), "of-a-later-version");
+});
+
+test("Language_IsTheFirstThatThePageSpeaks", () => {
+  assert.deepEqual([language_for(["pt-BR", "de-AT", "en"]), language_for(["EN-us"]), language_for(["ja"]), language_for([]), language_for(["constructor", "it"])], ["de", "en", "en", "en", "it"]);
+});
