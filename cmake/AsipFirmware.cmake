@@ -26,6 +26,7 @@ set(asip_library_sources
   AsipDht.cpp
   AsipDistance.cpp
   AsipEncoders.cpp
+  AsipI2cChips.cpp
   AsipLcd.cpp
   AsipMotion.cpp
   AsipMotors.cpp

@@ -30,7 +30,9 @@ constexpr double kLookAgainUs = 50;
 }  // namespace
 
 I2cBus::I2cBus(AlarmClock& clock, Wiring& wiring, int data_pin, int clock_pin)
-    : clock_(clock), wiring_(wiring), data_pin_(data_pin), alarm_(clock, [this] { on_alarm(); }) {
+    : clock_(clock), wiring_(wiring), data_pin_(data_pin), clock_pin_(clock_pin), alarm_(clock, [this] {
+          on_alarm();
+      }) {
     for (auto* io = clock.avr().io_port; io != nullptr; io = io->next)
         if (std::strcmp(io->kind, "twi") == 0) port_ = reinterpret_cast<avr_twi_t*>(io);
     if (port_ == nullptr) return;
@@ -61,7 +63,7 @@ double I2cBus::bit_cycles() const {
 }
 
 bool I2cBus::is_stuck() const {
-    return wiring_.is_pulled_low(data_pin_);
+    return wiring_.is_pulled_low(data_pin_) || wiring_.is_pulled_low(clock_pin_);
 }
 
 void I2cBus::hold_data(bool on) {

@@ -60,7 +60,7 @@ class I2cBus {
 
     AlarmClock& clock_;
     Wiring& wiring_;
-    int data_pin_;
+    int data_pin_, clock_pin_;
     avr_twi_t* port_ = nullptr;
     Alarm alarm_;
     std::vector<I2cDevice*> devices_;

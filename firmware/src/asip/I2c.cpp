@@ -15,12 +15,18 @@ static constexpr uint8_t kTimeoutMs = 25;
 
 static constexpr uint8_t kGo = (1 << TWINT) | (1 << TWEN) | (1 << TWIE);
 static constexpr uint8_t kStop = (1 << TWINT) | (1 << TWEN) | (1 << TWSTO);
+static constexpr uint8_t kKeep = 1 << TWEN;  // the clock stays low
+static constexpr uint8_t kNothing = 0xF8;    // a status: nothing happened yet
 
 // The transfer under way.
 static volatile uint8_t result;
 static uint8_t address, firstByte, outLeft, inLeft, startedMs;
 static const uint8_t* outNext;
 static uint8_t* inNext;
+
+// Where no service transfers in parts these are never written, and compiled as the constants that they are.
+static uint8_t part;                        // its Way; 0: a whole transfer
+static volatile uint8_t status = kNothing;  // the last of the TWI in a part
 
 static const Service* owner;  // of the pins
 
@@ -84,39 +90,107 @@ I2c::Result I2c::finish() {
     return static_cast<Result>(now);
 }
 
+__attribute__((always_inline)) static inline uint8_t writeOn() {
+    --outLeft;
+    TWDR = *outNext++;
+    return kGo;
+}
+
+// The last byte is not acknowledged, unless another part goes on.
+__attribute__((always_inline)) static inline uint8_t readOn() {
+    return inLeft > 1 || (part & I2c::kMore) ? kGo | (1 << TWEA) : kGo;
+}
+
+// As start(): the address says which way, also behind a repeated START.
+bool I2c::startPart(uint8_t way, uint8_t chip, uint8_t* bytes, uint8_t count) {
+    if ((result != kFree && result != kKept) || !isEnabled()) return false;
+    part = static_cast<uint8_t>(way | kParts);
+    outNext = inNext = bytes;
+    outLeft = inLeft = count;
+    startedMs = hw::milliseconds();
+    const bool goesOn = way & kGoOn;
+    status = goesOn ? 0 : kNothing;
+    result = kBusy;
+    if (!goesOn) {
+        address = static_cast<uint8_t>(chip << 1 | (way & kRead));
+        TWCR = static_cast<uint8_t>(kGo | (1 << TWSTA) | (TWCR & (1 << TWSTO)));
+    } else if (way & kRead) {
+        TWCR = readOn();
+    } else {
+        TWCR = writeOn();
+    }
+    return true;
+}
+
+I2c::Result I2c::finishPart() {
+    if (result == kKept) return kKept;
+    const Result now = finish();
+    if (now != kBusy) part = 0;
+    return now;
+}
+
+I2c::Fault I2c::fault() {
+    switch (status) {
+        case kNothing:
+            return kHeldLow;
+        case 0x20:  // neither addressed to write
+        case 0x48:  // nor to read
+            return kNoAddress;
+        case 0x30:  // a byte was written and not acknowledged
+            return kNoData;
+        default:
+            return kTooSlow;
+    }
+}
+
+void I2c::endParts() {
+    part = 0;
+    if (result != kKept) return;
+    TWCR = asip::kStop;
+    result = kFree;
+}
+
 static uint8_t end(I2c::Result how) {
     result = how;
     return kStop;
 }
 
+static uint8_t endPart() {
+    if (part & I2c::kStop) return end(I2c::kDone);
+    result = I2c::kKept;
+    return kKeep;
+}
+
 // What the TWI has just done, by the status codes of the chip's data sheet, and what comes next.
-static inline uint8_t next(uint8_t status) {
-    switch (status) {
+static inline uint8_t next(uint8_t now) {
+    if (part) status = now;
+    switch (now) {
         case 0x08:  // started
             TWDR = address;
             return kGo;
         case 0x10:  // started again, to read
-            TWDR = address | 1;
+            TWDR = part ? address : address | 1;
             return kGo;
         case 0x18:  // addressed to write
-            TWDR = firstByte;
-            return kGo;
-        case 0x28:  // a byte was written
-            if (outLeft != 0) {
-                --outLeft;
-                TWDR = *outNext++;
+            if (!part) {
+                TWDR = firstByte;
                 return kGo;
             }
+            // fall through
+        case 0x28:  // a byte was written
+            if (outLeft != 0) return writeOn();
+            if (part) return endPart();
             return inLeft != 0 ? kGo | (1 << TWSTA) : end(I2c::kDone);
         case 0x50:  // a byte was read, one more comes
             *inNext++ = TWDR;
             --inLeft;
-            return inLeft > 1 ? kGo | (1 << TWEA) : kGo;
+            if (part && inLeft == 0) return endPart();
+            return readOn();
         case 0x40:  // addressed to read
-            return inLeft > 1 ? kGo | (1 << TWEA) : kGo;
+            return readOn();
         case 0x58:  // the last byte was read
             *inNext = TWDR;
-            return end(I2c::kDone);
+            return part ? endPart() : end(I2c::kDone);
         default:
             return end(I2c::kFailed);
     }
@@ -137,13 +211,16 @@ namespace asip {
 
 static I2c::Begin beginWire;
 static I2c::Transfer transferByWire;
+static I2c::Part partByWire;
+static I2c::Fault lastFault;
 static uint8_t dataPin, clockPin;
 static uint8_t result;
 static const Service* owner;  // of the pins
 
-bool I2c::use(Begin begin, Transfer transfer, uint8_t data, uint8_t clock) {
+bool I2c::use(Begin begin, Transfer transfer, Part part, uint8_t data, uint8_t clock) {
     beginWire = begin;
     transferByWire = transfer;
+    partByWire = part;
     dataPin = data;
     clockPin = clock;
     return true;
@@ -194,6 +271,30 @@ I2c::Result I2c::finish() {
     const uint8_t now = result;
     result = kFree;
     return static_cast<Result>(now);
+}
+
+bool I2c::startPart(uint8_t way, uint8_t address, uint8_t* bytes, uint8_t count) {
+    if ((result != kFree && result != kKept) || !isEnabled()) return false;
+    lastFault = partByWire(way | kParts, address, bytes, count);
+    if (lastFault != kNoFault && digitalRead(dataPin) == LOW) {
+        lastFault = kHeldLow;
+        freeBus();
+    }
+    result = lastFault != kNoFault ? kFailed : way & kStop ? kDone : kKept;
+    return true;
+}
+
+I2c::Result I2c::finishPart() {
+    return result == kKept ? kKept : finish();
+}
+
+I2c::Fault I2c::fault() {
+    return lastFault;
+}
+
+void I2c::endParts() {
+    if (result == kKept) partByWire(0, 0, nullptr, 0);
+    result = kFree;
 }
 
 }  // namespace asip

@@ -16,7 +16,7 @@ class I2c {
   public:
     // A chip that does not acknowledge, or a bus that does not move for 25 ms (on chips that are not AVR, for
     // as long as the core waits), ends as kFailed.
-    enum Result : uint8_t { kFree, kBusy, kDone, kFailed };
+    enum Result : uint8_t { kFree, kBusy, kDone, kFailed, kKept };
 
     // Takes the pins of the bus for all I2C services: call when the service begins. kI2cNotEnabled if one of
     // them is in use by another service.
@@ -35,14 +35,36 @@ class I2c {
     // free.
     static Result finish();
 
+    // For the one service that reaches any chip: transfers in parts. Between two of them the bus is kept,
+    // and no other transfer begins.
+    enum Way : uint8_t {
+        kRead = 1,   // else it writes
+        kGoOn = 2,   // goes on where the part before, the same way, ended; else it begins with a START
+        kMore = 4,   // of a part that reads: the next one goes on
+        kStop = 8,   // it ends with a STOP, and the bus is free
+        kParts = 16  // always
+    };
+    enum Fault : uint8_t { kNoFault, kNoAddress, kNoData, kHeldLow, kTooSlow, kTooLong };
+
+    // As start(), for a part. A part that reads has a byte at least, one that goes on too.
+    static bool startPart(uint8_t way, uint8_t address, uint8_t* bytes, uint8_t count);
+
+    // kBusy, or how the part ended: once. A part that failed has freed the bus.
+    static Result finishPart();
+    static Fault fault();
+
+    // Frees the bus, where it is kept.
+    static void endParts();
+
 #ifndef __AVR__
     typedef void (*Begin)();
     typedef bool (*Transfer)(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount,
                              uint8_t* in, uint8_t inCount);
+    typedef Fault (*Part)(uint8_t way, uint8_t address, uint8_t* bytes, uint8_t count);
 
     // What does the transfers, and its pins: before any service begins. `begin` is called again when the
-    // pins were used otherwise.
-    static bool use(Begin begin, Transfer transfer, uint8_t dataPin, uint8_t clockPin);
+    // pins were used otherwise. `part` with the way 0 ends what is open.
+    static bool use(Begin begin, Transfer transfer, Part part, uint8_t dataPin, uint8_t clockPin);
 #endif
 };
 

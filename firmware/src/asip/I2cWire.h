@@ -59,7 +59,52 @@ inline bool transfer(uint8_t address, uint8_t first, const uint8_t* out, uint8_t
     return true;
 }
 
-__attribute__((unused)) static const bool isUsed = I2c::use(begin, transfer, ASIP_SDA, ASIP_SCL);
+inline I2c::Fault faultOf(uint8_t result) {
+    switch (result) {
+        case 0:
+            return I2c::kNoFault;
+        case 1:
+            return I2c::kTooLong;
+        case 2:
+            return I2c::kNoAddress;
+        case 3:
+            return I2c::kNoData;
+        default:
+            return I2c::kTooSlow;
+    }
+}
+
+// Wire sends what it was given when the transfer ends or turns, so only then it tells a fault; and it takes
+// as many bytes as its buffer holds. It reads no part that another one goes on with.
+inline I2c::Fault part(uint8_t way, uint8_t address, uint8_t* bytes, uint8_t count) {
+    static bool isWriting;
+    const bool goesOn = way & I2c::kGoOn;
+    if (isWriting && !goesOn) {
+        isWriting = false;
+        const I2c::Fault fault = faultOf(Wire.endTransmission(way == 0));
+        if (fault != I2c::kNoFault) return fault;
+    }
+    if (way == 0) return I2c::kNoFault;
+    if (way & I2c::kRead) {
+        if (goesOn || (way & I2c::kMore)) return I2c::kTooLong;
+        if (Wire.requestFrom(static_cast<int>(address), static_cast<int>(count),
+                             static_cast<int>((way & I2c::kStop) != 0)) != count)
+            return I2c::kNoAddress;
+        for (; count > 0; --count)
+            *bytes++ = static_cast<uint8_t>(Wire.read());
+        return I2c::kNoFault;
+    }
+    if (!goesOn) Wire.beginTransmission(address);
+    isWriting = (way & I2c::kStop) == 0;
+    for (; count > 0; --count) {
+        if (Wire.write(*bytes++) == 1) continue;
+        isWriting = false;
+        return I2c::kTooLong;
+    }
+    return isWriting ? I2c::kNoFault : faultOf(Wire.endTransmission(true));
+}
+
+__attribute__((unused)) static const bool isUsed = I2c::use(begin, transfer, part, ASIP_SDA, ASIP_SCL);
 
 }  // namespace wire
 }  // namespace asip

@@ -149,6 +149,7 @@ TEST(Matches, NamesOfDeployedBoards_FindTheirModel) {
                                          {'C', "Climate", "climate"},
                                          {'K', "Thermometers", "thermometers"},
                                          {'O', "OneWire", "onewire"},
+                                         {'J', "I2C", "i2c"},
                                          {'E', "Encoders", "encoders"},
                                          {'T', "Tone", "tone"},
                                          {'P', "Pixels", "pixels"},
