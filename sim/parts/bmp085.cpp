@@ -14,6 +14,7 @@ constexpr std::array kQuantities{Quantity{"pressure", 1013.25, 300, 1100},
 
 // Of the data sheet of the BMP085, whose example of calibration words this chip has.
 constexpr std::uint8_t kAddress = 0x77;
+constexpr std::uint8_t kChip = 0xd0;  // and its version
 constexpr std::uint8_t kFirstWord = 0xaa, kControl = 0xf4, kResult = 0xf6;
 constexpr std::uint8_t kMeasureTemperature = 0x2e, kMeasurePressure = 0x34;
 constexpr double kTemperatureUs = 4500;
@@ -71,7 +72,7 @@ class Bmp085 final : public I2cChip {
             const auto word = static_cast<unsigned>(kWords[(number - kFirstWord) / 2u]);
             return static_cast<std::uint8_t>((number - kFirstWord) % 2 == 0 ? word >> 8 : word);
         }
-        if (number < kResult || number > kResult + 2) return number == 0xd0 ? 0x55 : 0;
+        if (number < kResult || number > kResult + 2) return number == kChip ? 0x55 : number == kChip + 1 ? 2 : 0;
         return static_cast<std::uint8_t>(result_ >> (8 * (kResult + 2 - number)));
     }
     void write_register(std::uint8_t number, std::uint8_t value) override {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/parts/numbers.hpp"
 
@@ -33,11 +34,12 @@ void I2cChip::started(bool reading) {
 }
 
 bool I2cChip::write(std::uint8_t byte) {
-    if (numbered_)
-        write_register(register_++, byte);
-    else
+    const auto number = register_;
+    if (!numbered_)
         register_ = byte;
-    numbered_ = true;
+    else if (steps())
+        ++register_;
+    if (std::exchange(numbered_, true)) write_register(number, byte);
     return true;
 }
 

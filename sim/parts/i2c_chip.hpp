@@ -27,7 +27,11 @@ class I2cChip : public Part, public I2cDevice {
     bool is_there() const override { return attached_; }
     void started(bool reading) override;
     bool write(std::uint8_t byte) override;
-    std::uint8_t read() override { return read_register(register_++); }
+    std::uint8_t read() override {
+        const auto number = register_;
+        if (steps()) ++register_;
+        return read_register(number);
+    }
 
     static constexpr std::array kVerbs{PartVerb{"set", "NAME=VALUE,...", "change what a sensor measures"},
                                        PartVerb{"detach", "", "take a chip off its bus"},
@@ -39,6 +43,8 @@ class I2cChip : public Part, public I2cDevice {
 
     virtual std::uint8_t read_register(std::uint8_t number) = 0;
     virtual void write_register(std::uint8_t number, std::uint8_t value) = 0;
+    /// Whether the number of the register steps on behind each byte.
+    virtual bool steps() const { return true; }
     /// It was attached again: back to what it is when power comes.
     virtual void power_on() = 0;
     /// What is measured has changed.
