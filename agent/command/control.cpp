@@ -19,11 +19,6 @@ namespace asip::agent {
 
 namespace {
 
-// Questions whose answer has their own tag; what a raw request is answered with.
-char answer_of_question(const protocol::Request& request) {
-    return session::is_question(request.service, request.tag) ? request.tag : '\0';
-}
-
 std::string service_of_line(const session::ServiceTable& services, std::string_view line) {
     return service_named(services, line.size() > 1 && line[1] == ',' ? line[0] : '#');
 }
@@ -120,25 +115,6 @@ bool Control::was_seen(Execution& execution, const Command& command, Time now, E
     return true;
 }
 
-std::string_view Control::first_of_too_many(const Command& command, const Execution& execution) const {
-    const auto room = board_.session.room(execution.client);
-    if (!command.service.empty() || command.envelope.form != bus::RequestEnvelope::Form::kRaw ||
-        room >= protocol::kMaxRequestsPerPayload || !board_.session.accepts_requests())
-        return {};
-    const auto lines = protocol::lines_of(command.envelope.text);
-    const bool told_otherwise = lines.count > protocol::kMaxRequestsPerPayload;  // by read()
-    return lines.count > room && !told_otherwise ? lines.first : std::string_view();
-}
-
-std::string Control::hold_fault(const Execution& execution, const std::vector<Line>& lines) const {
-    if (!execution.hold) return {};
-    if (execution.service.empty()) return "only a command on BOARD/SERVICE/in can have a hold";
-    if (lines.front().safe.empty()) return "nothing undoes this command, so it cannot have a hold";
-    if (!safety_.holds().room_for(lines.front().safe))
-        return "this board has " + std::to_string(Holds::kMax) + " holds already";
-    return {};
-}
-
 void Control::on_renewal(const Renewal& renewal, Time now, Effects& out) {
     const auto execution = begin(renewal);
     execution->noted.clear();
@@ -155,65 +131,20 @@ void Control::on_renewal(const Renewal& renewal, Time now, Effects& out) {
     conclude(*execution, now, out);
 }
 
-Expected<std::vector<Control::Line>> Control::read(const Command& command, Execution& execution,
-                                                   const session::ServiceTable::Entry* service) const {
-    const auto& envelope = command.envelope;
-    const bool raw = envelope.form == bus::RequestEnvelope::Form::kRaw;
-    std::vector<Line> result;
-    if (service == nullptr) {
-        if (!raw)
-            return fail(
-                "ASIP request lines are expected here, or {\"raw\":\"...\"}; JSON commands go to "
-                "BOARD/SERVICE/in");
-        const auto requests = protocol::split_requests(envelope.text);
-        if (!requests) return fail(requests.error());
-        for (const auto& request : *requests)
-            result.push_back({request, answer_of_question(request), session::kDefaultAnswerTime,
-                              safe_form_of(board_.services, request)});
-        return result;
-    }
-    const auto* model = service->model.get();
-    auto encoded = raw ? model::encode_control_text(model, service->letter, envelope.text)
-                       : model::encode_control_json(model, service->letter, envelope.object);
-    if (!encoded) return fail(encoded.error());
-    execution.encoded = std::move(encoded->line);
-    const auto request = protocol::parse_request(execution.encoded);
-    if (!request) return fail(request.error());
-    result.push_back({*request, encoded->answer});
-    result.back().safe = std::move(encoded->safe);
-    if (encoded->answer_time) result.back().answer_time = *encoded->answer_time;
-    return result;
-}
-
-// All lines of a payload are sent, or none.
-std::optional<session::Refusal> Control::refusal(const std::vector<Line>& lines, session::ClientId client,
-                                                 Time now) const {
-    for (const Line& line : lines)
-        if (!session::may_be_sent(line.request)) return session::Refusal::kInvalid;
-    if (!board_.session.accepts_requests()) return session::Refusal::kNoBoard;
-    for (const Line& line : lines)
-        if (line.request.line.size() > board_.session.identity().extensions.longest_request())
-            return session::Refusal::kTooLong;
-    if (board_.session.room(client) < lines.size()) return session::Refusal::kQueueFull;
-    const auto names = std::count_if(lines.begin(), lines.end(), [](const Line& line) {
-        return session::NameBudget::concerns(line.request.line);
-    });
-    if (static_cast<std::size_t>(names) > board_.session.names_left(now))
-        return session::Refusal::kTooManyNames;
-    return std::nullopt;
-}
-
 void Control::execute(const std::shared_ptr<Execution>& execution, const std::vector<Line>& lines, Time now,
                       session::Actions& actions, Effects& out) {
     execution->lines = lines.size();
     const bool wanted = execution->is_proven();
+    std::size_t place = 0;
     for (const Line& line : lines) {
+        const bool more_follow = execution->is_list && ++place < lines.size();
         const auto id = board_.session.submit(line.request,
                                               {.client = execution->client,
                                                .deadline = execution->deadline,
                                                .prove = wanted,
                                                .answer_tag = wanted ? line.answer_tag : '\0',
                                                .answer_time = line.answer_time,
+                                               .more_follow = more_follow,
                                                .is_answer = answer_check(*execution)},
                                               now, actions);
         if (!id) {
@@ -231,7 +162,7 @@ void Control::execute(const std::shared_ptr<Execution>& execution, const std::ve
         ++execution->open;
         auto service =
             execution->service.empty() ? service_of_line(board_.services, text) : execution->service;
-        open_.emplace(*id, Open{execution, std::move(service), std::move(text)});
+        open_.emplace(*id, Open{execution, std::move(service), std::move(text), place});
     }
     execution->all_submitted = true;
     if (execution->open == 0) conclude(*execution, now, out);
@@ -261,12 +192,12 @@ void Control::on_finished(const session::Finished& end, Time now, Effects& out) 
     if (end.ending == session::Ending::kTimeout || end.ending == session::Ending::kDoubt)
         report("timeout", "no sign that the board executed it; it may have, or not");
     if (end.ending == session::Ending::kNotSent) report(reason_of(end), not_sent_text(end));
-    note_end(*execution, end);
+    note_end(*execution, request.place, end);
     if (--execution->open == 0 && execution->all_submitted) conclude(*execution, now, out);
 }
 
 // The first that is not good decides.
-void Control::note_end(Execution& execution, const session::Finished& end) const {
+void Control::note_end(Execution& execution, std::size_t place, const session::Finished& end) const {
     bus::Reply& outcome = execution.outcome;
     if (end.ending == session::Ending::kNotSent) ++execution.not_sent;
     if (outcome.status != bus::Reply::Status::kOk) return;
@@ -289,7 +220,11 @@ void Control::note_end(Execution& execution, const session::Finished& end) const
             break;
         case session::Ending::kExecuted:
         case session::Ending::kUnproven:
-            if (!end.answer.empty()) outcome = bus::Reply::ok("answer", answer_json(execution, end.answer));
+            if (end.answer.empty()) break;
+            if (execution.is_list)
+                execution.answers[place - 1] = answer_json(execution, end.answer);
+            else
+                outcome = bus::Reply::ok("answer", answer_json(execution, end.answer));
             break;
     }
 }
@@ -356,6 +291,12 @@ void Control::conclude(Execution& execution, Time now, Effects& out) {
         execution.outcome = bus::Reply::timeout(bus::kTimeoutPartly);
         execution.outcome.error = std::to_string(execution.not_sent) + " of " +
                                   std::to_string(execution.lines) + " lines were not sent: " + why;
+    }
+    if (execution.is_list && execution.outcome.status == bus::Reply::Status::kOk) {
+        std::string all;
+        for (const auto& answer : execution.answers)
+            if (!answer.empty()) all += (all.empty() ? "" : ",") + answer;
+        if (!all.empty()) execution.outcome = bus::Reply::ok("answer", "[" + all + "]");
     }
     if (execution.key) recent_.answer(*execution.key, execution.outcome);
     statistics_.answered(execution.outcome, execution.reply.wanted(), now - execution.received);

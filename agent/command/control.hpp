@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -76,7 +77,9 @@ class Control {
         Time deadline;
         std::optional<Duration> hold;
         model::ModelPtr model;
-        std::string encoded;  // the line of a command for a service
+        std::vector<std::string> encoded;  // the lines of commands for a service
+        bool is_list = false;              // {"commands":[...]}: its answer is a list, too
+        std::vector<std::string> answers;  // of a list: by the place of the command; empty: it has none
         std::size_t lines = 0;
         std::size_t open = 0;      // requests that have not ended
         std::size_t not_sent = 0;  // requests that ended so
@@ -96,6 +99,7 @@ class Control {
         std::shared_ptr<Execution> execution;
         std::string service;
         std::string line;
+        std::size_t place = 0;  // among the lines of the command
     };
 
     // In the order in which a command passes them.
@@ -114,7 +118,7 @@ class Control {
     void execute(const std::shared_ptr<Execution>& execution, const std::vector<Line>& lines, Time now,
                  session::Actions& actions, Effects& out);
     /// One of its requests has ended: what that means for the answer.
-    void note_end(Execution& execution, const session::Finished& end) const;
+    void note_end(Execution& execution, std::size_t place, const session::Finished& end) const;
     /// `request`: how it is called in a report where no answer is wanted. `reason`: see bus/reply.hpp.
     void refuse(Execution& execution, std::string_view request, std::string_view reason, std::string text,
                 Time now, Effects& out);

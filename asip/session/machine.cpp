@@ -193,6 +193,7 @@ Expected<RequestId, Refusal> Machine::submit(const protocol::Request& parsed, co
     request.deadline = wanted.deadline.value_or(now + kDefaultDeadline);
     request.prove = wanted.prove;
     request.urgent = wanted.urgent;
+    request.more_follow = wanted.more_follow;
     request.answer_tag = wanted.answer_tag;
     request.answer_time = wanted.answer_time;
     request.is_answer = wanted.is_answer;

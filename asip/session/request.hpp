@@ -14,6 +14,7 @@ struct Request {
     Time deadline = Time::max();
     bool prove = true;
     bool urgent = false;
+    bool more_follow = false;  ///< see RequestOptions
     char answer_tag = 0;     ///< tag of the event that answers it, of the same service; 0: none
     Duration answer_time{};  ///< how long after its fence that event may come
     AnswerCheck is_answer{};

@@ -60,6 +60,10 @@ Request WaitingRequests::pop() {
     const auto queue = queues_.find(client);
     Request request = std::move(queue->second.front());
     queue->second.pop_front();
+    if (request.more_follow)
+        row_ = Row{client, request.service(), request.deadline};
+    else if (row_ && row_->client == client)
+        row_.reset();
     turns_.pop_front();
     if (queue->second.empty()) {
         queues_.erase(queue);
@@ -72,6 +76,7 @@ Request WaitingRequests::pop() {
 
 std::vector<Request> WaitingRequests::take_expired(Time now) {
     std::vector<Request> expired;
+    if (row_ && now >= row_->until) row_.reset();
     if (now < earliest_) return expired;
     earliest_ = Time::max();
     const auto sort_out = [&](std::deque<Request>& queue) {
@@ -103,6 +108,7 @@ std::vector<Request> WaitingRequests::take_queued() {
             queued.push_back(std::move(request));
     queues_.clear();
     turns_.clear();
+    row_.reset();
     size_ = 0;
     return queued;
 }

@@ -34,7 +34,8 @@ class WaitingRequests {
     bool turn_to(MayGo&& may_go) {
         if (!urgent_.empty() || !own_.empty()) return true;
         const auto turn = std::find_if(turns_.begin(), turns_.end(), [&](ClientId client) {
-            return may_go(queues_.find(client)->second.front());
+            const Request& next = queues_.find(client)->second.front();
+            return !waits_for_others(next) && may_go(next);
         });
         if (turn == turns_.end()) return false;
         std::rotate(turns_.begin(), turn, turn + 1);
@@ -54,11 +55,22 @@ class WaitingRequests {
     void forget_own() { own_.clear(); }
 
   private:
+    /// Requests for one service that belong together, of which more follow.
+    struct Row {
+        ClientId client;
+        char service;
+        Time until;
+    };
+    bool waits_for_others(const Request& next) const {
+        return row_ && row_->client != next.client && row_->service == next.service();
+    }
+
     std::deque<Request> urgent_;
     std::deque<Request> own_;
     std::unordered_map<ClientId, std::deque<Request>> queues_;  // none of them empty
     std::deque<ClientId> turns_;                                // each client of queues_ once
     std::size_t size_ = 0;                                      // of queues_
+    std::optional<Row> row_;
     Time earliest_ = Time::max();
 };
 

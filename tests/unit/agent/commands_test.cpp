@@ -54,6 +54,47 @@ TEST_F(OnlineBridge, BoardDoesNotAnswer_TimeoutAndTheNextWorks) {
     EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "2")["status"], "ok");
 }
 
+TEST_F(OnlineBridge, ListOfCommands_IsOneCommandWithTheAnswersOfAll) {
+    bench.board.replies["D,M"] = "@D,e,2,{42,118}";
+    EXPECT_EQ(
+        bench.ask("asip/uno1/servo/in", json::parse(R"({"commands":[{"write":[0,1]},{"write":[0,2]}]})")),
+        json::parse(R"({"id":"1","status":"ok","proof":"fence"})"));
+    EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,1", "S,W,0,2"));
+    EXPECT_EQ(bench.ask("asip/uno1/distance/in",
+                        json::parse(R"({"commands":[{"measure":null},{"report":0},{"measure":null}]})"),
+                        "2")["answer"],
+              json::parse(R"([{"distance":[42,118]},{"distance":[42,118]}])"));
+}
+
+TEST_F(OnlineBridge, ListOfCommandsWithABadOne_IsRefusedWholeAndSaysWhich) {
+    int id = 0;
+    const auto ask = [&](const std::string& list) {
+        return bench.ask("asip/uno1/servo/in", json::parse(R"({"commands":)" + list + "}"),
+                         "b" + std::to_string(++id));
+    };
+    EXPECT_EQ(ask(R"([{"write":[0,1]},{"wirte":[0,2]}])")["error"],
+              "commands: number 2: no command 'wirte'; did you mean 'write'?");
+    for (const char* list :
+         {"[]", "7", "{}", R"([{"write":[0,1]},7])", R"([{"commands":[{"write":[0,1]}]}])"})
+        EXPECT_EQ(ask(list)["reason"], "invalid") << list;
+    json many = json::array();
+    for (int i = 0; i < 65; ++i)
+        many.push_back({{"write", {0, 1}}});
+    EXPECT_EQ(ask(many.dump())["error"], "commands: is not a list of 1 to 64 commands");
+    EXPECT_THAT(bench.board.executed, IsEmpty());
+    many.erase(0);
+    EXPECT_EQ(ask(many.dump())["status"], "ok");
+    EXPECT_EQ(bench.board.executed.size(), 64u);
+}
+
+TEST_F(OnlineBridge, ListOfCommandsWithOneThatTheBoardRefuses_IsItsError) {
+    bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
+    EXPECT_EQ(
+        bench.ask("asip/uno1/servo/in",
+                  json::parse(R"({"commands":[{"write":[0,1]},{"write":[9,90]},{"write":[0,2]}]})"))["code"],
+        7);
+}
+
 TEST_F(OnlineBridge, BadCommands_AreRefusedWithAReasonAndNothingIsSent) {
     int id = 0;
     for (const char* command : {R"({"wirte":[0,90]})", R"({"write":[0]})", R"({"write":[0,900]})",

@@ -121,6 +121,41 @@ TEST_P(EachGeneration, ThousandRequestsOfManyClients_NeverMoreThanTheBufferInFli
     EXPECT_EQ(bench.board.executed.size(), 1000u);
 }
 
+TEST_P(EachGeneration, RequestsThatBelongTogether_AnotherClientsForTheServiceWaitAndItsOthersDoNot) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.hold();
+    for (int i = 0; i < 30; ++i)
+        bench.request("I,d,12,1", {.client = 3});
+    bench.request("S,W,9,9", {.client = 2});
+    for (int i = 0; i < 10; ++i)
+        bench.request("S,W,0," + std::to_string(i), {.client = 1, .more_follow = i < 9});
+    for (int i = 0; i < 10; ++i)
+        bench.request(i % 2 ? "I,d,13,1" : "S,W,9,9", {.client = 2});
+    bench.release();
+    bench.pass(5s);
+    const auto& all = bench.board.executed;
+    ASSERT_EQ(all.size(), 51u);
+    const auto first = std::find(all.begin(), all.end(), "S,W,0,0");
+    const auto last = std::find(all.begin(), all.end(), "S,W,0,9");
+    ASSERT_NE(last, all.end());
+    EXPECT_EQ(std::count(first, last, "S,W,9,9"), 0);
+    EXPECT_GT(std::count(first, last, "I,d,12,1"), 0) << "other services go on";
+}
+
+TEST_P(EachGeneration, RequestThatWasToFollow_NeverComes_OthersGoOnAtTheDeadline) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.request("S,W,0,1", {.client = 1, .deadline = bench.now + 300ms, .more_follow = true});
+    bench.pass(100ms);
+    const auto other = bench.request("S,W,9,9", {.client = 2});
+    bench.pass(100ms);
+    EXPECT_EQ(bench.end_of(other), nullptr);
+    bench.pass(2s);
+    ASSERT_NE(bench.end_of(other), nullptr);
+    EXPECT_EQ(bench.end_of(other)->ending, Ending::kExecuted);
+}
+
 TEST_P(EachGeneration, FenceLost_RequestIsInDoubtAndTheNextWorks) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());
