@@ -45,6 +45,14 @@ class Commands:
         call.future.add_done_callback(finish)
         return done
 
+    def _together(self, commands: "Sequence[dict[str, Any]]", what: str, *, timeout: float | None = None) -> list[Any]:
+        """Commands in a row, as one request: `[{"write": [0, 90]}, {"write": [1, 0]}]`, without one of others for this service between
+        them. The answers of those that have one. `what` names them in errors."""
+        engine, seconds = self.board._engine, self.board._timeout(timeout)
+        call = engine.ask(lambda session, now: session.command(now, self.board.name, self.name, what, {"commands": commands}, seconds))
+        answers: list[Any] = _wait.result(call.future).get("answer") or []
+        return answers
+
     def _begin(self, name: str, args: tuple[Any, ...], named: dict[str, Any], timeout: float | None,
                hold: float | None = None) -> tuple[_model.Command, Call]:
         model = self._need_model(name)

@@ -20,6 +20,7 @@ from . import bus as _bus
 from . import errors
 from ._twin import Twin, in_loop, readings, run, same, waits
 from .board import Board as _Board
+from .i2c import I2C, SMBus
 from .pin import Pin as _Pin
 from .property import Property as _Property
 from .service import Element as _Element
@@ -102,6 +103,14 @@ class Board(Twin):
     def property(self, id: str) -> Property:
         """It is looked for when it is read or written."""
         return Property(self, self._one._property(id))
+
+    def i2c(self, *, timeout: float | None = None) -> I2C:
+        """As `asip.Board.i2c()`: drivers wait, so work with it in threads, `await asyncio.to_thread(...)`."""
+        return self._one.i2c(timeout=timeout)
+
+    def smbus(self, *, timeout: float | None = None) -> SMBus:
+        """As `i2c()`."""
+        return self._one.smbus(timeout=timeout)
 
     def pin(self, which: int | str) -> Pin:
         return Pin(self, self._one.pin(which))

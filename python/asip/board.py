@@ -8,8 +8,10 @@ import threading
 
 from . import _model, _wait, errors
 from ._bank import Bank
+from ._chips import BusCarrier, Transfers
 from ._followed import Followed
 from ._topics import valid_name
+from .i2c import I2C, SMBus
 from .pin import Pin
 from .property import Property
 from .service import Service, class_of
@@ -64,6 +66,7 @@ class Board(Followed):
         self._bank = Bank(self)
         self._pins: dict[int, Pin] = {}
         self._properties: dict[str, Property] = {}
+        self._chips = threading.Lock()
 
     # Services -----------------------------------------------------------------------------------------------------------
 
@@ -204,6 +207,22 @@ class Board(Followed):
 
     def _io(self) -> Service:
         return self._bank.io(self.services)
+
+    # Any chip ------------------------------------------------------------------------------------------------------------
+
+    def i2c(self, *, timeout: float | None = None) -> I2C:
+        """The board's I2C bus, as drivers for CircuitPython expect it (`busio.I2C`). Needs the service `i2c` on the board, which is
+        `board["i2c"]`. All of a program share its lock."""
+        return I2C(self._transfers(timeout))
+
+    def smbus(self, *, timeout: float | None = None) -> SMBus:
+        """The same, as programs of `smbus2` expect it."""
+        return SMBus(self._transfers(timeout))
+
+    def _transfers(self, timeout: float | None) -> Transfers:
+        transfers = Transfers(BusCarrier(self["i2c"], timeout))
+        transfers.lock = self._chips
+        return transfers
 
     # For people ---------------------------------------------------------------------------------------------------------
 

@@ -51,6 +51,8 @@ class Pages(unittest.TestCase):
         run = 0
         for page in (*(ROOT / "docs" / name for name in ("python.md", "start-in-class.md", "start-develop.md")), ROOT / "python" / "README.md"):
             for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL):
+                if "import adafruit" in block:
+                    continue  # tests/drivers has the package, and a board with the chip
                 block = textwrap.dedent(block).replace('"student-1"', '"desk"')  # a board of the reader's
                 with self.subTest(page=page.name, block=block.splitlines()[:4]):
                     done = subprocess.run([python, "-X", "dev", "-W", "error::DeprecationWarning", "-c", block], env=environment,

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Drivers as their authors published them on PyPI, unmodified, on the I2C bus of a simulated board, over a real broker and agent.
+Each reads what its simulated chip was told to measure, or shows on it what is then read back."""
+
+import errno
+import json
+import os
+import pathlib
+import re
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import types
+import unittest
+
+sys.path[:0] = [os.environ["ASIP_DRIVERS"] + f"/lib/python{sys.version_info[0]}.{sys.version_info[1]}/site-packages"]
+
+import bus as bus_module  # noqa: E402
+from bus import Bus, eventually, free_port  # noqa: E402
+
+sys.path.insert(0, str(bus_module.ROOT / "python"))
+import asip  # noqa: E402
+import asip.i2c  # noqa: E402
+
+
+def board(name, display, *parts):
+    return {"name": name, "board": "uno", "image": str(bus_module.IMAGES / "asip_uno_i2c.elf"), "link": f"{name}.port",
+            "parts": [{"kind": display, "name": f"{name}-display"}, *parts]}
+
+
+CHIPS = [{"kind": "mpu6050", "name": "motion", "ax": 8192, "ay": -4096, "az": 16384, "gx": 262, "gy": -524, "gz": 0},
+         {"kind": "bmp085", "name": "barometer", "pressure": 987.6, "temperature": 21.3},
+         {"kind": "hmc5883l", "name": "compass", "x": 100, "y": -20, "z": 30},
+         {"kind": "ads1115", "name": "voltages", "a0": 1.25, "a1": 3.3, "a2": -0.1, "a3": 0.02},
+         {"kind": "pca9685", "name": "outputs"}]
+SECONDS = 20
+
+
+class Drivers(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.real = Bus((board("desk", "ssd1306", *CHIPS), board("wall", "sh1106")))
+        cls.addClassCleanup(cls.real.close)
+
+    def setUp(self):
+        self.bus = asip.connect(f"mqtt://127.0.0.1:{self.real.broker_port}", timeout=SECONDS)
+        self.addCleanup(self.bus.close)
+        self.desk = self.bus.board("desk", timeout=SECONDS)
+        self.wall = self.bus.board("wall", timeout=SECONDS)
+        self.i2c, self.smbus = self.desk.i2c(timeout=SECONDS), self.desk.smbus(timeout=SECONDS)
+
+    def picture(self, display):
+        """The pixels of a display, rows of `0` and `1`."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "display.pbm"
+            self.real.sim("picture", display, str(file))
+            eventually(lambda: file.exists() and file.read_text().count("\n") == 66, "the picture is written")
+            return file.read_text().split("\n")[2:66]
+
+    def test_block_of_the_page_runs_as_it_stands(self):
+        text = (bus_module.ROOT / "docs" / "python.md").read_text()
+        block = re.search(r"```python\n(import adafruit.*?)```", text, re.DOTALL)[1]
+        path = os.pathsep.join([str(bus_module.ROOT / "python"), sys.path[0], *sys.path])
+        done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, timeout=60,
+                              env={**os.environ, "ASIP_BROKER": f"127.0.0.1:{self.real.broker_port}", "PYTHONPATH": path})
+        self.assertEqual(done.stderr, "")
+        self.assertRegex(done.stdout, r"^\(4\.9\d*, .*\)\n0x68\n$")
+
+    def test_scan_finds_the_chips(self):
+        self.assertEqual(self.i2c.scan(), [0x1E, 0x3C, 0x40, 0x48, 0x68, 0x77])
+
+    def test_adafruit_mpu6050(self):
+        import adafruit_mpu6050
+        sensor = adafruit_mpu6050.MPU6050(self.i2c)
+        for measured, told in zip(sensor.acceleration, (0.5, -0.25, 1)):
+            self.assertAlmostEqual(measured, told * 9.80665, 2)
+        for measured, told in zip(sensor.gyro, (2, -4, 0)):
+            self.assertAlmostEqual(measured, told * 3.14159265 / 180, 3)
+        sensor.accelerometer_range = adafruit_mpu6050.Range.RANGE_8_G
+        self.assertAlmostEqual(sensor.acceleration[2], 9.80665, 2)
+
+    def test_mpu6050_raspberrypi(self):
+        """A program of smbus."""
+        sys.modules["smbus"] = types.SimpleNamespace(SMBus=lambda port: self.smbus)
+        import mpu6050
+        sensor = mpu6050.mpu6050(0x68)
+        self.assertEqual(sensor.get_accel_data(g=True), {"x": 0.5, "y": -0.25, "z": 1.0})
+        self.assertEqual(sensor.get_gyro_data(), {"x": 2.0, "y": -4.0, "z": 0.0})
+
+    def test_bmp180(self):
+        """A program of smbus2."""
+        import bmp180.bmp180 as module
+        module.SMBus = lambda port: self.smbus
+        sensor = module.BMP180()
+        self.assertAlmostEqual(sensor.read_temperature(), 21.3, delta=0.11)
+
+    def test_messages_of_smbus2(self):
+        from smbus2 import i2c_msg
+        register, field = i2c_msg.write(0x1E, [0x0A]), i2c_msg.read(0x1E, 3)
+        self.smbus.i2c_rdwr(register, field)
+        self.assertEqual(bytes(field), b"H43")
+        register, words = i2c_msg.write(0x77, [0xAA]), i2c_msg.read(0x77, 22)
+        self.smbus.i2c_rdwr(register, words)
+        self.assertEqual(bytes(words).hex(), "0198ffb8c7d17fe57ff55a71182e00048000ddf90b34")
+
+    def test_adafruit_ads1x15(self):
+        from adafruit_ads1x15 import ads1x15
+        from adafruit_ads1x15.ads1115 import ADS1115
+        from adafruit_ads1x15.analog_in import AnalogIn
+        chip = ADS1115(self.i2c)
+        pins = getattr(ads1x15, "Pin", None)
+        number = (lambda at: getattr(pins, f"A{at}")) if pins is not None and hasattr(pins, "A0") else (lambda at: at)
+        for at, told in enumerate((1.25, 3.3, -0.1, 0.02)):
+            self.assertAlmostEqual(AnalogIn(chip, number(at)).voltage, told, 3)
+        self.assertAlmostEqual(AnalogIn(chip, number(0), number(1)).voltage, -2.05, 3)
+        chip.gain = 16
+        self.assertAlmostEqual(AnalogIn(chip, number(3)).voltage, 0.02, 5)
+
+    def test_adafruit_pca9685_and_a_servo(self):
+        from adafruit_motor import servo
+        from adafruit_pca9685 import PCA9685
+        chip = PCA9685(self.i2c)
+        chip.frequency = 50
+        chip.channels[15].duty_cycle = 0xFFFF
+        servo.Servo(chip.channels[0], min_pulse=1000, max_pulse=2000).angle = 90  # 1.5 of 20 ms: 307 of 4096
+        eventually(lambda: self.real.part("desk/outputs") in [f"50 Hz 0:{slots} 15:4096" for slots in range(305, 309)], "the outputs are set")
+
+    def test_adafruit_ssd1306_each_pixel(self):
+        import adafruit_ssd1306
+        display = adafruit_ssd1306.SSD1306_I2C(128, 64, self.i2c)
+        display.fill(0)
+        wanted = [["0"] * 128 for _ in range(64)]
+        for y in range(64):
+            for x in range(128):
+                if (x * 7 + y * 13) % 11 < 3:
+                    display.pixel(x, y, 1)
+                    wanted[y][x] = "1"
+        display.show()
+        self.assertEqual(self.picture("desk-display"), ["".join(row) for row in wanted])
+
+    def luma(self, device, display, smbus):
+        from luma.core.interface.serial import i2c
+        from luma.core.render import canvas
+        from PIL import ImageDraw, Image
+        screen = device(i2c(bus=smbus, address=0x3C))
+        self.addCleanup(lambda: setattr(screen, "persist", True))
+        screen.persist = True  # else it is cleared at the end of the program, behind the end of the bus
+
+        def draw(on):
+            on.rectangle((0, 0, 127, 63), outline="white")
+            on.text((30, 40), "Hello World", fill="white")
+            on.ellipse((5, 5, 40, 35), fill="white")
+        with canvas(screen) as on:
+            draw(on)
+        wanted = Image.new("1", (128, 64))
+        draw(ImageDraw.Draw(wanted))
+        rows = ["".join("1" if wanted.getpixel((x, y)) else "0" for x in range(128)) for y in range(64)]
+        self.assertIn("1", "".join(rows))
+        self.assertEqual(self.picture(display), rows)
+
+    def test_luma_oled_sh1106_each_pixel(self):
+        from luma.oled.device import sh1106
+        self.luma(sh1106, "wall-display", self.wall.smbus(timeout=SECONDS))
+
+    def test_luma_oled_ssd1306_each_pixel(self):
+        from luma.oled.device import ssd1306
+        self.luma(ssd1306, "desk-display", self.smbus)
+
+    def test_frame_of_a_display_is_one_transfer_and_one_command(self):
+        from smbus2 import i2c_msg
+        self.smbus.write_i2c_block_data(0x3C, 0, [0xAE, 0x20, 0x00, 0xA1, 0xC8, 0xAF])
+        for picture in (bytes(1024), bytes(at * 37 & 255 for at in range(1024))):
+            self.smbus.write_i2c_block_data(0x3C, 0, [0x21, 0, 127, 0x22, 0, 7])
+            self.smbus.i2c_rdwr(i2c_msg.write(0x3C, [0x40, *picture]))
+            rows = ["".join(str(picture[y // 8 * 128 + x] >> y % 8 & 1) for x in range(128)) for y in range(64)]
+            self.assertEqual(self.picture("desk-display"), rows)
+
+    def test_chip_that_is_missing_is_what_each_package_says_of_it(self):
+        import adafruit_mpu6050
+        import luma.core.error
+        from luma.core.interface.serial import i2c
+        for ask in (lambda: self.smbus.read_byte_data(0x50, 0), lambda: self.smbus.read_i2c_block_data(0x50, 0, 32),
+                    lambda: self.smbus.write_i2c_block_data(0x50, 0, bytes(100)), lambda: self.i2c.readfrom_into(0x50, bytearray(50))):
+            with self.assertRaises(OSError) as caught:
+                ask()
+            self.assertEqual(caught.exception.errno, errno.EREMOTEIO)
+            self.assertRegex(str(caught.exception), "ADDRESS_NOT_ACKNOWLEDGED 80")
+        with self.assertRaisesRegex(ValueError, "No I2C device at address: 0x50"):
+            adafruit_mpu6050.MPU6050(self.i2c, 0x50)
+        with self.assertRaises(luma.core.error.DeviceNotFoundError):
+            i2c(bus=self.smbus, address=0x50).command(0xAE)
+        self.assertEqual(self.smbus.read_byte_data(0x68, 0x75), 0x68)
+
+    def test_two_programs_on_one_bus_each_transfer_is_whole(self):
+        other = asip.connect(f"mqtt://127.0.0.1:{self.real.broker_port}", timeout=SECONDS)
+        self.addCleanup(other.close)
+        faults, words = [], []
+
+        def program(bus, rounds):
+            try:
+                smbus = bus.board("desk", timeout=SECONDS).smbus(timeout=SECONDS)
+                words.extend(bytes(smbus.read_i2c_block_data(0x77, 0xAA, 22)).hex() for _ in range(rounds))
+            except Exception as fault:  # noqa: BLE001 - it is told below
+                faults.append(fault)
+        threads = [threading.Thread(target=program, args=(bus, 20)) for bus in (self.bus, other)]
+        for one in threads:
+            one.start()
+        for one in threads:
+            one.join(60)
+        self.assertEqual(faults, [])
+        self.assertEqual(words, ["0198ffb8c7d17fe57ff55a71182e00048000ddf90b34"] * 40)
+
+    def test_board_without_an_agent_point_to_point(self):
+        from luma.core.interface.serial import i2c as luma_i2c
+        from luma.oled.device import sh1106
+        import adafruit_mpu6050
+        port = free_port()
+        file = self.real.work / "bare.json"
+        file.write_text(json.dumps({**board("bare", "sh1106", CHIPS[0]), "tcp": port}))
+        self.real.start("bare", "asip-sim", "--socket", str(self.real.work / "bare.sock"), str(file))
+        self.addCleanup(self.real.end, "bare")
+        eventually(lambda: bus_module.can_connect(port), "the port of the board")
+        with socket.create_connection(("127.0.0.1", port), SECONDS) as connection, connection.makefile("rwb") as stream:
+            i2c = asip.i2c.over(stream)
+            eventually(lambda: 0x68 in i2c.scan(), "the board answers")
+            self.assertAlmostEqual(adafruit_mpu6050.MPU6050(i2c).acceleration[0], 0.5 * 9.80665, 2)
+            with self.assertRaises(OSError) as caught:
+                i2c.writeto(0x50, bytes(40))
+            self.assertEqual(caught.exception.errno, errno.EREMOTEIO)
+            sh1106(luma_i2c(bus=asip.i2c.smbus_over(stream), address=0x3C)).persist = True
+            self.assertEqual(i2c.scan(), [0x3C, 0x68])
+
+
+if __name__ == "__main__":
+    unittest.main()
