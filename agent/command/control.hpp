@@ -109,6 +109,11 @@ class Control {
     /// `service`: that of its topic; null: raw lines. Fails with a text for a person.
     Expected<std::vector<Line>> read(const Command& command, Execution& execution,
                                      const session::ServiceTable::Entry* service) const;
+    /// The same for a command that is a list of commands.
+    Expected<std::vector<Line>> read_list(const nlohmann::json& list, Execution& execution,
+                                          const session::ServiceTable::Entry& service) const;
+    Expected<Line> read_one(const nlohmann::json& command, Execution& execution,
+                            const session::ServiceTable::Entry& service) const;
     /// The first raw line for which the client has no room, else empty. It reads none: a flood must cost
     /// little.
     std::string_view first_of_too_many(const Command& command, const Execution& execution) const;

@@ -82,6 +82,9 @@ struct RequestOptions {
     /// It goes ahead of all others, also while a fence is overdue. Where its execution then could not be told
     /// from a lost line, it ends in kDoubt.
     bool urgent = false;
+    /// The next request of this client belongs to it: no other client's request for the same service comes
+    /// between them. Until the deadline of this one.
+    bool more_follow = false;
     /// Asked of each event that comes while this request waits for its answer: a no ends all that is under
     /// way in kDoubt. None: each event is believed. The session itself checks answers to questions of the
     /// protocol.

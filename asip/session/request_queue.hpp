@@ -29,7 +29,8 @@ class WaitingRequests {
     bool changes_line() const;
     std::size_t size_of(ClientId client) const;
 
-    /// Passes over clients whose next request may not go now; they keep their place. False: none may.
+    /// Passes over clients whose next request may not go now, or would come between requests of another that
+    /// belong together; they keep their place. False: none may.
     template <class MayGo>
     bool turn_to(MayGo&& may_go) {
         if (!urgent_.empty() || !own_.empty()) return true;
@@ -46,7 +47,7 @@ class WaitingRequests {
     Request pop();
 
     /// Not later than the earliest deadline; Time::max(): there is none.
-    Time earliest_deadline() const { return earliest_; }
+    Time earliest_deadline() const { return row_ ? std::min(earliest_, row_->until) : earliest_; }
     std::vector<Request> take_expired(Time now);
     /// Takes out all requests of clients, and forgets the session's own.
     std::vector<Request> take_all();
