@@ -77,6 +77,7 @@ class FromTheBox(Evening):
         eventually(lambda: "AsipServices: writing" in page.text(".loading-log"), "the log", 40)
         page.screenshot("add-board-loading")
         self.at_step("Name it", 90)
+        self.assertNotIn("does not answer", page.text(".add-board"), "loading takes longer than other requests")
         beside = time.monotonic() - loading
         self.name_and_show("Left window", "Kitchen", "42", beside)
         labels = bus.get("/api/boards/usb-3")["labels"]

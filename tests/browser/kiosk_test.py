@@ -147,6 +147,10 @@ class Kiosk(PageTest):
         self.open_page(self.url)
         self.browser.shown("#token", seconds=40)
         self.assertEqual(self.visible("button.stop, nav a"), [])
+        signs = "return [...document.querySelectorAll('body *')].filter((each) => each.checkVisibility() && each.textContent.trim() === '' " \
+            "&& getComputedStyle(each, '::before').content === '\"!\"').map((each) => each.outerHTML)"
+        self.assertEqual(self.browser.run(signs), [], "nothing is wrong yet")
+        self.assertEqual(self.visible("asip-link"), [], "there is nothing to be connected to")
         self.assertNotIn("asipctl open", self.browser.text("body"), "it needs a token, too")
         self.sign_in("nonsense")
         eventually(lambda: "does not know this token" in self.browser.text("main"), "why not")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ten thousand boards in the table: it stays quick."""
 
+import re
 import time
 import unittest
 
@@ -32,6 +33,18 @@ class ManyBoards(PageTest):
         client.publish("asip/B4/S1/out", "17", qos=1).wait_for_publish()
         client.disconnect()
         client.loop_stop()
+
+    def test_ThousandBoardsThatAreTicked_AreStoppedByOneRequest(self):
+        self.open(anew=True)
+        self.browser.shown("input[type=search]").send_keys("board1")
+        found = eventually(lambda: re.match(r"(1,\d\d\d) of ", self.browser.text(".found")), "more than a thousand boards")[1]
+        self.browser.shown("input[aria-label='Select all that are shown']").click()
+        eventually(lambda: f"{found} boards selected" in self.browser.text("asip-selection"), "all are selected")
+        self.browser.button("Stop", "asip-selection").click()
+        # They have no agents, so each is told to give no proof.
+        eventually(lambda: f"Done on 0 of {found.replace(',', '')} boards" in self.browser.text("asip-selection output"), "the answer", 60)
+        asked = self.browser.run("return performance.getEntriesByType('resource').map((each) => each.name)")
+        self.assertEqual([each for each in asked if each.endswith("/stop")], [f"{self.bus.url}/api/stop"])
 
     def test_TenThousandBoards_AreThereSoonAndScrollSmoothly(self):
         browser = self.browser

@@ -36,6 +36,24 @@ class StopTest : public BusTest {
         R"({"status":"ok","proof":"fence","answer":{"executed":["M,S","I,d,13,0"],"refused":7}})";
 };
 
+TEST_F(StopTest, ManyBoards_AreAllStoppedBeforeAnyAnswers) {
+    constexpr int kBoards = 200;
+    std::vector<std::string> boards;
+    for (int i = 0; i < kBoards; ++i)
+        boards.push_back("crane" + std::to_string(i));
+    for (const auto& board : boards)
+        announce(board);
+    probe_.clear();
+    ChildProcess child(program({"stop", "crane*", "--from-bus", "--timeout", "60s"}), environment());
+    std::vector<mqtt::Message> requests;
+    for (const auto& board : boards)
+        if (const auto request = probe_.wait_for("asip/" + board + "/$stop")) requests.push_back(*request);
+    ASSERT_EQ(requests.size(), boards.size()) << child.errors();
+    for (const auto& request : requests)
+        answer(request, kStopped);
+    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+}
+
 TEST_F(StopTest, BoardByItsName_IsStoppedWithoutBeingLookedFor) {
     const auto stopped = stop({"robot"}, {{"robot", kStopped}});
     EXPECT_EQ(stopped.status, 0) << stopped.errors;
