@@ -2,6 +2,7 @@
 // What a registry with a history does when its clock or its disk is wrong for a while.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -91,6 +92,95 @@ TEST_F(RegistryWithHistory, ClockAYearAheadAndThenAYearBack_NothingIsErasedOrFor
         EXPECT_EQ(rows_of("uno2"), rows) << ahead;
         stop();
     }
+}
+
+/// A board with a named service, whose values are kept without a configuration.
+class RegistryWithValues : public RegistryWithHistory {
+  protected:
+    void announce_named(const std::string& board) {
+        auto text = description_text(board, "a", 1);
+        text.insert(text.size() - 1, R"(,"names":{"services":{"distance":"front"}})");
+        probe_.publish(announcement(board, text, 60));
+        probe_.publish("asip/servicebus/" + board + "/$state", "online", true, 1);
+        ASSERT_TRUE(becomes(probe_, board, "online"));
+    }
+    void say(const std::string& board, double value) {
+        probe_.publish("asip/" + board + "/$values",
+                       R"({"version":1,"board":")" + board + R"(","session":"a","seq":)" +
+                           std::to_string(++seq_) + R"(,"values":{"distance/0":{"value":)" +
+                           std::to_string(value) + R"(,"how":"reported","age":0}}})",
+                       true, 1);
+    }
+    std::vector<bus::ValuePoint> points(const std::string& board) {
+        const auto now = text::wall_now();
+        const auto answer = ask(probe_, R"({"find":"values","property":"distance/0","board":")" + board +
+                                            R"(","from":")" + text::iso_time(now - std::chrono::hours(1)) +
+                                            R"(","to":")" + text::iso_time(now) + R"("})");
+        return answer ? answer->values : std::vector<bus::ValuePoint>();
+    }
+    bool is_kept(double value) {
+        return wait_until(
+            [&] {
+                const auto all = points("desk");
+                return std::any_of(all.begin(), all.end(),
+                                   [&](const auto& point) { return point.known && point.max == value; });
+            },
+            std::chrono::seconds(30));
+    }
+    void cut_power() {
+        process_->signal(9);
+        process_->wait_exit();
+    }
+
+    int seq_ = 0;
+};
+
+TEST_F(RegistryWithValues, KilledTwice_WhatWasKeptIsThereWithGapsBetween) {
+    start();
+    announce_named("desk");
+    for (const double value : {20.5, 21.5, 22.5}) {
+        say("desk", value);
+        ASSERT_TRUE(is_kept(value)) << process_->errors();
+        cut_power();
+        start();
+    }
+    const auto all = points("desk");
+    std::vector<double> known;
+    std::size_t gaps = 0;
+    for (const auto& point : all) {
+        if (point.known && (known.empty() || known.back() != point.mean)) known.push_back(point.mean);
+        gaps += point.known ? 0 : 1;
+    }
+    EXPECT_EQ(known, (std::vector<double>{20.5, 21.5, 22.5}));
+    EXPECT_GE(gaps, 2u);
+    const auto kept = ask(probe_, R"({"find":"values"})");
+    ASSERT_TRUE(kept);
+    EXPECT_EQ(kept->kept, (std::vector<bus::KeptProperty>{{"desk", "distance/0"}}));
+    stop();
+}
+
+TEST_F(RegistryWithValues, FileDamagedOrNotThere_TheRestGoesOn) {
+    const auto file = folder_.file("history.values.db");
+    fs::create_directories(file);
+    start();
+    announce_named("desk");
+    say("desk", 1);
+    const auto refused = ask(probe_, R"({"find":"values"})");
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->refused, "no-history");
+    EXPECT_EQ(rows_of("desk"), 1u);
+    EXPECT_THAT(process_->errors(), HasSubstr("values cannot be kept"));
+    stop();
+    fs::remove(file);
+    std::ofstream(file) << std::string(8192, 'x');
+    start();
+    EXPECT_TRUE(is_kept(1));
+    EXPECT_TRUE(fs::exists(file + ".damaged"));
+    const auto unknown = ask(probe_, R"({"find":"values","board":"desk","property":"none","from":)"
+                                     R"("2026-01-01T00:00:00.000Z","to":"2026-01-02T00:00:00.000Z"})");
+    EXPECT_EQ(unknown->refused + unknown->level, "");
+    EXPECT_TRUE(unknown->values.empty());
+    stop();
 }
 
 TEST_F(RegistryWithHistory, FileIsDamaged_TheCatalogueIsThereAndANewHistoryIsBegun) {
