@@ -78,7 +78,7 @@ Gateway::Gateway(GatewayOptions options, model::ModelSet models, catalogue::Unit
                    [this] { mirror_.log().add("dashboards", {}, "{}"); },
                    [](const std::string& sentence) { program::log::warning(sentence); }}),
       commands_(caller_),
-      gate_(options_.gate, std::move(secrets)),
+      gate_(options_.gate, secrets),
       budget_(options_.client_bytes),
       streams_(options_.streams_per_client),
       command_rates_(options_.commands_per_second),
@@ -176,6 +176,7 @@ void Gateway::tick() {
     caller_.tick(present.time);
     commands_.tick(present.time);
     many_boards_.tick(present.time);
+    gate_.lessons(present);
     streams_.tick(present, gate_);
     gate_.logins().expire(present.time);
     command_rates_.expire(present.time);

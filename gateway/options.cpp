@@ -55,8 +55,9 @@ void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     const auto add = [&](CLI::Option* option) { return settings.setting(option)->group("Access"); };
     add(app.add_option("--tokens", raw.tokens,
                        "File of tokens: lines ROLE NAME HASH; read again when it changes"));
-    add(app.add_option("--anonymous", raw.anonymous, "What everybody may do without a token")
-            ->check(CLI::IsMember({"none", "viewer", "operator"}))
+    add(app.add_option("--anonymous", raw.anonymous,
+                       "What everybody may do without a token; class: nothing but join a lesson by its code")
+            ->check(CLI::IsMember({"none", "class", "viewer", "operator"}))
             ->capture_default_str());
     add(app.add_option("--loopback", raw.loopback,
                        "What programs on this machine may do without a token: none, viewer, operator, admin; "
@@ -213,10 +214,11 @@ Expected<void> check_access(ProgramOptions& options, const std::string& anonymou
     if (everywhere && options.tokens.empty() && anonymous == "none") {
         return fail(
             "--http is an address that others can reach; choose what each user may do: --tokens FILE (make "
-            "tokens with asip-gateway token ROLE NAME), or --anonymous viewer or operator for everybody");
+            "tokens with asip-gateway token ROLE NAME), or --anonymous class, viewer or operator for "
+            "everybody");
     }
     auto& gate = options.gateway.gate;
-    if (anonymous != "none") {
+    if (anonymous != "none" && anonymous != "class") {
         gate.anonymous = *parse_role(anonymous);
         gate.anonymous.name = "anonymous";
     } else {

@@ -23,12 +23,6 @@ http::Response html(int status, const std::string& body) {
     return response;
 }
 
-std::string cookie_text(const Gateway& gateway, const std::string& name, const std::string& value,
-                        std::string_view max_age_s, bool secure) {
-    return name + "=" + value + "; Path=" + gateway.options().base_path +
-           "/; HttpOnly; SameSite=Strict; Max-Age=" + std::string(max_age_s) + (secure ? "; Secure" : "");
-}
-
 bool is_true(const http::Request& request, std::string_view name) {
     const auto* value = request.parameter(name);
     return value != nullptr && *value == "true";
@@ -48,6 +42,12 @@ Way way_of(const http::Request& request, bool marked) {
 }
 
 }  // namespace
+
+std::string cookie_text(const Gateway& gateway, const std::string& name, const std::string& value,
+                        std::string_view max_age_s, bool secure) {
+    return name + "=" + value + "; Path=" + gateway.options().base_path +
+           "/; HttpOnly; SameSite=Strict; Max-Age=" + std::string(max_age_s) + (secure ? "; Secure" : "");
+}
 
 void log_in(Gateway& gateway, const http::Request& request, const http::Peer& peer, const std::string& code,
             const http::Reply& reply) {
@@ -72,7 +72,9 @@ void log_in(Gateway& gateway, const http::Request& request, const http::Peer& pe
                                       cookie_text(gateway, mark, hash_of(code), "60", peer.secure));
         return reply.send(std::move(response));
     }
-    const auto session = gate.logins().session(gate.cookie_of(request), now);
+    const auto present = gate.cookie_of(request);
+    auto session = gate.logins().session(present, now);
+    if (!session) session = gate.lessons(gateway.now()).rights_of(present, gateway.now());
     const bool other = session && session->name != offered->name;
     if (other && !(way == Way::kOwnPage && is_true(request, "replace"))) {
         return reply.send(html(409, "<h1>Sign in as " + offered->name +
@@ -83,6 +85,7 @@ void log_in(Gateway& gateway, const http::Request& request, const http::Peer& pe
                                         session->name + "</a></p><p><a id=\"go\" href=\"" + here +
                                         "&amp;replace=true\">Sign in as " + offered->name + "</a></p>"));
     }
+    gate.lessons(gateway.now()).leave(present);
     const auto cookie = gate.logins().redeem(code, now);
     http::Response response;
     response.status = 303;

@@ -60,6 +60,14 @@ void serve_page(Gateway& gateway, const http::Request& request, const http::Repl
             return log_in(gateway, request, peer, *code, reply);
         path = "index.html";
     }
+    if (path == "join" && kiosk == nullptr) {  // an address that people can type
+        http::Response response;
+        response.status = 303;
+        response.content_type = "text/plain";
+        response.headers = {{"Location", gateway.options().base_path + "/#/join"},
+                            {"Cache-Control", "no-store"}};
+        return reply.send(std::move(response));
+    }
     const auto* file = gateway.options().page ? file_of(path) : nullptr;
     if (file == nullptr) return reply.send(problem(404, "there is nothing at this address"));
     if (request.method != "GET" && request.method != "HEAD") {

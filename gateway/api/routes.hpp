@@ -14,8 +14,8 @@ namespace asip::gateway::api {
 /// The right that a client needs. That an answer holds only what the client may see is the operation's own
 /// duty: see limits.hpp.
 /// kShown: to read something, of the own dashboard if nothing else; kUse: to use a control of a dashboard;
-/// kArrange: to make and share dashboards.
-enum class Need { kNothing, kShown, kRead, kCommand, kUse, kStop, kLabel, kRaw, kArrange, kForget };
+/// kArrange: to make and share dashboards, and to hold lessons.
+enum class Need { kNothing, kShown, kRead, kCommand, kUse, kStop, kResume, kLabel, kRaw, kArrange, kForget };
 
 /// A parameter behind `?`. One that no route has is refused, and so is one that is given twice.
 struct Parameter {
@@ -88,6 +88,12 @@ void get_dashboard(Call& call);
 void put_dashboard(Call& call);
 void delete_dashboard(Call& call);
 void post_widget(Call& call);
+void get_lessons(Call& call);
+void get_lesson(Call& call);
+void post_lessons(Call& call);
+void post_take_over(Call& call);
+void delete_lesson(Call& call);
+void post_join(Call& call);
 void post_link(Call& call);
 void delete_link(Call& call);
 void get_events(Call& call);
@@ -116,6 +122,10 @@ void serve_page(Gateway& gateway, const http::Request& request, const http::Repl
 /// `/?code=CODE`: logs a browser in.
 void log_in(Gateway& gateway, const http::Request& request, const http::Peer& peer, const std::string& code,
             const http::Reply& reply);
+
+/// The header Set-Cookie that keeps a session in a browser.
+std::string cookie_text(const Gateway& gateway, const std::string& name, const std::string& value,
+                        std::string_view max_age_s, bool secure);
 
 std::string openapi_document(const std::vector<Route>& routes, const std::string& base_path);
 

@@ -30,6 +30,8 @@ bool allowed(const Rights& rights, Need need) {
             return rights.may_command();
         case Need::kStop:
             return rights.may_stop();
+        case Need::kResume:
+            return rights.may_resume();
         case Need::kLabel:
             return rights.may_label();
         case Need::kRaw:
@@ -125,7 +127,17 @@ bool known_parameters(const http::Request& request, const http::Reply& reply, co
     return true;
 }
 
+constexpr const char* kLessonOver =
+    "the lesson is over, or the teacher has taken this board over, or the gateway was started anew; type the "
+    "code that the teacher shows";
+
 void refuse_right(const Principal& principal, const http::Reply& reply, Need need) {
+    if (!principal.rights.lesson.empty() && !principal.rights.may_read())
+        return reply.send(problem(401, kLessonOver, {{"reason", "lesson-over"}}));
+    if (!principal.rights.lesson.empty())
+        return reply.send(problem(403,
+                                  "a pupil commands its own board until the lesson ends; the teacher may "
+                                  "resume, label, link and load boards"));
     if (!principal.rights.may_read()) {
         auto response = problem(401,
                                 "a token is needed: Authorization: Bearer TOKEN; a browser signs in with it "
@@ -137,8 +149,9 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
         return reply.send(problem(
             403, "this link shows the dashboard " + principal.rights.dashboard + " and nothing else"));
     if (need == Need::kArrange && principal.rights.may_command())
-        return reply.send(
-            problem(403, "a token that is limited to some boards or services may not change dashboards"));
+        return reply.send(problem(403,
+                                  "a token that is limited to some boards or services may not change "
+                                  "dashboards, nor hold lessons"));
     const std::string role(to_string(principal.rights.role));
     const bool whole_boards = need != Need::kNothing && need != Need::kRead && need != Need::kCommand;
     if (whole_boards && principal.rights.may_command() && !principal.rights.services.empty())

@@ -62,15 +62,25 @@ void get_status(Call& call) {
     auto& gateway = call.gateway;
     const auto& mirror = gateway.mirror();
     const auto& rights = call.principal.rights;
-    json you{{"name", rights.name},           {"role", to_string(rights.role)},
-             {"raw", rights.may_send_raw()},  {"command", rights.may_command()},
-             {"stop", rights.may_stop()},     {"label", rights.may_label()},
-             {"forget", rights.may_forget()}, {"arrange", rights.may_arrange()},
-             {"limited", rights.limited()},   {"session", call.principal.kind == Principal::Kind::kSession}};
+    json you{{"name", rights.name},
+             {"role", to_string(rights.role)},
+             {"raw", rights.may_send_raw()},
+             {"command", rights.may_command()},
+             {"stop", rights.may_stop()},
+             {"label", rights.may_label()},
+             {"forget", rights.may_forget()},
+             {"arrange", rights.may_arrange()},
+             {"resume", rights.may_resume()},
+             {"limited", rights.limited()},
+             {"session", call.principal.kind == Principal::Kind::kSession}};
     if (!rights.dashboard.empty()) {
         you["dashboard"] = rights.dashboard;
         you["control"] = rights.control;
     }
+    if (!rights.lesson.empty())
+        you["lesson"] = {{"pupil", rights.name.substr(0, rights.name.find('@'))},
+                         {"board", rights.boards.front()},
+                         {"until", text::iso_time(*rights.until)}};
     json broker{{"connected", mirror.connected()}};
     // Where there never was a connection there is no such time.
     if (const auto since = mirror.connected_since().wall; since != text::WallTime{})
@@ -125,7 +135,10 @@ void post_code(Call& call) {
 
 void delete_session(Call& call) {
     auto& gate = call.gateway.gate();
-    gate.logins().end(gate.cookie_of(call.request));
+    const auto cookie = gate.cookie_of(call.request);
+    gate.logins().end(cookie);
+    gate.lessons(call.now()).leave(cookie);
+    call.gateway.streams().end_those_without_right(call.now(), gate);
     http::Response response;
     response.status = 204;
     response.headers = {{"Set-Cookie", gate.options().cookie +

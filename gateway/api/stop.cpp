@@ -20,7 +20,8 @@ ManyBoards::Asked asked(const Call& call, bool stop, json known = json::object()
     const auto* why = call.request.parameter("why");
     ManyBoards::Asked result;
     result.stop = stop;
-    result.latch = stop && (once == nullptr || *once != "true");
+    // A pupil could not resume its board.
+    result.latch = stop && call.principal.rights.may_resume() && (once == nullptr || *once != "true");
     if (stop && why != nullptr) result.why = why->substr(0, kMaxWhyBytes);
     result.by = call.principal.rights.name;
     result.client = call.client();

@@ -186,6 +186,7 @@ Expected<Principal, Denied> Gate::who(const http::Request& request, const Instan
         return Principal{std::move(*rights), Principal::Kind::kToken};
     }
     if (const auto cookie = cookie_of(request); !cookie.empty()) {
+        if (Lessons::is_cookie(cookie)) return pupil(cookie, now);
         if (auto rights = logins_.session(cookie, now.time)) {
             Principal principal{std::move(*rights), Principal::Kind::kSession, cookie};
             if (still_admitted(principal, now)) return principal;
@@ -200,6 +201,23 @@ Expected<Principal, Denied> Gate::who(const http::Request& request, const Instan
     if (request.peer.loopback && options_.loopback.role != Role::kNone)
         return Principal{options_.loopback, Principal::Kind::kLoopback};
     return Principal{options_.anonymous, Principal::Kind::kAnonymous};
+}
+
+// The lesson of a browser that was in one may be over: then it has no rights at all, not those of its
+// address, until it leaves.
+Principal Gate::pupil(const std::string& cookie, const Instant& now) const {
+    if (auto rights = lessons_.rights_of(cookie, now)) {
+        Principal principal{std::move(*rights), Principal::Kind::kSession, cookie};
+        if (still_admitted(principal, now)) return principal;
+    }
+    Principal over;
+    over.rights.lesson = "over";
+    return over;
+}
+
+Lessons& Gate::lessons(const Instant& now) {
+    lessons_.expire(now, [&](const Rights& pupil) { return maker_in_force(pupil, now); });
+    return lessons_;
 }
 
 Expected<Principal, Denied> Gate::admit(const http::Request& request, const Instant& now) const {
@@ -230,6 +248,8 @@ Expected<Principal, Denied> Gate::admit_link(const http::Request& request, std::
 bool Gate::still_admitted(const Principal& principal, const Instant& now) const {
     const auto& rights = principal.rights;
     if (rights.until && *rights.until <= now.wall) return false;
+    if (!rights.lesson.empty())
+        return lessons_.rights_of(principal.cookie, now) == rights && maker_in_force(rights, now);
     if (!rights.dashboard.empty() && shared_.there && !shared_.there(rights.dashboard)) return false;
     if (rights.of_link()) return shared_.holds && shared_.holds(rights) && maker_in_force(rights, now);
     if (principal.kind == Principal::Kind::kAnonymous || principal.kind == Principal::Kind::kLoopback)

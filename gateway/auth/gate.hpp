@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gateway/auth/lessons.hpp"
 #include "gateway/auth/logins.hpp"
 #include "gateway/auth/tokens.hpp"
 #include "gateway/http/message.hpp"
@@ -40,7 +41,8 @@ class Gate {
         bool behind_proxy = false;
     };
 
-    Gate(Options options, Secrets secrets) : options_(std::move(options)), logins_(std::move(secrets)) {}
+    Gate(Options options, const Secrets& secrets)
+        : options_(std::move(options)), logins_(secrets), lessons_(secrets) {}
 
     /// What the gate is told of dashboards, whose links are kept with them.
     struct Shared {
@@ -59,6 +61,8 @@ class Gate {
     void set_tokens(Tokens tokens);
     const Tokens& tokens() const { return tokens_; }
     Logins& logins() { return logins_; }
+    /// Those that are going on: each ends with the rights of its teacher.
+    Lessons& lessons(const Instant& now);
     const Options& options() const { return options_; }
 
     /// The other end of a request: behind a proxy its client, by the last element of
@@ -66,9 +70,9 @@ class Gate {
     /// comes past the proxy is not believed.
     http::Peer peer_of(const http::Request& request) const;
     /// By, in this order: a token (one that is not known is refused, whatever else there is), a cookie (one
-    /// that is not known is as none), being on this machine, and being anybody. 421: another host's request;
-    /// 403: a page of another site, or a proxy that the gateway was not told of; 415: a change that is not
-    /// JSON; 401.
+    /// that is not known is as none, one of a lesson that is over gives no rights), being on this machine,
+    /// and being anybody. 421: another host's request; 403: a page of another site, or a proxy that the
+    /// gateway was not told of; 415: a change that is not JSON; 401.
     Expected<Principal, Denied> admit(const http::Request& request, const Instant& now) const;
     /// The same for what is below `/kiosk/TOKEN/`: the token of a kiosk, and nothing else that the request
     /// brings, decides what it may; it may read only, unless it may use the controls of its dashboard.
@@ -89,6 +93,7 @@ class Gate {
     std::optional<Denied> wrong_origin(const http::Request& request) const;
     Expected<Principal, Denied> who(const http::Request& request, const Instant& now) const;
     bool in_force(const Rights& rights) const;
+    Principal pupil(const std::string& cookie, const Instant& now) const;
     bool maker_in_force(const Rights& link, const Instant& now) const;
 
     Expected<Rights, Denied> rights_of(std::string_view token, const Instant& now, int status,
@@ -98,6 +103,7 @@ class Gate {
     Shared shared_;
     Tokens tokens_;
     Logins logins_;
+    Lessons lessons_;
 };
 
 /// The host of a Host header, in lower case, without port and brackets; empty: it is no HOST[:PORT].

@@ -36,15 +36,20 @@ struct Rights {
     /// The hash of the token that gives them; empty: none does. Another token with the same name and the same
     /// rights gives other rights.
     std::string token_hash;
-    std::string maker, maker_mark;  ///< of a dashboard's link: who made it, and mark() of those rights
+    /// Of a dashboard's link, and of a pupil: who made it, or the teacher, and mark() of those rights.
+    std::string maker, maker_mark;
+    std::string lesson;  ///< of a pupil: which one; what a pupil does ends with it
 
     bool may_read() const { return role != Role::kNone; }
     bool may_command() const { return role >= Role::kOperator; }
     /// A stop, a resume and a raw line reach every service of a board, and a board is forgotten as a whole:
     /// none of them is for rights on some services only.
     bool may_stop() const { return may_command() && services.empty(); }
-    /// Labels and friendly names; those of a service may be read by every client that sees the board.
-    bool may_label() const { return may_stop(); }
+    /// A pupil does not: the teacher's stop holds.
+    bool may_resume() const { return may_stop() && lesson.empty(); }
+    /// Labels and friendly names; those of a service may be read by every client that sees the board. They,
+    /// links and firmware would outlast a lesson.
+    bool may_label() const { return may_stop() && lesson.empty(); }
     bool may_send_raw() const { return may_stop() && (raw || role == Role::kAdmin); }
     bool may_forget() const { return role == Role::kAdmin && services.empty(); }
     /// Make, change, share and remove dashboards. A shared dashboard gives its viewers rights of its editor.
@@ -57,7 +62,7 @@ struct Rights {
     /// Tells the token that gives them from others of its name, and nothing of it; empty: none does.
     std::string mark() const;
     /// A dashboard's link gives them; no token of the file has such a name.
-    bool of_link() const { return name.find('@') != std::string::npos; }
+    bool of_link() const { return lesson.empty() && name.find('@') != std::string::npos; }
     /// Of what is seen: equal for rights that see the same by the same patterns; empty: everything.
     std::string seen() const;
     friend bool operator==(const Rights&, const Rights&) = default;

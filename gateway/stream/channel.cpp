@@ -67,6 +67,7 @@ bool StreamChannel::fault(const std::string& ref, const std::string& sentence) {
 }
 
 bool StreamChannel::received(std::string_view message) {
+    if (revoked_) return false;  // it came before the end did
     auto request = model::parse_json(message);
     if (!request) return fault("null", "not JSON: " + request.error());
     if (!request->is_object()) return fault("null", "a message is a JSON object");

@@ -28,13 +28,16 @@ void Streams::remove(OpenStream& stream) {
 }
 
 void Streams::tick(const Instant& now, const Gate& gate) {
-    const bool check = now.time - checked_ >= kCheck;
-    if (check) checked_ = now.time;
-    std::vector<OpenStream*> revoked;
-    for (auto* stream : streams_) {
+    for (auto* stream : streams_)
         stream->tick(now);
-        if (check && !gate.still_admitted(stream->principal(), now)) revoked.push_back(stream);
-    }
+    if (now.time - checked_ >= kCheck) end_those_without_right(now, gate);
+}
+
+void Streams::end_those_without_right(const Instant& now, const Gate& gate) {
+    checked_ = now.time;
+    std::vector<OpenStream*> revoked;
+    for (auto* stream : streams_)
+        if (!gate.still_admitted(stream->principal(), now)) revoked.push_back(stream);
     for (auto* stream : revoked) {
         if (streams_.count(stream) > 0) stream->revoke();
     }

@@ -45,6 +45,8 @@ class Streams {
     /// Call ten times a second: gives the streams their time, and twice a second revokes those whose right is
     /// gone.
     void tick(const Instant& now, const Gate& gate);
+    /// The same at once: something was just revoked.
+    void end_those_without_right(const Instant& now, const Gate& gate);
     std::size_t size() const { return streams_.size(); }
 
   private:

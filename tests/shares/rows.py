@@ -134,6 +134,12 @@ RESOURCES = {
     "POST /api/dashboards/{dashboard}/links": ("operator", "", '{"control":true}'),
     "DELETE /api/dashboards/{dashboard}/links/{link}": ("operator", "", ""),
     "DELETE /api/dashboards/{dashboard}": ("operator", "", ""),
+    "GET /api/lessons": ("operator", "", ""),
+    "POST /api/lessons": ("operator", "", '{"boards":["*"]}'),
+    "GET /api/lessons/{lesson}": ("operator", "", ""),
+    "POST /api/lessons/{lesson}/take": ("operator", "", '{"board":"desk"}'),
+    "DELETE /api/lessons/{lesson}": ("operator", "", ""),
+    "POST /api/join": ("nobody", "", '{"code":"CDF347"}'),
     "GET /metrics": ("viewer", "?values=*/*", ""),
     "GET /.well-known/wot": ("viewer", "", ""),
     "GET /things": ("viewer", "?limit=250&offset=1700", ""),
@@ -172,7 +178,7 @@ def all_rows():
 # What the levels of a topic or a path, named in capitals or braces, stand for.
 LEVELS = {"BOARD": "desk", "SERVICE": "io", "CLIENT": "c1", "PART": "p1", "ID": "hall", "NAME": "asip", "EXPORTED": "desk", "USER": "ann",
           "board": "desk", "service": "io", "command": "write", "dashboard": "hall", "id": "desk", "name": "servo", "widget": "w1",
-          "link": "l1", "property": "servo-0-angle", "action": "distance-measure", "type": "thing_created", "nothing": "nothing"}
+          "link": "l1", "lesson": "none", "property": "servo-0-angle", "action": "distance-measure", "type": "thing_created", "nothing": "nothing"}
 
 
 def filled(pattern, own, number, many):

@@ -48,6 +48,13 @@ TEST(GatewayAccess, Anonymous_OnlyWhatWasChosen) {
     EXPECT_EQ(options.gateway.gate.anonymous.role, Role::kViewer);
 }
 
+TEST(GatewayAccess, Class_OthersMayJoinALesson_AndThisMachineHoldsIt) {
+    auto options = listening_on("0.0.0.0:8080");
+    ASSERT_TRUE(check_access(options, "class", "", false));
+    EXPECT_EQ(options.gateway.gate.anonymous.role, Role::kNone);
+    EXPECT_EQ(options.gateway.gate.loopback.role, Role::kAdmin);
+}
+
 TEST(GatewayAccess, LoopbackUnconfigured_IsAdmin) {
     auto options = listening_on("127.0.0.1:8080");
     ASSERT_TRUE(check_access(options, "none", "", false));

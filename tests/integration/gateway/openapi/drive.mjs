@@ -104,6 +104,14 @@ const make = (name, dashboard) => send("PUT", `/api/dashboards/${name}`, { body:
 const links = "/api/boards/uno1/links";
 const rule = (name) => ({ set: { name, from: "uno1/distance/0", when: "follows", to: "servo/0/angle" } });
 
+// A lesson on uno1, opened where there is none.
+async function lesson() {
+  const { items } = JSON.parse((await send("GET", "/api/lessons")).text);
+  return items[0] ?? JSON.parse((await send("POST", "/api/lessons", { body: { boards: ["uno1"] } })).text);
+}
+const join = (code) => send("POST", "/api/join", { body: { code }, headers: { Authorization: null } });
+const in_lesson = (method, more, options) => async () => send(method, `/api/lessons/${(await lesson()).id}${more}`, options);
+
 // How to bring each status about. What holds for all operations is made below.
 const cases = {
   up: {
@@ -184,6 +192,15 @@ const cases = {
       204: async () => { await make("brief", lab); return send("DELETE", "/api/dashboards/brief"); }, 404: () => send("DELETE", "/api/dashboards/none"),
       412: async () => { await make("lab", lab); return send("DELETE", "/api/dashboards/lab", { headers: { "If-Match": '"0"' } }); },
     },
+    listLessons: { 200: get("/api/lessons") },
+    openLesson: {
+      201: async () => { await in_lesson("DELETE", "")(); return post("/api/lessons", { boards: ["uno1"] })(); },
+      404: post("/api/lessons", { boards: ["none"] }), 409: post("/api/lessons", { boards: ["uno1"] }),
+    },
+    getLesson: { 200: in_lesson("GET", ""), 404: get("/api/lessons/none") },
+    takeOver: { 200: in_lesson("POST", "/take", { body: { board: "uno1" } }), 404: post("/api/lessons/none/take", { board: "uno1" }) },
+    endLesson: { 204: in_lesson("DELETE", ""), 404: () => send("DELETE", "/api/lessons/none") },
+    joinLesson: { 200: async () => join((await lesson()).code), 404: () => join("CCCCCC"), 409: async () => join((await lesson()).code) },
     getDirectory: { 200: get("/.well-known/wot") },
     listThings: { 200: get("/things?limit=10") },
     getThing: { 200: get("/things/uno1"), 404: get("/things/none") },
@@ -211,6 +228,7 @@ const cases = {
     changeBoardLink: { 429: () => flood(links, rule("a")) },
     loadBoard: { 429: () => flood("/api/boards/uno1/load", { firmware: "AsipServices" }) },
     makeCode: { 429: () => flood("/api/codes", {}) },
+    joinLesson: { 429: () => flood("/api/join", { code: "CCCCCC" }) },
     useWidget: { 429: () => flood("/api/dashboards/lab/widgets/turn", { value: 90 }) },
     writeProperty: { 429: () => flood(angle, 90, "PUT") },
     putBoardValue: { 429: () => flood(values, turned(90), "PUT") },
@@ -237,6 +255,7 @@ const cases = {
     renewCommand: { 503: post("/api/commands/none/renew") },
     putDashboard: { 503: put("/api/dashboards/new", lab) },
     deleteDashboard: { 503: () => send("DELETE", "/api/dashboards/lab") },
+    openLesson: { 503: post("/api/lessons", { boards: ["uno1"] }) },
     makeLink: { 503: post("/api/dashboards/lab/links") },
     deleteLink: { 503: () => send("DELETE", "/api/dashboards/lab/links/hall") },
     stopBoard: { 503: post("/api/boards/uno1/stop") },
@@ -273,14 +292,14 @@ const ajv = new Ajv({ strict: false });
 ajv.addSchema({ $id: "document", components: document.components });
 
 function sample(path) {
-  return path.replace("/things/{id}", "/things/uno1").replace("{property}", "servo-0-angle").replace("{action}", "none").replace("{type}", "thing_created").replace("{dashboard}", "lab").replace("{widget}", "turn").replace("{link}", "none").replace("{board}", "uno1").replace("{service}", "servo").replace("{command}", "write").replace("{name}", "servo").replace("{id}", "known");
+  return path.replace("/things/{id}", "/things/uno1").replace("{property}", "servo-0-angle").replace("{action}", "none").replace("{type}", "thing_created").replace("{dashboard}", "lab").replace("{widget}", "turn").replace("{link}", "none").replace("{lesson}", "none").replace("{board}", "uno1").replace("{service}", "servo").replace("{command}", "write").replace("{name}", "servo").replace("{id}", "known");
 }
 function common(method, path, operation) {
   const body = method === "POST" || method === "PUT" ? { body: {} } : {};
   return {
     400: () => send(method, sample(path) + "?nonsense=1", body),
     401: () => send(method, sample(path), { ...body, headers: { Authorization: "Bearer wrong" } }),
-    403: () => send(method, sample(path), { ...body, headers: { Authorization: `Bearer ${viewer}`, ...(operation.operationId === "makeCode" || operation.operationId === "endSession" ? { Origin: "http://evil.example" } : {}) } }),
+    403: () => send(method, sample(path), { ...body, headers: { Authorization: `Bearer ${viewer}`, ...(operation.operationId === "makeCode" || operation.operationId === "joinLesson" || operation.operationId === "endSession" ? { Origin: "http://evil.example" } : {}) } }),
     415: () => send(method, sample(path), { headers: { "Content-Type": "text/plain" }, body: {} }),
     421: () => send(method, sample(path), { ...body, headers: { Host: "evil.example" } }),
   };
