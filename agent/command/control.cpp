@@ -11,6 +11,7 @@
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
+#include "asip/protocol/limits.hpp"
 #include "asip/protocol/message.hpp"
 #include "asip/session/name_budget.hpp"
 #include "asip/session/request.hpp"
