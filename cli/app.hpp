@@ -4,8 +4,7 @@
 
 namespace asip::cli {
 
-/// The whole program: reads arguments, environment and configuration file, runs the verb, and returns the
-/// exit status. `out` is what standard output is.
+/// Reads arguments, environment and configuration file, runs the verb, and returns the exit status.
 int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& out, std::ostream& err);
 
 }  // namespace asip::cli

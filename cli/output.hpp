@@ -12,35 +12,31 @@
 
 namespace asip::cli {
 
-/// Forms of output. kTable, kWide, kText and kName are for people; each verb that prints data knows kJson and
-/// kJsonLines too.
+/// kTable, kWide, kText and kName are for people; each verb with data knows kJson and kJsonLines.
 enum class Output { kTable, kWide, kText, kName, kJson, kJsonLines };
 
-/// `table`, `wide`, `text`, `name`, `json`, `jsonl`.
 std::string_view name_of(Output output);
 
-/// How the user wants to see the data.
+/// As the user chose.
 struct OutputOptions {
     Output form = Output::kText;
     std::string format;  ///< a template that each record is printed by, instead of `form`; empty: none
 
-    /// Whether the verb prints text of its own instead of records.
+    /// Text instead of records.
     bool for_people() const { return format.empty() && form != Output::kJson && form != Output::kJsonLines; }
 };
 
-/// Fails with the nearest name when a template cannot be parsed or uses another name than `fields`; of a name
-/// such as `data.distance.0` the part before the first dot counts.
+/// Fails with the nearest name on a bad template or a name outside `fields`; of `data.distance.0` the part
+/// before the first dot counts.
 Expected<void> check_template(const std::string& text, const std::vector<std::string>& fields);
 
-/// The member of `value` that `path` leads to: `services.0.name`; null when there is none.
+/// `services.0.name`; null: there is none.
 const nlohmann::json* member_at(const nlohmann::json& value, std::string_view path);
 
-/// The same as text. A string as it is, anything else as JSON;
-/// empty when there is none.
+/// A string as it is, anything else as JSON; may be empty.
 std::string value_at(const nlohmann::json& value, std::string_view path);
 
-/// Prints records for programs: JSON objects, in the form that the user chose. Use it where
-/// OutputOptions::for_people() does not hold.
+/// Prints JSON objects in the chosen form, where OutputOptions::for_people() does not hold.
 class RecordPrinter {
   public:
     enum class Count {
@@ -48,11 +44,11 @@ class RecordPrinter {
         kList,   ///< `json` prints an array, at the end
         kStream  ///< the number is unknown: `json` prints one after the other, indented
     };
-    /// The options must have been checked. Flushes after each record unless `count` is kList.
+    /// With checked options. Flushes after each record unless `count` is kList.
     RecordPrinter(const OutputOptions& options, Count count, std::ostream& out);
 
     void print(const nlohmann::json& record);
-    /// After the last one. Without it, a list in the form `json` is not printed.
+    /// Without it a list in the form `json` is not printed.
     void finish();
 
   private:
@@ -65,10 +61,9 @@ class RecordPrinter {
 
 struct Failure;
 
-/// The record of a board that was not read or commanded, with the members of an answer: `board`, `status`
-/// (`error`, `timeout` or `refused`), `error`, and `reason` and `code` where there are such.
+/// `board`, `status` (`error`, `timeout` or `refused`), `error`, and perhaps `reason` and `code`.
 nlohmann::json failure_record(const std::string& board, const Failure& failure);
-/// Prints it where the user wants JSON; a template is for what succeeds.
+/// Where the user wants JSON; a template is for what succeeds.
 void print_failure(const OutputOptions& options, RecordPrinter::Count count, const std::string& board,
                    const Failure& failure, std::ostream& out);
 

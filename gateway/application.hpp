@@ -18,16 +18,14 @@
 
 namespace asip::gateway {
 
-/// The program: a gateway with its server, its connections to the bus and its clock, on one thread. It logs;
-/// what it is made of does not, but for what clients did.
+/// A gateway with its server, its connections to the bus and its clock, on one thread. It does the logging.
 class Application {
   public:
     /// Throws std::runtime_error where an address, a certificate, the tokens or a model cannot be used.
     explicit Application(ProgramOptions options);
     ~Application();
 
-    /// Until SIGINT or SIGTERM, or brokers that refuse the first connection for good. Returns the exit
-    /// status.
+    /// Until a signal, or a refusal for good by the brokers. Returns the exit status.
     int run();
 
   private:
@@ -68,13 +66,13 @@ class Application {
     int status_ = 0;
 };
 
-/// `asip-gateway token`: adds a line to the file and prints the token, once. The file is written beside
-/// itself and renamed; it keeps owner and rights, and a new one is readable by its owner, or made by root by
-/// the service's group, alone. The exit status; what is wrong is printed, and then the file is as it was.
+/// `asip-gateway token`: adds a line to the file and prints the token, once. The file keeps owner and rights;
+/// a new one is readable by its owner alone, or by the service's group where root makes it. Returns the exit
+/// status; on a fault the file stays as it was.
 int make_token(const TokenRequest& request);
 
-/// `asip-gateway export`: the installed service shows its boards to another system from now on, or does not
-/// any more. The exit status; what is wrong is printed, and then the file is as it was.
+/// `asip-gateway export`: switches an export of the installed service on or off. Returns the exit status; on
+/// a fault the file stays as it was.
 int switch_export(const ExportSwitch& request);
 
 }  // namespace asip::gateway

@@ -19,7 +19,7 @@ class Settings;
 
 namespace asip::gateway {
 
-/// What the command line says of exports.
+/// From the command line.
 struct ExportOptions {
     std::string home_assistant, wot_broker, homie_domain, sparkplug_group;
     exports::HomeAssistant::Options home;

@@ -27,26 +27,23 @@
 
 namespace asip::gateway {
 
-/// How it stands with another system that boards can be shown to.
+/// Of another system that boards can be shown to.
 struct ExportStanding {
     std::string system;  ///< as `asip-gateway export` calls it
     std::string title;   ///< "Home Assistant"
     bool on = false;     ///< this gateway has the option
     bool shows = false;  ///< it shows boards there now
     std::string other;   ///< the machine of another gateway that does; empty: none
-    /// What the system last said of itself: it is there, or has left. Nothing: it said nothing yet, or never
-    /// does.
+    /// Whether the system said that it is there, or has left; nothing: it said neither.
     std::optional<bool> found;
 };
 
-/// How often each of several names does something: `per_second` on average, twice as many at once. Names that
-/// have done nothing for a minute are forgotten by expire(). Pure.
+/// How often each name may do something: `per_second` on average, twice as many at once. Pure.
 class Rates {
   public:
-    /// `per_second`: above 0.
     explicit Rates(double per_second) : per_second_(per_second) {}
 
-    /// Counts one; false: too many.
+    /// False: too many.
     bool take(const std::string& name, Time now) {
         auto& bucket = buckets_.try_emplace(name, Bucket{2 * per_second_, now}).first->second;
         const std::chrono::duration<double> passed = now - bucket.at;
@@ -56,7 +53,7 @@ class Rates {
         bucket.left -= 1;
         return true;
     }
-    /// Forgets clients that have done nothing for a while.
+    /// Forgets names that did nothing for a minute.
     void expire(Time now) {
         std::erase_if(buckets_,
                       [&](const auto& each) { return now - each.second.at > std::chrono::minutes(1); });
@@ -71,8 +68,7 @@ class Rates {
     std::map<std::string, Bucket> buckets_;
 };
 
-/// What a gateway is to do. Limits of a client hold for all its connections together; a client is a token, or
-/// an address where there is none.
+/// Limits hold for all connections of a client together: a token, or an address without one.
 struct GatewayOptions {
     std::string topic_root = "asip";
     std::string user;                                    ///< of the broker, in reply topics
@@ -92,63 +88,58 @@ struct GatewayOptions {
     bool simulator = false;  ///< its machine has asip-sim
     api::ThingsOptions things;
 
-    /// Where what it asks is answered, on topics below.
+    /// On topics below it.
     bus::ReplyTopics replies() const { return {bus::Topics(topic_root), user, client}; }
 };
 
-/// The gateway without its sockets: requests, messages of the bus and time go in, answers and messages come
-/// out. One thread. It must outlive what it answers with: sources and channels of open connections refer to
-/// it.
+/// The gateway without its sockets: requests, messages and time go in, answers and messages come out. One
+/// thread. Sources and channels of open connections refer to it.
 class Gateway {
   public:
-    /// What it needs of its surroundings. All are called on its thread, and must not call back into it before
-    /// they return, but for what `soon` is given.
+    /// Called on its thread; only what `soon` is given may call back at once.
     struct Port {
-        /// Commands, questions and demands, over a connection by which nothing else comes than answers.
-        /// `publish_first`: over the connection for what is urgent, or first over this.
+        /// Commands, questions and demands, over a connection for answers alone. `publish_first`: over the
+        /// urgent connection, or first over this.
         caller::Caller::Port calls{};
         std::function<bool(mqtt::Message)> publish{};  ///< false: refused, the queue is full
         std::function<void(const std::string& filter, bool retained)> subscribe{};
         std::function<void(const std::string& filter)> unsubscribe{};
-        /// Whether there is a connection for what is urgent, with its answers subscribed.
+        /// The urgent connection is there, with its answers subscribed.
         std::function<bool()> urgent_ready{};
         std::function<Instant()> now{};                  ///< never earlier than before
         std::function<http::ServerCounters()> server{};  ///< for metrics
         std::function<std::vector<ExportStanding>()> exports{};
-        /// Calls back within a millisecond or two, once what is under way is done.
+        /// Calls back within a millisecond or two, behind what is under way.
         std::function<void(std::function<void()>)> soon{};
     };
 
-    /// `models`: what services are described by; `units_of`: of these, for queries. `random`: for names on
-    /// the bus and times that must not coincide; `secrets`: for codes and cookies, and nothing else. Nothing
-    /// is published before subscribed().
+    /// `units_of`: for queries. `random`: for names on the bus and times; `secrets`: for codes and cookies
+    /// alone. Nothing is published before subscribed().
     Gateway(GatewayOptions options, model::ModelSet models, catalogue::UnitsOf units_of, Random random,
             Secrets secrets, Port port);
     ~Gateway();
 
-    /// Serves a request: `reply` is answered before this returns, or later, once. What the client sends can
-    /// do no more than get a status of 400 and above.
+    /// Answers `reply` once, before it returns or later. A bad request only gets a status of 400 and above.
     void request(const http::Request& request, const http::Reply& reply);
-    /// To whom a request is counted, by the same rights.
+    /// By the same rights.
     http::Asker asker_of(const http::Request& request);
-    /// To be subscribed to before connecting: filter, and whether what is retained is wanted.
+    /// Filter, and whether what is retained is wanted.
     std::vector<std::pair<std::string, bool>> subscriptions() const;
-    /// The broker has granted subscriptions(), after the first connection or a later one.
+    /// The broker has granted subscriptions().
     void subscribed();
-    /// The connection is lost: what is known is still served, and said to be old (status, streams).
+    /// What is known is still served, and said to be old.
     void disconnected();
-    /// The connection for commands, questions and their answers is there, or is lost.
+    /// The connection for commands, questions and answers is there, or is lost.
     void can_call() { caller_.connected(now().time); }
     void cannot_call(const mqtt::ConnectionFailure& why) { caller_.disconnected(why, now().time); }
-    /// The broker's access rules refused a message: a client may wait for its answer.
+    /// A client may wait for the message's answer.
     void denied(const std::string& topic, const std::string& reason) { caller_.denied(topic, reason); }
-    /// The program ends: nothing is demanded any more, and no client waits for an answer.
+    /// Nothing is demanded any more, and no client waits.
     void leave();
-    /// Any message of the bus. What is none of the gateway's is passed over.
     void message(const mqtt::Message& message);
-    /// A message of the connections for commands, questions and stops. False: it answers nothing.
+    /// From the connections for commands, questions and stops. False: it answers nothing.
     bool answer(const mqtt::Message& message);
-    /// Call ten times a second: leases, deadlines, waits and rights end by it.
+    /// Ten times a second: leases, deadlines, waits and rights end by it.
     void tick();
 
     // Its parts, for the API. References are valid as long as the gateway.
@@ -163,10 +154,9 @@ class Gateway {
     caller::Caller& caller() { return caller_; }
     Rates& command_rates() { return command_rates_; }
     Rates& log_rates() { return log_rates_; }  ///< lines of the log about what a client changed
-    /// What clients call their sessions -> a level of a topic. Kept since each command needs one; bounded in
-    /// number by the one place that adds to it.
+    /// A client's session -> a level of a topic. The one place that adds to it bounds it.
     std::unordered_map<std::string, std::string>& session_names() { return session_names_; }
-    /// Values that boards reported and that their properties cannot have; exports left them out.
+    /// Exports left these values out.
     void count_refused_values(std::uint64_t values) { refused_values_ += values; }
     std::uint64_t refused_values() const { return refused_values_; }
     const metrics::CommandTimes& command_durations() const { return durations_; }
@@ -177,21 +167,19 @@ class Gateway {
     api::ManyBoards& many_boards() { return many_boards_; }
     http::ServerCounters server_counters() const { return port_.server(); }
     std::vector<ExportStanding> exports() const { return port_.exports(); }
-    /// The document of the API as JSON, made once.
+    /// As JSON, made once.
     const std::string& openapi();
 
-    /// Publishes a command and calls `done` once with its answer: at once, or until its deadline and half a
-    /// second more. A refusal by the gateway itself is an answer, too. The record is valid for the call only.
+    /// `done` is called once with the answer, half a second behind the deadline at the latest; a refusal by
+    /// the gateway is one. The record is valid for the call only.
     void command(Commands::Start start, Commands::Done done);
-    /// Asks a registry; `done` is called once, with nothing where none answered within 3 s. The answer may be
-    /// a refusal (Answer::refused), and is valid for the call only. What waits for it is counted to `client`.
-    /// False: there is no room for that, and `done` is not called.
+    /// `done` is called once; nothing: no registry answered within 3 s. The wait is counted to `client`.
+    /// False: there is no room, and `done` is not called.
     using Answered = std::function<void(const bus::Answer*)>;
     bool ask_registry(const std::string& payload, const std::string& client, Answered done,
                       std::string topic = {});
-    /// Waits for the next value of a service, at most `limit`. A wait is a stream of its client: it is
-    /// counted as one, and ends when the connection or the right to it does. `done` is called once, with true
-    /// when the right was taken back, and not at all where no client waits for the reply any more.
+    /// Waits for the next value, at most `limit`, as a stream of its client. `done` is called once, with true
+    /// when the right was taken back; not where no client waits any more.
     void wait_for_value(std::unique_ptr<Feed> feed, Duration limit, const http::Reply& reply,
                         const Principal& principal, const std::string& client,
                         std::function<void(bool revoked)> done);

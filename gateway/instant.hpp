@@ -5,8 +5,7 @@
 
 namespace asip::gateway {
 
-/// The two clocks at one moment: one to measure with, one to show. A change of the machine's clock
-/// changes the second only.
+/// One to measure with, one to show.
 struct Instant {
     Time time{};            ///< steady
     text::WallTime wall{};  ///< of day

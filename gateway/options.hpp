@@ -12,7 +12,7 @@
 
 namespace asip::gateway {
 
-/// What the program runs with: checked, but for what only the operating system knows (addresses, files).
+/// Checked, but for addresses and files.
 struct ProgramOptions {
     GatewayOptions gateway;
     mqtt::Options mqtt;
@@ -26,7 +26,7 @@ struct ProgramOptions {
     std::set<std::string> exports_on;  ///< those that are, by what sends their commands
 };
 
-/// What is asked of `asip-gateway token ROLE NAME`.
+/// `asip-gateway token ROLE NAME`.
 struct TokenRequest {
     std::string role;
     std::string name;
@@ -37,7 +37,7 @@ struct TokenRequest {
     bool control = false;   ///< its switches, sliders and stops may be used
 };
 
-/// What is asked of `asip-gateway export SYSTEM [VALUE]`.
+/// `asip-gateway export SYSTEM [VALUE]`.
 struct ExportSwitch {
     static constexpr const char* kFile = "/etc/asip/gateway.env";
 
@@ -57,7 +57,7 @@ struct CommandLine {
 /// From command line, environment and configuration file. Error: the exit status; the reason was printed.
 Expected<CommandLine, int> read_options(int argc, const char* const* argv);
 
-/// What may be done without a token, or a sentence: why this must not start.
+/// What may be done without a token; error: why this must not start.
 Expected<void> check_access(ProgramOptions& options, const std::string& anonymous,
                             const std::string& loopback, bool behind_proxy);
 

@@ -13,18 +13,18 @@ namespace asip::gateway {
 
 class Gateway;
 
-/// The connection of an export to the broker, which is there while the export wants it. Runs on `io`.
+/// An export's connection to the broker, there while the export wants it.
 class ExportConnection {
   public:
     ExportConnection(boost::asio::io_context& io, mqtt::Options options)
         : io_(io), options_(std::move(options)) {}
 
-    /// The part of an export's port that is this connection. `of` is asked for whenever it is needed.
+    /// This connection's part of the port. `of` is asked for whenever it is needed.
     exports::Export::Port port(std::function<exports::Export&()> of);
-    /// Call now and then: lets go of what has ended.
+    /// Lets go of what has ended. Call now and then.
     void tidy();
-    /// Sends what waits and ends; `done` is called within `limit`, or some seconds after the exporter ended
-    /// its connection, if that still sends.
+    /// Sends what waits and ends; `done` is called within `limit`, or some seconds behind the connection's
+    /// own end.
     void stop(Duration limit, std::function<void()> done);
 
   private:
@@ -49,15 +49,15 @@ class Exports {
     Exports(boost::asio::io_context& io, const exports::MakeExport& make, mqtt::Options mqtt,
             Gateway& gateway);
 
-    /// To be subscribed to over the gateway's connection; their messages go to message().
+    /// Over the gateway's connection; their messages go to message().
     std::vector<std::string> subscriptions() const { return export_->subscriptions(); }
     void subscribed();
     void disconnected() { export_->disconnected(); }
-    /// Ahead of Gateway::message(): a value of a service, if it is one.
+    /// Ahead of Gateway::message(), for a value of a service.
     void message_of_service(const bus::TopicRef& topic, const mqtt::Message& message);
-    /// Behind Gateway::message(), after each message: what changed in the catalogue.
+    /// Behind Gateway::message(), for each message.
     void changes();
-    /// A message on none of the bus's topics.
+    /// On none of the bus's topics.
     void message(const mqtt::Message& message);
     void tick();
     void stop(Duration limit, std::function<void()> done);
@@ -76,8 +76,8 @@ class Exports {
     std::uint64_t seen_ = 0;      // of the gateway's changes
 };
 
-/// `asip-gateway clean`: removes from the broker all that these exports left there. The exit status; what
-/// happened is printed.
+/// `asip-gateway clean`: clears all that these exports left. Returns the exit status; what happened is
+/// printed.
 int clean_exports(const std::vector<exports::MakeExport>& exports, const mqtt::Options& mqtt);
 
 }  // namespace asip::gateway

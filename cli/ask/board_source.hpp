@@ -14,12 +14,11 @@
 
 namespace asip::cli {
 
-/// Registries answer sooner; only after it is asked whether there is one at all.
+/// Registries answer sooner; then it is asked whether there is one.
 inline constexpr std::chrono::milliseconds kAnswerPatience{30};
 /// Agents answer a probe within a second.
 inline constexpr std::chrono::milliseconds kProbeWindow{1200};
 
-/// A board and all that is known of it.
 struct KnownBoard {
     bus::BoardItem item;
     std::optional<model::Description> description;  ///< none: it takes part by its names only
@@ -30,59 +29,55 @@ struct KnownBoard {
     std::vector<std::string> service_names() const;
 };
 
-/// That `name`, a name or a pattern, is none of `all` boards: with the nearest, and what to do.
+/// With the nearest of `all`, and what to do. `name` may be a pattern.
 Failure no_such_board(const std::string& name, const std::vector<std::string>& all);
 
-/// Finds boards: asks a registry, and where none is, reads the service bus itself (and reports that once on
-/// standard error).
+/// Finds boards: asks a registry; where none is, reads the bus itself, and reports that once.
 class BoardSource {
   public:
-    /// Make it before session.connect(): then finding a registry costs no round trip of its own.
+    /// Before session.connect(), so that finding a registry costs no round trip.
     BoardSource(const Environment& environment, BusSession& session);
     ~BoardSource() { session_.on_board({}); }
     BoardSource(const BoardSource&) = delete;
     BoardSource& operator=(const BoardSource&) = delete;
 
-    /// All that `query` asks for, every page, in the order of their names.
+    /// Every page, by name.
     Outcome<std::vector<bus::BoardItem>> boards(bus::Query query);
-    /// The same with their descriptions.
     Outcome<std::vector<KnownBoard>> known_boards(bus::Query query);
     Outcome<std::vector<bus::ServiceItem>> services(bus::Query query);
-    /// The same boards as `boards`, as far as a table needs them: in a small part of the time where they are
-    /// many.
+    /// As far as a table needs them: much quicker for many boards.
     Outcome<bus::BriefRows> brief_boards(bus::Query query);
 
-    /// Changes that a registry has kept, the newest first, at most `count`, none older than `since`. Fails
-    /// with kExitFailure where none keeps a history, and with kExitNoAnswer where there is no registry.
+    /// From a registry, the newest first, at most `count`, none older than `since`. Fails with kExitFailure
+    /// without a history, with kExitNoAnswer without a registry.
     Outcome<std::vector<bus::HistoryItem>> history(bus::Query query, std::size_t count,
                                                    text::WallTime since = {});
 
-    /// One board by the quickest way: what is retained, else a registry, else a probe. Fails with
-    /// kExitNoAnswer and the nearest name.
+    /// The quickest way: what is retained, else a registry, else a probe. Fails with kExitNoAnswer and the
+    /// nearest name.
     Outcome<KnownBoard> board(const std::string& name);
-    /// The same, as far as the broker has it retained: at once, or not at all.
+    /// As far as the broker retains it, at once.
     std::optional<KnownBoard> retained_board(const std::string& name);
-    /// The same, with what only a registry knows (when it was seen) where there is one.
+    /// With what only a registry knows (when it was seen), where there is one.
     Outcome<KnownBoard> board_in_full(const std::string& name);
 
-    /// Names of boards, as fast as they can be had: for suggestions and completion. Never fails.
+    /// As fast as possible, for suggestions and completion. Never fails.
     std::vector<std::string> names();
 
-    /// Id of a registry that answers a query now; empty, with a note on standard error, when none does.
+    /// That answers now; empty, with a note: none does.
     std::string find_registry();
-    /// Id of the registry that answered last; empty: none did.
+    /// The registry that answered last; may be empty.
     const std::string& registry() const { return registry_; }
-    /// What was read from the bus itself; `read_bus` reads it, with a window for answers to a probe or
-    /// without.
+    /// `read_bus` fills it, with a window for answers to a probe or without.
     catalogue::BusView& bus() const { return session_.boards(); }
     void read_bus(bool probe);
-    /// Called for each description that is published while we look (not for those retained).
+    /// For each description that is published while we look.
     void on_announcement(std::function<void(const std::string& board, const std::string& session)> handler);
 
   private:
     Outcome<bus::Answer> ask(const bus::Query& query);
     Outcome<bus::Answer> ask_all_pages(bus::Query query);
-    /// Whether more pages are said to follow a `page`, asked for by `cursor`, behind which none can.
+    /// More pages are said to follow behind `cursor`, where none can.
     bool goes_on_for_ever(const bus::Answer& page, const std::string& cursor, bool empty) const;
     tl::unexpected<Failure> without_end() const;
     bool asks_registry() const { return !environment_.from_bus && !no_registry_; }

@@ -13,8 +13,8 @@
 
 namespace asip::cli {
 
-/// The properties of one board and how they stand: its agent is asked, which answers from memory, and what
-/// the board reports meanwhile counts, too. Nothing is sent to the board. `services`: a pattern.
+/// The properties and values of one board, from its agent's memory and from reports meanwhile. Nothing is
+/// sent to the board. `services`: a pattern.
 class BoardValues {
   public:
     /// All but `board` must outlive it; it asks at once. Not moved.
@@ -23,16 +23,16 @@ class BoardValues {
     BoardValues(const BoardValues&) = delete;
     BoardValues& operator=(const BoardValues&) = delete;
 
-    /// The agent answered; boards without an agent of ours never do.
+    /// Boards without an agent of ours never do.
     bool answered() const { return answered_; }
-    /// That, and every value is there that the board reports by itself.
+    /// Also every value that the board reports by itself.
     bool complete() const;
     const std::vector<property::Property>& properties() const { return properties_; }
-    /// By the number of the property; its age is that of now.
+    /// By the number of the property, with its age now.
     property::ShownValue of(std::size_t property) const;
-    /// The number on the wire that was set last of this property: a level, a duty. Nothing: not known.
+    /// The number on the wire that was set last; nothing: not known.
     std::optional<int> raw_set(std::string_view id) const;
-    /// Levels and analog values of all pins, electrical: {"digital":{"2":1},"analog":{"0":320}}.
+    /// Electrical: {"digital":{"2":1},"analog":{"0":320}}.
     const nlohmann::json& pins() const { return pins_; }
 
   private:
@@ -57,7 +57,7 @@ class BoardValues {
     BusSession::Request question_;
 };
 
-/// The levels of pins as one value each: "high" or "low", or a number of an analog channel.
+/// "high" or "low", or a number of an analog channel.
 std::optional<int> pin_value(const nlohmann::json& pins, const char* event, int key);
 
 }  // namespace asip::cli

@@ -10,14 +10,14 @@
 
 namespace asip::cli {
 
-/// What a registry said to a request to forget boards.
+/// A registry's answer.
 struct AskedToForget {
     std::set<std::string> forgotten;
     std::set<std::string> refused;  ///< they are alive, or it did not answer; the user has been told why
     int status = program::kExitOk;  ///< kExitFailure, kExitNoAnswer or kExitBroker
 };
 
-/// Asks the registry, if there is one, to forget these boards; it may know some of them or none.
+/// Where there is a registry; it may know none of them.
 AskedToForget ask_to_forget(const Environment& environment, BusSession& session, BoardSource& source,
                             const std::vector<std::string>& boards);
 

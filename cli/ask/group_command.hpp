@@ -12,7 +12,6 @@
 
 namespace asip::cli {
 
-/// One command for many boards.
 struct GroupCommand {
     Target target;  ///< the board may be a pattern; without a service: a request line
     bus::LabelSelector labels;
@@ -23,8 +22,8 @@ struct GroupCommand {
     OutputOptions output{};
 };
 
-/// Sends it to each board that is chosen and has not said goodbye, and prints what each answered. Nothing is
-/// sent where it is wrong for one of them. kExitOk: each one executed it; else what the first failure means.
+/// Sends it to each chosen board that has not said goodbye, and prints the answers; to none where it is wrong
+/// for one. kExitOk, or what the first failure means.
 int send_to_group(const GroupCommand& group, Environment& environment, BusSession& session,
                   BoardSource& source);
 

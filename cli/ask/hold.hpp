@@ -8,8 +8,8 @@
 
 namespace asip::cli {
 
-/// Sends a command that its board's agent undoes when it is not renewed for `hold`, and renews it until the
-/// user ends it or `during` is over; then undoes it. The exit status.
+/// Sends and renews a command until the user ends it or `during` is over, then undoes it. Returns the exit
+/// status.
 int hold_command(Environment& environment, BusSession& session, const BoardCommand& command,
                  std::chrono::milliseconds hold, std::optional<std::chrono::milliseconds> during,
                  const OutputOptions& output);

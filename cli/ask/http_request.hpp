@@ -17,14 +17,13 @@ struct HttpAnswer {
     std::string body;
 };
 
-/// How requests are made.
 struct HttpAccess {
     std::string token;  ///< sent as a bearer token; empty: none
     std::string ca;     ///< file with the certificates to trust; empty: those of the system
     std::chrono::milliseconds limit{5000};
 };
 
-/// GETs `target` below the address. Error: a sentence; at most the limit has passed.
+/// Error: a sentence; at most the limit has passed.
 Expected<HttpAnswer> http_get(const HttpAddress& address, const std::string& target,
                               const HttpAccess& access);
 /// POSTs `{}` as JSON.

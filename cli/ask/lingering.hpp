@@ -14,7 +14,7 @@ struct LingeringOptions {
     OutputOptions output{};
 };
 
-/// Clears everything retained that is no longer needed, and prints it.
+/// Prints what it clears.
 int clear_lingering(const LingeringOptions& options, Environment& environment);
 
 }  // namespace asip::cli

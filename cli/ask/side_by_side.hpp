@@ -8,12 +8,11 @@
 
 namespace asip::cli {
 
-/// How many agents are asked at a time where nothing else is said.
 inline constexpr std::size_t kAskedAtOnce = 128;
 
-/// Asks many, of whom at most `at_once` (1 at least) have not answered at a time: `begin(one)` asks and
-/// returns until when it is waited for; `ended(one)` is whether its answer has come, or cannot come any more.
-/// Returns when all have ended or had their time, or when the user asks to end. `all` must stay as it is.
+/// Asks many, at most `at_once` at a time: `begin(one)` asks and returns its deadline; `ended(one)`: nothing
+/// more can come. Returns when all have ended or had their time, or the user asks to end. `all` must not
+/// change.
 template <class One, class Begin, class Ended>
 void ask_side_by_side(BusSession& session, std::list<One*> all, std::size_t at_once, Begin begin,
                       Ended ended) {

@@ -3,10 +3,9 @@
 
 namespace asip::cli {
 
-/// A terminal that was stopped (Ctrl-S), and a reader that sleeps, take no output: the program stands in
-/// write(), where it handles no signal. From now on a SIGINT or SIGTERM that the program does not
-/// handle within two seconds ends the process, with status 128 + signal. After what handles these signals has
-/// been set up.
+/// A stopped terminal (Ctrl-S) or a sleeping reader makes the program stand in write(), where it handles no
+/// signal. From now on a SIGINT or SIGTERM that is not handled within two seconds ends it with 128 + signal.
+/// After the handlers are set up.
 void end_when_stuck();
 /// The signal was handled.
 void not_stuck();

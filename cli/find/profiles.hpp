@@ -14,7 +14,7 @@ namespace asip::cli {
 /// Options of every command with their values, without the `--`.
 using OptionValues = std::vector<std::pair<std::string, std::string>>;
 
-/// A bus that `asipctl context add` has given a name: how it is reached.
+/// A bus with a name, by `asipctl context add`.
 struct Profile {
     std::string name;
     OptionValues options;
@@ -23,18 +23,17 @@ struct Profile {
     std::string value(const std::string& option) const;
 };
 
-/// The named buses of a user: one file each, of the form of a configuration file, which only the user may
-/// read; and which of them is used where nothing else is named.
+/// The named buses of a user, in files that only the user may read, and the current one.
 class Profiles {
   public:
     using Variables = std::function<std::optional<std::string>(const std::string&)>;
 
     explicit Profiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
-    /// In `$XDG_CONFIG_HOME/asip`, else `~/.config/asip`; nothing where there is neither.
+    /// In `$XDG_CONFIG_HOME/asip`, else `~/.config/asip`; nothing: there is neither.
     static std::optional<Profiles> of_user(const Variables& variables);
 
     std::vector<std::string> names() const;
-    /// Fails where there is none of this name (with the nearest), or it cannot be read.
+    /// Fails, with the nearest, where there is none, or it cannot be read.
     Expected<Profile> find(const std::string& name) const;
     Expected<void> add(const Profile& bus);
     Expected<void> remove(const std::string& name);
@@ -53,10 +52,9 @@ class Profiles {
     std::filesystem::path folder_;
 };
 
-/// `arguments` with the options of the named bus that counts in front: that of `--context`, else of
-/// ASIP_CONTEXT, else the current one. A user who names a broker, credentials or a configuration file
-/// otherwise (on the command line, or in the environment where `--context` is not given) uses none of it: a
-/// password goes to no other broker. Fails where a bus is named that there is not.
+/// Puts the options of the named bus in front: that of `--context`, else of ASIP_CONTEXT, else the current
+/// one. A user who names a broker, credentials or a configuration file otherwise uses none of it: a password
+/// goes to no other broker. Fails on an unknown bus.
 Expected<std::vector<std::string>> with_profile(std::vector<std::string> arguments,
                                                 const Profiles::Variables& variables);
 

@@ -7,13 +7,13 @@
 
 namespace asip::generate {
 
-/// What stands in the way of a model beside others, in words for a person.
+/// What stands in a model's way beside others, for a person.
 struct Clashes {
     std::vector<std::string> faults;  ///< boards or programs would take one for the other
     std::vector<std::string> notes;   ///< worth knowing
 };
 
-/// Compares a model with those that programs know; with itself among them it does not clash.
+/// With itself among them it does not clash.
 Clashes find_clashes(const model::ServiceModel& model, const model::ModelSet& known);
 
 }  // namespace asip::generate

@@ -8,25 +8,24 @@
 
 namespace asip::generate {
 
-/// An example of a command as a call of a client: a value for each argument that is given, items of lists
-/// with several fields as arrays.
+/// A command as a call: a value for each given argument, items with several fields as arrays.
 struct ExampleCall {
     const model::CommandModel* command = nullptr;
     nlohmann::json values;
     std::string error;      ///< why it is refused; empty: it is not
     bool complete = false;  ///< there is a value for each argument, and no more
 };
-/// Those of the examples that are calls: a command or an argument that the model does not have is none.
+/// Without commands or arguments that the model lacks.
 std::vector<ExampleCall> example_calls(const model::ServiceModel& model);
 
-/// An example of an event: what its one member carries.
+/// What the one member of an event carries.
 struct ExampleEvent {
     const model::EventModel* event = nullptr;
     nlohmann::json value;
 };
 std::vector<ExampleEvent> example_events(const model::ServiceModel& model);
 
-/// What an event carries, for a typed client.
+/// For a typed client.
 enum class EventForm {
     kValue,    ///< one value
     kValues,   ///< one for each element
@@ -37,13 +36,13 @@ enum class EventForm {
 };
 EventForm form_of(const model::EventModel& event);
 
-/// The reason of a refusal as far as a client of its own knows it: no guess of what was meant.
+/// A refusal as a client knows it: without a guess of what was meant.
 std::string without_guess(const std::string& error);
 
-/// A number as it stands in code and in messages: "65535", "0.5".
+/// "65535", "0.5".
 std::string plain_number(double number);
 
-/// The bounds of a number that is an argument; 32 bits where the model has none.
+/// 32 bits where the model has none.
 struct Bounds {
     double low, high;
 };

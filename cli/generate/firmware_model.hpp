@@ -7,11 +7,11 @@
 /// What of a service model firmware is made of.
 namespace asip::generate {
 
-/// Whether its body is a list of values in braces.
+/// Its body is a list of values in braces.
 bool is_list(const model::EventModel& event);
-/// The event that goes out periodically; null where the service has none.
+/// The one that goes out periodically; may be null.
 const model::EventModel* reported_event(const model::ServiceModel& model);
-/// Why no firmware can be made, with the place; empty where it can.
+/// Why no firmware can be made, with the place; empty: it can.
 std::string firmware_fault(const model::ServiceModel& model);
 
 }  // namespace asip::generate

@@ -7,15 +7,14 @@
 /// Values of a service model in the C++ of a board.
 namespace asip::generate {
 
-/// Bounds of what 16 bits hold.
 inline constexpr double kMaxUnsigned16Bits = 65535;
 inline constexpr double kMaxSigned16Bits = 32767;
 
-/// The type in which the firmware keeps a value.
+/// In which the firmware keeps a value.
 std::string firmware_type(const model::Field& field);
 /// How `out` writes a value: `number(VALUE)`.
 std::string firmware_write(const model::Field& field, const std::string& value);
-/// A bound as a literal of C++.
+/// As a literal of C++.
 std::string whole_literal(double bound);
 std::string decimal_literal(double bound);
 

@@ -9,7 +9,6 @@
 
 namespace asip::generate {
 
-/// A file of generated text.
 struct GeneratedFile {
     std::string name;  ///< without folder
     std::string text;
@@ -20,20 +19,20 @@ using Files = Expected<std::vector<GeneratedFile>>;
 // Each is a pure function of the model. It fails with a reason for a person where the model has a shape that
 // it cannot express, or two of its names become one in the language.
 
-/// An Arduino sketch with a service class: NAME.ino, the class, and the file with its hardware. `sketch` is
-/// the name of the sketch and its folder; `elements`, 1 to 100, is how many elements the board has.
+/// NAME.ino, the service's class, and the file with its hardware. `sketch`: name of sketch and folder;
+/// `elements`: 1 to 100.
 Files firmware(const model::ServiceModel& model, const std::string& sketch, std::size_t elements);
 
-/// A board file for asip-sim: the board, and a part that stands for the hardware of firmware()'s sketch.
-/// `image` and `link` stand in it as they are.
+/// For asip-sim: the board, and a part in place of firmware()'s hardware. `image` and `link` are written as
+/// they are.
 Files simulated_part(const model::ServiceModel& model, const std::string& image, std::size_t elements);
 
-/// A typed client of the service over the bus, and tests made from the examples.
+/// A typed client, and tests made from the examples.
 Files cpp_client(const model::ServiceModel& model);
 
-/// The usual name of the sketch: "Fan".
+/// As usual: "Fan".
 std::string sketch_name(const model::ServiceModel& model);
-/// The name by which the sketch announces the service, which finds the model: "Fan".
+/// By which the sketch announces the service, and the model is found: "Fan".
 std::string announced_name(const model::ServiceModel& model);
 
 }  // namespace asip::generate

@@ -9,8 +9,7 @@
 
 namespace asip::generate {
 
-/// What the templates of a sketch are filled with. `model` has no firmware_fault(). Fails with two names of
-/// it that become one in C++.
+/// For the templates of a sketch. `model` has no firmware_fault(). Fails where two names become one.
 Expected<nlohmann::json> sketch_view(const model::ServiceModel& model, const std::string& sketch,
                                      std::size_t elements);
 

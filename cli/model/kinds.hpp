@@ -7,11 +7,10 @@
 
 namespace asip::cli {
 
-/// The kinds of service that this program knows.
+/// That this program knows.
 int list_kinds(const OutputOptions& output, Environment& environment);
 
-/// What a kind of service reports and takes. The bus is asked for a kind that is not known here: a board may
-/// have brought its model.
+/// What a kind reports and takes. An unknown kind is looked for on the bus.
 int explain_kind(const std::string& kind, const OutputOptions& output, Environment& environment);
 
 }  // namespace asip::cli

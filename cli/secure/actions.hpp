@@ -3,11 +3,10 @@
 #include "cli/commands/secure.hpp"
 #include "cli/secure/report.hpp"
 
-/// What the actions of `asipctl secure` do; each can be repeated: it completes what is missing and leaves
-/// what is there.
+/// The actions of `asipctl secure`: each completes what is missing and leaves what is there.
 namespace asip::cli {
 
-/// The folder of `--dir`, else /etc/asip/bus for root and asip-bus in the current one for others.
+/// `--dir`, else /etc/asip/bus for root and asip-bus in the current folder for others.
 std::filesystem::path secure_folder(const SecureOptions& options);
 
 Outcome<void> secure_init(const SecureOptions& options, const Environment& environment, SecureReport& report);

@@ -11,7 +11,7 @@
 
 namespace asip::cli {
 
-/// A user of the broker. Its password stands in the credentials file alone.
+/// Its password stands in the credentials file alone.
 struct SecuredUser {
     std::string name;
     Role role = Role::kViewer;
@@ -19,7 +19,7 @@ struct SecuredUser {
     std::string made;  ///< ISO 8601
 };
 
-/// What `asipctl secure` knows of a bus; everything that the broker reads follows from it.
+/// Everything that the broker reads follows from it.
 struct SecuredBus {
     std::vector<std::string> hosts;  ///< names and addresses of the broker, best first
     std::uint16_t port = 8883;
@@ -34,12 +34,10 @@ struct SecuredBus {
 std::string write_bus(const SecuredBus& bus);
 Expected<SecuredBus> read_bus(const std::string& text);
 
-/// Mosquitto's password file.
 std::string password_lines(const SecuredBus& bus);
-/// Mosquitto's access rules.
 std::string rule_lines(const SecuredBus& bus);
 
-/// Where the files are that the configuration names.
+/// Of the files that the configuration names.
 struct BrokerPlaces {
     std::string passwords, rules, certificate, key;
     std::string store;  ///< folder of what the broker keeps; empty: a configuration around this one names it
@@ -48,13 +46,12 @@ struct BrokerPlaces {
     std::uint16_t port = 8883;                              ///< with TLS, for everybody
     std::uint16_t local_port = 0;                           ///< without TLS, for this machine only; 0: none
 };
-/// Mosquitto's configuration.
 std::string broker_configuration(const BrokerPlaces& places);
-/// The same with a larger `memory_limit`, where it has one. Mosquitto keeps no reserve: where others have
-/// filled it, the program that clears it cannot come in, and the broker may end.
+/// With a larger `memory_limit`, if any: where others have filled Mosquitto, the program that clears it could
+/// not come in.
 std::string with_reserve(std::string configuration);
 
-/// The credentials file of a user: what read_credentials() reads.
+/// For read_credentials().
 std::string credentials_text(const SecuredBus& bus, const SecuredUser& user, const std::string& password,
                              const std::string& authority);
 

@@ -15,7 +15,6 @@
 
 namespace asip::gateway {
 
-/// A command on its way and what became of it.
 struct CommandRecord {
     std::string id;       ///< of the client; made up where it gave none
     std::string by;       ///< its sender
@@ -28,9 +27,8 @@ struct CommandRecord {
     bool of_many = false;             ///< one of many that are logged together
 };
 
-/// Commands of clients, which a Caller sends, from their start until a minute after their answer. Ids belong
-/// to a session: the same id in two sessions is two commands, and each session has a reply topic, and so a
-/// queue on the agent, of its own.
+/// Commands of clients, sent by a Caller, until a minute after their answer. Ids belong to a session, which
+/// has a reply topic, and so a queue on the agent, of its own.
 class Commands {
   public:
     static constexpr Duration kKeep = std::chrono::seconds(60);
@@ -48,8 +46,7 @@ class Commands {
         std::string payload;  ///< JSON object, without `deadline_ms`
         std::chrono::milliseconds deadline{5'000};
         bool urgent = false;  ///< a stop: taken when there are too many others
-        /// The answer comes below urgent(), past the answers of others: that is subscribed over another
-        /// connection.
+        /// The answer comes below urgent(), over another connection.
         bool answer_first = false;
         bool renewal = false;  ///< only keeps another command in force
         bool of_many = false;  ///< one of many that are logged together
@@ -61,26 +58,23 @@ class Commands {
     using Done = std::function<void(const CommandRecord&)>;
     enum class Started { kSent, kRepeated, kIdReused, kTooMany };
 
-    /// Answers come below the caller's, in a level for each session: subscribe to those.
+    /// Answers come below the caller's topics, in a level for each session.
     explicit Commands(caller::Caller& caller) : caller_(caller) {}
 
-    /// Those of urgent commands.
     static bus::ReplyTopics urgent(const bus::ReplyTopics& replies) { return replies.beside("urgent"); }
 
-    /// kSent, or kRepeated, where nothing is sent: `done` is called once with the answer, that of the first
-    /// one, now or later; `start` has its id. Else it is not called. What was refused is not remembered, as
-    /// on the bus: the same again is a new command.
+    /// kSent or kRepeated: `done` is called once with the answer, for a repeated id that of the first.
+    /// Otherwise it is not called, and nothing is remembered.
     Started start(Start& start, const Instant& now, Done done);
-    /// Call a few times a second: what was answered a minute ago is forgotten.
+    /// Forgets what was answered a minute ago. Call a few times a second.
     void tick(Time now);
-    /// Null: not known, or longer ago than a minute.
+    /// Null: not known any more.
     const CommandRecord* find(std::string_view session, std::string_view id) const;
-    /// Where a command was sent to; empty: not known.
+    /// Empty: not known.
     std::string topic_of(std::string_view session, std::string_view id) const;
-    /// The id by which the agent knows a command.
+    /// As the agent knows the command.
     static std::string bus_id(std::string_view session, std::string_view id);
     std::size_t size() const { return entries_.size(); }
-    /// How many have ended in each way, and how long answers took.
     struct Counters {
         std::uint64_t ok = 0, error = 0, timeout = 0, refused = 0;
     };
@@ -108,9 +102,8 @@ class Commands {
     Counters counters_;
 };
 
-/// An answer as clients get it: as on the bus, and `error` is its sentence (bus::why_of()) unless it is `ok`.
+/// As on the bus; `error` is its sentence (bus::why_of()) unless it is `ok`.
 std::string text_for_clients(bus::Reply reply);
-/// What an answer is in HTTP: its status.
 int http_status(const bus::Reply& reply);
 
 }  // namespace asip::gateway

@@ -13,7 +13,7 @@
 
 namespace asip::gateway {
 
-/// One thing that a dashboard shows. What its property is, the list of its board says.
+/// One thing that a dashboard shows; its board's list says what its property is.
 struct Widget {
     enum class Kind { kValue, kPlot, kSwitch, kSlider, kLamp, kStop, kGauge, kText };
 
@@ -25,13 +25,11 @@ struct Widget {
     std::string labels;           ///< in place of `board`: one of each board that has them, as `class=4b`
     std::string text;             ///< of a text
 
-    /// It sends commands.
     bool sends() const { return kind == Kind::kSwitch || kind == Kind::kSlider; }
-    /// That has the property.
     std::string_view service() const { return property::service_of(property); }
 };
 
-/// A link that shows a dashboard to its holder. Of its token only the hash is kept.
+/// A link that shows a dashboard. Only the hash of its token is kept.
 struct DashboardLink {
     std::string name;
     std::string hash;
@@ -41,7 +39,7 @@ struct DashboardLink {
     std::optional<text::WallTime> until;
 };
 
-/// A dashboard as it is retained on the bus. A value.
+/// As it is retained on the bus.
 struct Dashboard {
     static constexpr std::size_t kMaxBytes = std::size_t{16} * 1024;  ///< of what a client sends
     static constexpr std::size_t kMaxKept = std::size_t{32} * 1024;   ///< of what is retained
@@ -58,24 +56,21 @@ struct Dashboard {
     const DashboardLink* link(std::string_view name) const;
     /// In the order of the widgets.
     std::vector<std::string> boards() const;
-    /// Whether a client with these rights sees all of it; `name`: its own. One of labels may come to show any
-    /// board.
+    /// The rights show all of it; `name`: its own. A widget of labels may come to show any board.
     bool seen_by(const Rights& rights, std::string_view name) const;
 };
 
-/// A name that a dashboard may have: that of a board, but none at which a topic of a service would end.
+/// A board's name that does not end in a topic of a service.
 bool valid_dashboard_name(std::string_view name);
 inline constexpr const char* kDashboardNameForm =
     "a dashboard's name is 1 to 64 of A-Z a-z 0-9 . _ -, and none of in, out, error and set";
 
-/// What a client sends: `{"title":..,"widgets":[..]}`. Widgets without an id are given one. The error names
-/// the place of the fault.
+/// From a client: `{"title":..,"widgets":[..]}`. Widgets without an id get one. The error names the place.
 Expected<Dashboard> parse_dashboard(std::string_view text);
-/// What is retained.
 Expected<Dashboard> parse_kept_dashboard(std::string_view text);
-/// What is retained; parse_kept_dashboard() reads it back.
+/// What is retained; parse_kept_dashboard() reads it.
 std::string kept_text(const Dashboard& dashboard);
-/// What clients are shown: without links.
+/// For clients: without links.
 nlohmann::json to_json(const Dashboard& dashboard);
 /// Made of title and widgets: whatever an editor changes gives another one.
 std::string etag_of(const Dashboard& dashboard);

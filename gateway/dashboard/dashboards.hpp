@@ -12,11 +12,9 @@
 
 namespace asip::gateway {
 
-/// The dashboards that are retained on the bus, at ROOT/export/dashboard/NAME. What another gateway changes
-/// is seen here as soon as the broker says it; what is written here counts once the broker has sent it back.
-/// A broker that has forgotten all of them is given them again; where the last one was removed, kRemoved is
-/// kept in its place, so that this is not taken for a broker that has forgotten. Pure: messages and time in,
-/// messages out.
+/// The dashboards that are retained at ROOT/export/dashboard/NAME. What any gateway writes counts once the
+/// broker has sent it. A broker that forgot all gets them again; kRemoved, in place of the last one, tells
+/// that apart from a removal. Pure.
 class Dashboards {
   public:
     static constexpr std::size_t kMax = 64;
@@ -35,32 +33,29 @@ class Dashboards {
         : prefix_(topic_root + "/export/dashboard/"), port_(std::move(port)) {}
 
     std::string subscription() const { return prefix_ + "+"; }
-    /// The topic is subscribed to: what is retained follows, or came already.
+    /// What is retained follows, or came already.
     void subscribed() { connected_ = true; }
-    /// All that the broker retains has come.
     void complete();
     void disconnected();
     /// True: the message was one of a dashboard.
     bool take(const mqtt::Message& message);
     void tick(Time now);
 
-    /// Whether all that is kept is known; before that, one that is not there may be.
+    /// All that is kept is known.
     bool known() const { return known_; }
-    /// Null: there is none of this name.
     const Dashboard* find(std::string_view name) const;
     const std::map<std::string, Dashboard, std::less<>>& all() const { return dashboards_; }
-    /// Goes up with every change.
     std::uint64_t version() const { return version_; }
 
-    /// What a client may do with a link whose token has this hash.
+    /// By the hash of the link's token.
     std::optional<Rights> link_of(std::string_view hash) const;
-    /// Whether a link still gives these rights.
+    /// A link still gives these rights.
     bool holds(const Rights& rights) const;
 
-    /// A write of this dashboard is under way.
+    /// A write is under way.
     bool busy(const std::string& name) const { return writes_.contains(name); }
     bool has_room() const { return dashboards_.size() + writes_.size() < kMax; }
-    /// Keeps it, or with nothing removes it; `done` is called once. Not while busy().
+    /// Keeps it, or with nothing removes it; calls `done` once. Not while busy().
     void write(const std::string& name, const std::optional<Dashboard>& dashboard, Time now, Done done);
 
   private:

@@ -14,14 +14,12 @@
 
 namespace asip::gateway {
 
-/// The dashboard with one widget for each board that has the labels of one: its id is `ID.BOARD`. Others
-/// stay.
+/// With a widget for each board that has the labels of one; its id is `ID.BOARD`.
 Dashboard with_boards(Dashboard dashboard, Mirror& mirror, const Instant& now);
 
-/// One dashboard, live: the document (`dashboard`), the state of each of its boards (`board`), and of each
-/// widget what its property is (`property`) and how it stands (`widget`; of a plot first `past`), then
-/// `snapshot-end` and the changes. Nothing else of the boards is in it. A dashboard that changes begins anew;
-/// one that is removed, or that its reader may not see any more, is `gone`. Pure.
+/// One dashboard, live: the document (`dashboard`), the state of each board (`board`), of each widget its
+/// property (`property`) and value (`widget`; of a plot first `past`), `snapshot-end` and the changes. After
+/// a change it begins anew; one that is removed, or hidden from its reader, is `gone`. Pure.
 class DashboardFeed final : public Feed {
   public:
     static constexpr std::size_t kBytes = 4 * 1024;

@@ -15,8 +15,7 @@
 
 namespace asip::gateway::exports {
 
-/// What each export of boards has beside its dialect: its turn among gateways, and the boards that it takes
-/// up.
+/// What each export has beside its dialect: its turn among gateways, and the boards that it takes up.
 class BoardExport : public Export {
   public:
     struct Options {
@@ -65,8 +64,8 @@ class BoardExport : public Export {
     virtual void pump(Time now) = 0;
 
     void lease_said(const mqtt::Message& message, Time now);
-    /// Takes or renews the lease over the new connection. False: another gateway was faster. `did`: said
-    /// where this gateway did not hold it before.
+    /// Takes or renews the lease over the new connection. False: another gateway was faster. `did`: for the
+    /// log, where this gateway did not hold it before.
     bool claim(const std::string& did, Time now);
     /// Each tick(): begins a connection when it is time to, and renews the lease. True: boards are shown.
     bool keep_turn(Time now);

@@ -17,8 +17,8 @@ inline constexpr std::size_t kMaxCommandBytes = 4096;
 inline constexpr int kMaxCommandDepth = 4;
 inline constexpr std::size_t kShownBytes = 60;  ///< of it, in a sentence
 
-/// What boards are in the words of another system that uses the same broker. A dialect says what is
-/// published and what is meant by what comes; Exporter says when. Pure, and the same for the same input.
+/// Boards in the words of another system on the same broker: what is published, and what a message means;
+/// Exporter says when. Pure, and the same for the same input.
 class Dialect {
   public:
     using Retained = std::map<std::string, std::string>;  ///< topic -> payload
@@ -33,19 +33,18 @@ class Dialect {
 
     // --- where things are
 
-    /// The topic below which the export keeps its lease.
+    /// Below it the export keeps its lease.
     virtual std::string base() const = 0;
     std::string lease() const { return base() + "/$lease"; }
-    /// Which session of each board the states are of that are retained.
+    /// The session of each board whose states are retained.
     std::string sessions() const { return base() + "/$sessions"; }
-    /// Where its documents are: the beginning of their topics. It may be another one at the next start.
+    /// Where its documents begin, which may change with a start.
     virtual std::string place() const = 0;
-    /// Filters for all that it may have retained while its documents were at `place`, but for what is below
-    /// base().
+    /// Filters that find every message this export may have retained at `place`, except below base().
     virtual std::vector<std::string> retained(const std::string& place) const = 0;
-    /// Filters for what it retains, which a command never matches.
+    /// Filters for what it retains, which match no command.
     virtual std::vector<std::string> watched() const;
-    /// The topics of this export, among all that is retained.
+    /// The export's topics among all that is retained.
     virtual std::vector<std::string> ours(const Retained& found, const std::string& place) const = 0;
 
     // --- the gateway
@@ -54,17 +53,17 @@ class Dialect {
     virtual std::string online() const { return "online"; }
     virtual std::string leaving() const { return "offline"; }  ///< the gateway ends
     virtual std::string lost() const { return "offline"; }     ///< published by the broker
-    /// What a state says while the document beside it changes; empty: nothing.
+    /// The state while the document beside it changes; empty: none.
     virtual std::string changing() const { return {}; }
-    /// A document of the gateway itself. Empty: it has none.
+    /// Empty: the gateway has no document.
     virtual std::string gateway_document_topic() const { return {}; }
     virtual std::string gateway_document(const std::vector<std::string>& /*boards*/,
                                          const std::string& /*on_bus*/) const {
         return {};
     }
-    /// Whether it names the boards.
+    /// It names the boards.
     virtual bool lists_boards() const { return false; }
-    /// How the gateway stands, retained beside its document. Empty: it is not told.
+    /// How the gateway stands, retained; empty: not told.
     virtual std::string standing_topic() const { return {}; }
     virtual std::string standing(std::size_t /*boards_online*/) const { return {}; }
     /// Where the other system says "online" when it starts; empty: nowhere.
@@ -72,7 +71,7 @@ class Dialect {
 
     // --- a board
 
-    /// What a board is called in topics.
+    /// The board's name in topics.
     virtual std::string id_of(std::string_view board) const { return std::string(board); }
     virtual std::string board_state(std::string_view board) const = 0;
     /// `state`: of the catalogue.
@@ -83,19 +82,19 @@ class Dialect {
         std::string text;
         bool last = true;  ///< false: another one follows some time later
     };
-    /// What is to be published where `on_bus` is: it may be the same.
+    /// What follows `on_bus`; it may be the same.
     virtual Document next_document(const ExportedBoard& board, const std::string& on_bus) const = 0;
-    /// With which the topic of a document ends that is cleared last, since by it all else of a board is known
-    /// as ours; then its state is first. Empty: a document is cleared first.
+    /// Suffix of the documents that are cleared last: they show which other topics of a board are ours.
+    /// Empty: a document is cleared first.
     virtual std::string_view last_cleared() const { return {}; }
 
     // --- its properties
 
     virtual std::string state(std::string_view board, const Property& property) const = 0;
-    /// Null: the value is not known. Empty: the topic is cleared.
+    /// Null: unknown. Empty: the topic is cleared.
     virtual std::string state_text(const Property& property, const nlohmann::json& value) const = 0;
     virtual int state_qos() const { return 0; }
-    /// What is done with a button: not retained. Nothing: the other system has no words for that.
+    /// What is done with a button, not retained; nothing: the other system has no words for that.
     struct Act {
         std::string topic, text;
     };
@@ -103,9 +102,9 @@ class Dialect {
                                    property::ButtonAct /*act*/) const {
         return std::nullopt;
     }
-    /// Where it stands what the value is to become; empty: nowhere.
+    /// Where the future value stands; empty: nowhere.
     virtual std::string target(std::string_view /*board*/, const Property& /*property*/) const { return {}; }
-    /// Where the last command that failed is said, in words.
+    /// Where the last failed command is told.
     virtual std::string error(std::string_view board) const = 0;
     virtual std::string error_text(const std::string& sentence) const = 0;
     virtual bool error_is_retained() const { return true; }
@@ -113,7 +112,7 @@ class Dialect {
     // --- commands
 
     virtual std::string commands() const = 0;  ///< filter
-    /// Devices of others are among these topics.
+    /// Topics of commands match devices of others, too.
     virtual bool has_neighbours() const { return false; }
     struct Command {
         std::string board;     ///< as id_of() calls it
@@ -121,7 +120,7 @@ class Dialect {
     };
     /// Nothing: it is no topic of a command.
     virtual std::optional<Command> command_of(std::string_view topic) const = 0;
-    /// What a command asks for, as a value of the property. Fails with a sentence.
+    /// As a value of the property. Fails with a sentence.
     virtual Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const = 0;
 
   protected:
@@ -131,13 +130,13 @@ class Dialect {
 };
 
 Unexpected<std::string> not_taken(const Property& property, std::string_view payload);
-/// "90" or "90.0"; nothing: no number, or one with something behind it.
+/// Nothing: no number, or one with something behind it.
 std::optional<double> number_from(std::string_view text);
-/// An empty text with room for a document of so many properties.
+/// An empty text with room for so many properties.
 std::string room_for(std::size_t properties);
 
-/// `text` with `mark` and two hexadecimal digits in place of each character that is not `plain`. Two texts
-/// never become one, as long as no text that stays as it is holds `mark`.
+/// `text` with `mark` and two hexadecimal digits for each character that is not `plain`. Two texts never
+/// become one, if none that stays holds `mark`.
 template <class Plain>
 std::string escaped_id(std::string_view text, std::string_view mark, Plain plain) {
     constexpr std::string_view kDigits = "0123456789abcdef";

@@ -17,11 +17,10 @@
 
 namespace asip::gateway::exports {
 
-/// Shows boards to another system on the same broker. It has a connection of its own, with its own will,
-/// which is there only while this gateway holds the lease. Pure: messages and time in, messages out.
+/// Shows boards to another system on the same broker, over a connection of its own, which is there only while
+/// this gateway holds the lease. Pure.
 class Export {
   public:
-    /// A board as the catalogue has it.
     struct Present {
         bool there = false;                          ///< it can be commanded
         std::shared_ptr<const ExportedBoard> board;  ///< exports share it
@@ -36,20 +35,20 @@ class Export {
         std::function<bool()> has_room;  ///< more may be published now
         std::function<void()> discard;   ///< what waits to be published is forgotten
         std::function<void(const std::string& filter)> subscribe;
-        /// To what others publish from now on. It stays when the connection comes anew.
+        /// To what others publish from now on, across connections.
         std::function<void(const std::string& filter)> watch;
         std::function<void(const std::string& filter)> unsubscribe;
         // What the gateway does:
         std::function<bool()> ready;  ///< the catalogue holds all that is on the bus
         std::function<std::vector<std::string>()> boards;
         std::function<std::optional<Present>(const std::string& board)> board;
-        /// Null: it is not known. Nothing: nobody says.
+        /// Null: unknown. Nothing: nobody says.
         std::function<std::optional<nlohmann::json>(const std::string& board, const Property&)> value;
-        /// So many values were none that their properties can have.
+        /// Counts values that their properties cannot have.
         std::function<void(std::uint64_t)> refused;
         std::function<bus::Demander::Want(const std::string& board, const std::string& service, double hz)>
             want;
-        /// Executes a command; `done` is called once, with a sentence where it failed.
+        /// `done` is called once, with a sentence where the command failed.
         std::function<void(const std::string& board, const Request&, std::function<void(std::string)> done)>
             command;
         std::function<void(const std::string& sentence)> log;
@@ -58,16 +57,14 @@ class Export {
 
     virtual ~Export() = default;
 
-    /// "home-assistant": sends the commands, and names the export on a command line.
+    /// It sends the commands, and names the export on a command line: "home-assistant".
     virtual std::string_view by() const = 0;
-    /// "Home Assistant"
     virtual std::string_view title() const = 0;
-    /// To be subscribed to over the gateway's connection.
+    /// Over the gateway's connection.
     virtual std::vector<std::string> subscriptions() const = 0;
-    /// To be subscribed to over the export's own, from its start.
+    /// Over the export's own connection, from its start.
     virtual std::vector<std::string> own_subscriptions() const = 0;
-    /// Published by the broker when the export's connection is lost: the next one, while there is one.
-    /// Nothing: there is nothing to say.
+    /// For the next connection of the export, while there is one; nothing: no will.
     virtual std::optional<mqtt::Message> will() const = 0;
 
     // Over the gateway's connection:

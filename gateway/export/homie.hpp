@@ -27,7 +27,7 @@ class Homie final : public Dialect {
 
     explicit Homie(Options options) : options_(std::move(options)) {}
 
-    /// Whether a text may be the first level of all topics.
+    /// For the first level of all topics.
     static bool valid_domain(std::string_view text);
 
     std::string_view by() const override { return "homie"; }

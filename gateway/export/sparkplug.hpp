@@ -35,20 +35,19 @@ class Sparkplug {
     explicit Sparkplug(Options options) : options_(std::move(options)) {}
     const Options& options() const { return options_; }
 
-    /// Whether a text may be the name of a group, an edge node or a host.
+    /// For a group, an edge node or a host.
     static bool valid_id(std::string_view text);
 
     std::string base() const { return options_.root + "/export/sparkplug"; }
     std::string lease() const { return base() + "/$lease"; }
     std::string state() const { return base() + "/$state"; }
-    /// "NBIRTH", ...
     std::string topic(std::string_view kind) const;
     std::string topic(std::string_view kind, std::string_view board) const;
     std::string host_state() const;
     /// Nothing: the topic is no DCMD.
     std::optional<std::string> board_of(std::string_view topic) const;
 
-    /// Which part of an property's value a metric is.
+    /// The part of a value that a metric is.
     enum class Part { kWhole, kOn, kBrightness, kColor };
     struct Slot {
         std::string name;
@@ -59,10 +58,10 @@ class Sparkplug {
     static std::vector<Slot> slots(const Property& property);
     /// `value`: the property's, null where it is not known. Any JSON may be given.
     static sparkplug::Value value(const Property& property, const Slot& slot, const nlohmann::json& value);
-    /// What a birth says of a metric beside its value.
+    /// Beside its value, in a birth.
     std::vector<sparkplug::Property> properties(const Property& property, const Slot& slot) const;
 
-    /// Whether a host is online, with its time; nothing: the text does not say.
+    /// Nothing: the text does not say.
     struct HostState {
         bool online = false;
         double timestamp = 0;
@@ -73,8 +72,7 @@ class Sparkplug {
         Part part;
         sparkplug::Value value;
     };
-    /// What a command asks for, as a value of the property. `known`: its value now, or null. Fails with a
-    /// sentence.
+    /// As a value of the property. `known`: its value now, or null. Fails with a sentence.
     Expected<nlohmann::json> value_of(const Property& property, const std::vector<Wanted>& wanted,
                                       const nlohmann::json& known) const;
 

@@ -14,10 +14,8 @@
 
 namespace asip::gateway::exports {
 
-/// The edge node of Sparkplug B: says when what Sparkplug decides is published, and numbers it. Hosts learn
-/// everything from births, which they can ask for; so nothing of it is retained but which gateway it is. The
-/// number of a connection (bdSeq) is the term of the lease: it grows over restarts and from one gateway to
-/// the next.
+/// The edge node of Sparkplug B: says when what Sparkplug decides is published, and numbers it. Hosts ask for
+/// births, so only which gateway it is is retained. A connection's number (bdSeq) is the term of the lease.
 class SparkplugNode final : public BoardExport {
   public:
     static constexpr Duration kBetweenBirths = std::chrono::seconds(1);  ///< that hosts ask for

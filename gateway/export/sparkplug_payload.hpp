@@ -12,7 +12,7 @@
 
 namespace asip::gateway::exports::sparkplug {
 
-/// Numbers are those of the wire. There are more; of these a metric of ours is one.
+/// The numbers of the wire, as far as our metrics use them.
 enum class DataType : std::uint32_t {
     kUnknown = 0,
     kInt8 = 1,
@@ -31,7 +31,7 @@ enum class DataType : std::uint32_t {
     kText = 14,
 };
 
-/// monostate: null, or of a kind that is not read (bytes, data sets, templates).
+/// monostate: null, or of a kind that is not read.
 using Value = std::variant<std::monostate, std::int64_t, double, bool, std::string>;
 
 struct Property {
@@ -63,8 +63,7 @@ inline constexpr std::size_t kMaxMetrics = 4096;                         ///< li
 /// As protobuf. Whole numbers of properties are Int32, those of metrics Int64 unless their type is narrower.
 std::string write(const Payload& payload);
 
-/// Any bytes may be given. Fields that are unknown are passed over, and so are properties. Fails with a
-/// sentence.
+/// Any bytes; unknown fields and properties are passed over. Fails with a sentence.
 Expected<Payload> read(std::string_view bytes);
 
 }  // namespace asip::gateway::exports::sparkplug

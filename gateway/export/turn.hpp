@@ -12,9 +12,8 @@
 
 namespace asip::gateway::exports {
 
-/// Which of several gateways exports. The one that does says so every few seconds on a retained topic; when
-/// it falls silent, or the broker says that it is gone, another takes over. Of two that both claim the later
-/// term counts, then the smaller name. Pure.
+/// Which of several gateways exports. It says so every few seconds on a retained topic; when it is silent, or
+/// the broker says that it is gone, another takes over. The later term counts, then the smaller name. Pure.
 class Turn {
   public:
     static constexpr Duration kRenewal = std::chrono::seconds(3);
@@ -23,7 +22,7 @@ class Turn {
     static constexpr std::size_t kMaxBytes = 1024;
     static constexpr std::size_t kMaxPlaces = 4;
 
-    /// What the topic says of the gateway that exports, or did.
+    /// The gateway that exports, or did.
     struct Holder {
         std::string gateway;  ///< unique for each process
         std::uint64_t term = 0;
@@ -32,37 +31,37 @@ class Turn {
         friend bool operator==(const Holder&, const Holder&) = default;
     };
 
-    /// `self.term` is set with each claim.
+    /// Each claim sets `self.term`.
     Turn(Holder self, Random random) : self_(std::move(self)), random_(std::move(random)) {}
 
-    /// The topics of lease and state are subscribed to; what is retained follows.
+    /// To lease and state; what is retained follows.
     void subscribed(Time now);
     void disconnected() { heard_since_.reset(); }
-    /// A message on the topic of the lease. Returns true when it ends ours.
+    /// On the lease's topic. True: that ends our lease.
     bool said(std::string_view payload, bool retained, Time now);
-    /// A message on the topic of the export's state: "online", or "offline" from the broker or at an end.
+    /// On the topic of the export's state: "online", or "offline" from the broker or at an end.
     void state(std::string_view payload, Time now);
 
     bool active() const { return active_; }
-    /// The gateway that holds it, or did last; none: no gateway ever did.
+    /// None: no gateway ever held it.
     const std::optional<Holder>& holder() const { return holder_; }
-    /// Whether a holder lives, as far as can be known.
+    /// A holder lives, as far as can be known.
     bool held(Time now) const;
     /// No gateway holds it, and it is time to.
     bool may_claim(Time now) const;
-    /// What its last holder left may be cleared: a gateway of this machine, or `any`.
+    /// The last holder was on this machine, or `any`.
     bool may_clear(bool any, Time now) const {
         return may_claim(now) && (any || (holder_ && holder_->host == self_.host));
     }
-    /// Which term a claim would have.
+    /// The term of the next claim.
     std::uint64_t next_term() const { return std::max(self_.term, holder_ ? holder_->term : 0) + 1; }
-    /// It is ours; returns what to publish, retained.
+    /// Returns what to publish, retained.
     std::string claim(Time now);
-    /// What to publish now, retained, where it is ours and due.
+    /// What to publish, retained, where it is ours and due.
     std::optional<std::string> renewal(Time now);
-    /// It is no longer ours: the connection that carries it goes.
+    /// The connection that carries it goes.
     void release() { active_ = false; }
-    /// The documents are there from now on, and nowhere else. Said with the next renewal.
+    /// The only place of documents from now on; the next renewal says it.
     void set_place(const std::string& place) {
         const std::set<std::string> places{place};
         if (self_.places != places) renew_at_ = {};

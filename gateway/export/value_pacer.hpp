@@ -11,16 +11,15 @@
 
 namespace asip::gateway::exports {
 
-/// A state topic: what was published on it, and what waits for its turn. The newest value is always published
-/// last. Pure.
+/// What was published on a state topic, and what waits. The newest value is always published last. Pure.
 class PacedValue {
   public:
-    /// What the broker keeps of an earlier time.
+    /// The broker keeps it of an earlier time.
     void adopt(std::string text) {
         sent_ = std::move(text);
         sent_at_.reset();
     }
-    /// The text to publish at once; nothing: it is there already, or waits().
+    /// True: publish sent() at once. False: it is there already, or waits().
     bool offer(std::string text, Time now, Duration between, bool room) {
         if (text == sent_) {
             waiting_.reset();
@@ -29,7 +28,7 @@ class PacedValue {
         waiting_ = std::move(text);
         return take(now, between, room);
     }
-    /// Whether what waits may be published now: then it is sent().
+    /// True: what waited is sent() now.
     bool take(Time now, Duration between, bool room) {
         if (!waiting_ || !room || (sent_at_ && now - *sent_at_ < between)) return false;
         sent_ = std::move(*waiting_);
@@ -38,7 +37,7 @@ class PacedValue {
         return true;
     }
     bool waits() const { return waiting_.has_value(); }
-    /// The broker keeps what it had of an earlier time, and it is known to be another now.
+    /// The broker keeps an older value than the known one.
     bool is_outdated() const { return waiting_ && !sent_at_; }
     const std::string& sent() const { return sent_; }
 
@@ -48,8 +47,7 @@ class PacedValue {
     std::optional<Time> sent_at_;
 };
 
-/// What others can cause at will must not fill the log: of each subject one line a minute, with how often it
-/// came since. Pure.
+/// Lines of the log that others can cause: one a minute for each subject, with how often it came. Pure.
 class Seldom {
   public:
     static constexpr Duration kBetween = std::chrono::minutes(1);
@@ -64,7 +62,6 @@ class Seldom {
         ++found->second.more;
         found->second.sentence = sentence;
     }
-    /// Call now and then.
     void tick(Time now) {
         for (auto each = said_.begin(); each != said_.end();) {
             auto& said = each->second;

@@ -22,7 +22,7 @@ class WebOfThings final : public Dialect {
         std::string root = "asip";
         bool read_only = false;  ///< nothing can be set over MQTT
     };
-    /// What stands in the forms for one asker.
+    /// In the forms for one asker.
     struct Forms {
         std::string base;              ///< of HTTP: "http://localhost:8080/"
         bool token = false;            ///< HTTP needs one
@@ -36,9 +36,9 @@ class WebOfThings final : public Dialect {
 
     explicit WebOfThings(Options options) : options_(std::move(options)) {}
 
-    /// The id of a board's thing, an URN.
+    /// An URN.
     std::string thing_id(std::string_view board) const;
-    /// The name of the board that is meant by an id, or by its name.
+    /// By an id, or by a name.
     std::string board_of(const std::string& id) const;
     nlohmann::json thing(const ExportedBoard& board, const Forms& forms) const;
     /// The thing that is the directory of the others.

@@ -12,14 +12,14 @@
 
 namespace asip::gateway::http {
 
-/// What the connections of one address have together.
+/// Shared by the connections of an address.
 struct AddressUse {
     std::size_t connections = 0;
     std::size_t input_bytes = 0;
     std::size_t handshakes = 0;  // of TLS, under way
 };
 
-/// What the connections of a server share.
+/// Shared by the connections of a server.
 struct Shared {
     explicit Shared(bus::Shares& all) : shares(all) {}
 
@@ -32,20 +32,19 @@ struct Shared {
     std::unordered_map<std::string, AddressUse> addresses;  // those with connections
 };
 
-/// One connection, from its first byte to its last: it reads a request, has it handled, writes the response,
-/// and so on; or it becomes a stream or a WebSocket. One request is handled at a time; what a client sends
-/// ahead waits, within bounds. Held by what is under way, and by the server until it is closed.
+/// One connection: reads a request, has it handled, writes the response, and so on; or becomes a stream or a
+/// WebSocket. What a client sends ahead waits, within bounds. Held by what is under way, and by the server.
 class Connection final : public Responder, public std::enable_shared_from_this<Connection> {
   public:
-    /// `address`: what its limits are counted to; empty: to none.
+    /// `address`: its limits count; empty: none do.
     Connection(std::shared_ptr<Shared> shared, Transport transport, Peer peer, std::string address);
     ~Connection() override;
 
-    /// `tls`: null for none. Call once.
+    /// `tls`: null: none. Call once.
     void start(boost::asio::ssl::context* tls);
-    /// At once, whatever is under way. Counts of it are given back.
+    /// At once, whatever is under way.
     void close();
-    /// The server ends: closes, and tells streams and WebSockets.
+    /// The server ends: tells streams and WebSockets, and closes.
     void leave();
     /// Closes what is too slow. Call a few times a second.
     void sweep(Time now);
@@ -73,7 +72,7 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     void write(std::string head, Response response, bool keep_alive);
     void written(const boost::system::error_code& error, std::size_t bytes);
     void next_request();
-    /// Counts what is kept of requests. False: that is too much for its address, or for all.
+    /// False: that is too much for its address, or for all.
     bool count_input(std::size_t bytes);
     void pump();
     void pump_later();

@@ -9,14 +9,14 @@
 /// HTTP as the rest of the gateway sees it: no socket, no library.
 namespace asip::gateway::http {
 
-/// The other end of a connection; behind a trusted proxy its client (Gate::peer_of()).
+/// Behind a trusted proxy its client (Gate::peer_of()).
 struct Peer {
     std::string address;    ///< without port; empty: a Unix socket
     bool loopback = false;  ///< connected directly over the loopback interface
     bool secure = false;    ///< over TLS
 };
 
-/// A whole request as it was received; nothing in it was checked but its form.
+/// As it was received; only its form was checked.
 struct Request {
     std::string method;                 ///< as it was written: "GET"
     std::string target;                 ///< "/api/boards?limit=10", or "*" of OPTIONS
@@ -33,56 +33,52 @@ struct Request {
     /// The value of a header given once; empty where it is missing. `name` in lower case.
     std::string_view header(std::string_view name) const;
     bool has_header(std::string_view name) const;
-    /// `OPTIONS *`: of the server as a whole.
+    /// `OPTIONS *`: for the whole server.
     bool is_asterisk() const { return method == "OPTIONS" && target == "*"; }
-    /// The first value of a query parameter; null where it is missing.
+    /// Its first value; null where it is missing.
     const std::string* parameter(std::string_view name) const;
 };
 
-/// A response that is sent as a whole. Content-Length, Connection and Content-Encoding are the connection's
-/// to write.
+/// Sent as a whole. The connection adds Content-Length, Connection and Content-Encoding.
 struct Response {
     int status = 200;
     std::string content_type = "application/json";
     std::vector<std::pair<std::string, std::string>> headers;
     std::string body;
-    /// Static text instead of `body`: not copied, so of static storage.
+    /// In place of `body`, of static storage.
     std::string_view fixed;
     bool compressed = false;   ///< `fixed` or `body` is gzip already
     bool by_encoding = false;  ///< clients that take gzip get another form than those that do not
-    /// Kept until the response is sent or its connection is gone: what counts its bytes.
+    /// Counts its bytes until the response is sent.
     std::shared_ptr<void> held{};
 
     std::string_view text() const { return fixed.empty() ? std::string_view(body) : fixed; }
 };
 
-/// "Not Found"
 std::string_view reason_phrase(int status);
 
-/// Status line and headers, with the empty line; without Content-Length where `chunked`.
+/// With the empty line; without Content-Length where `chunked`.
 std::string head_text(const Response& response, bool keep_alive, bool chunked);
 
-/// Takes `target` apart into segments and query. Of one in absolute form (RFC 9112, 3.2.2) the path stays,
-/// and its authority takes the place of Host. False: it is no path that a server may look up: not beginning
-/// with a slash, a broken percent escape, control characters, an empty (but for the last), `.` or
-/// `..` segment, or a decoded slash.
+/// Takes `target` apart into segments and query. In absolute form (RFC 9112, 3.2.2) its authority replaces
+/// Host. False: no leading slash, a broken percent escape, control characters, an empty (but for the last),
+/// `.` or `..` segment, or a decoded slash.
 bool split_target(Request& request);
 
 /// `%41+b` -> `A b` where `plus` is a blank; false: broken.
 bool percent_decode(std::string_view text, bool plus, std::string& decoded);
 
-/// Whether the client takes gzip (Accept-Encoding): what it says of gzip itself counts before `*`.
+/// By Accept-Encoding; gzip counts before `*`.
 bool accepts_gzip(const Request& request);
 
 /// As gzip, quickly rather than small.
 std::string compress(std::string_view text);
-/// What was compressed.
 std::string decompress(std::string_view gzip);
 
-/// With ASCII letters in lower case.
+/// ASCII only.
 std::string lower(std::string_view text);
 
-/// Whether the request asks for a WebSocket in the way of RFC 6455.
+/// As RFC 6455 has it.
 bool is_upgrade(const Request& request);
 
 }  // namespace asip::gateway::http

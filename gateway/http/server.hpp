@@ -17,43 +17,40 @@ namespace boost::asio {
 class io_context;
 }
 
-/// The server: connections, TLS, limits and time. What a request means is the handler's. All of it runs on
-/// one io_context and one thread; every callback comes from there.
+/// Connections, TLS, limits and time, on one io_context and thread. The handler knows what a request means.
 namespace asip::gateway::http {
 
-/// What a streamed response sends. Asked for text whenever the client has taken what it was sent before, so
-/// a slow client is asked for rarely and nothing piles up.
+/// What a streamed response sends; asked whenever the client took all, so that nothing piles up for slow
+/// ones.
 class Source {
   public:
     virtual ~Source() = default;
-    /// Appends what there is to send, about `max` bytes at most. Nothing appended: `wake` is called when
-    /// there is something.
+    /// Appends about `max` bytes at most; nothing: `wake` is called later.
     virtual void take(std::string& out, std::size_t max) = 0;
-    /// Nothing more will come: the response ends.
+    /// The response ends.
     virtual bool finished() const = 0;
-    /// take() appended nothing only because others have their turn first: it is asked again soon.
+    /// Others have their turn first: ask again soon.
     virtual bool more() const { return false; }
 
     std::function<void()> wake = [] {};
 };
 
-/// One WebSocket connection. Asked for messages as a Source is for text.
+/// A WebSocket connection, asked for messages as a Source is for text.
 class Channel {
   public:
     virtual ~Channel() = default;
-    /// The next message to send. False: there is none; `wake` is called when there is.
+    /// False: there is none; `wake` is called later.
     virtual bool take(std::string& message) = 0;
-    /// As Source::more().
     virtual bool more() const { return false; }
-    /// A whole text message. False: the client breaks the rules too often; the connection is closed.
+    /// A whole text. False: the client breaks the rules too often, and is closed.
     virtual bool received(std::string_view message) = 0;
-    /// Non-zero: the connection is to be closed with this code (1008: not allowed any more).
+    /// Non-zero: close with this code (1008: not allowed any more).
     virtual std::uint16_t close_code() const { return 0; }
 
     std::function<void()> wake = [] {};
 };
 
-/// What waits for the answer to a request: a connection, or a test.
+/// A connection, or a test.
 class Responder {
   public:
     virtual ~Responder() = default;
@@ -64,8 +61,8 @@ class Responder {
     virtual bool waits_for(std::uint64_t number) const = 0;
 };
 
-/// Where the answer to one request goes. Copies are for the same request; the first answer counts, and after
-/// the client is gone nothing happens. It keeps no connection open.
+/// Where an answer goes. The first one counts; behind the client's end nothing happens. It keeps no
+/// connection open.
 class Reply {
   public:
     using Finish = std::function<void(Response&)>;
@@ -73,7 +70,7 @@ class Reply {
     Reply(std::weak_ptr<Responder> responder, std::uint64_t number)
         : responder_(std::move(responder)), number_(number) {}
 
-    /// The same, with something done to each answer before it is sent.
+    /// The same, with something done to each answer first.
     Reply with(Finish finish) const {
         Reply result = *this;
         result.finish_ = std::make_shared<const Finish>(std::move(finish));
@@ -85,24 +82,23 @@ class Reply {
         if (finish_) (*finish_)(response);
         responder->respond(number_, std::move(response));
     }
-    /// `head` has the status and headers.
+    /// `head`: status and headers.
     void stream(Response head, std::unique_ptr<Source> source) const {
         const auto responder = responder_.lock();
         if (!responder) return;
         if (finish_) (*finish_)(head);
         responder->stream(number_, std::move(head), std::move(source));
     }
-    /// Only while the handler is being called. The request must be a valid upgrade: is_upgrade().
+    /// Only while the handler is called, for a request with is_upgrade().
     void websocket(std::unique_ptr<Channel> channel) const {
         if (const auto responder = responder_.lock()) responder->upgrade(number_, std::move(channel));
     }
-    /// Only while the handler is being called. An answer that costs much: `step` is called, each time in
-    /// another turn of its asker and ahead of its other requests, until it returns false or no client waits
-    /// any more. A step should take a millisecond or two.
+    /// For a costly answer, only while the handler is called: `step` is called in turns of its asker, ahead
+    /// of its other requests, until it returns false or no client waits. A step takes a millisecond or two.
     void in_turns(bus::Shares::Job step) const {
         if (const auto responder = responder_.lock()) responder->in_turns(number_, std::move(step));
     }
-    /// No client waits for an answer any more: it was given, or the client closed the connection.
+    /// The answer was given, or the client closed the connection.
     bool gone() const {
         const auto responder = responder_.lock();
         return !responder || !responder->waits_for(number_);
@@ -114,7 +110,7 @@ class Reply {
     std::shared_ptr<const Finish> finish_;
 };
 
-/// Beyond these a connection is refused, answered with a status, or closed; none of them ends the server.
+/// Beyond these a connection is refused, answered with a status, or closed.
 struct ServerLimits {
     RequestReader::Limits request;
     std::size_t connections = 12'000;             ///< of all addresses
@@ -123,8 +119,7 @@ struct ServerLimits {
     /// Requests that are not whole yet, or wait behind another one: of an address, and of all together.
     std::size_t input_bytes_per_address = std::size_t{16} << 20;
     std::size_t input_bytes = std::size_t{128} << 20;
-    /// Connections from this machine are a proxy's, and have many clients: limits of an address are not
-    /// theirs.
+    /// Connections from this machine are a proxy's: limits of an address do not hold.
     bool behind_proxy = false;
     std::size_t message_bytes = 64 * 1024;          ///< of a WebSocket
     std::size_t stream_bytes = 16 * 1024;           ///< handed to the socket at once
@@ -134,13 +129,13 @@ struct ServerLimits {
     Duration write_time = std::chrono::seconds(60);  ///< for a whole response that is no stream
 };
 
-/// To whom the cost of a request is counted, and whether it goes ahead of all others.
+/// To whom a request is counted, and whether it goes first.
 struct Asker {
     std::string name;
     bool urgent = false;
 };
 
-/// Since the server was made, but for what is "now".
+/// Since the start, but for what is "now".
 struct ServerCounters {
     std::uint64_t accepted = 0;
     std::uint64_t turned_away = 0;  ///< beyond a limit of connections
@@ -153,13 +148,12 @@ struct ServerCounters {
     std::uint64_t sent_bytes = 0;
 };
 
-/// Listens, reads requests, and hands each to the handler. Connections that are open when it ends are closed.
+/// Hands each request to the handler. Its end closes all connections.
 class Server {
   public:
-    /// Called for each whole request, when it is its asker's turn. May answer at once or keep the reply for
-    /// later.
+    /// In its asker's turn. May keep the reply for later.
     using Handler = std::function<void(const Request&, const Reply&)>;
-    /// Called for each whole request as it comes: it must cost little.
+    /// For each whole request as it comes; it must cost little.
     using AskerOf = std::function<Asker(const Request&)>;
     struct Tls {
         std::string cert_file;  ///< PEM, the whole chain
@@ -172,17 +166,17 @@ class Server {
         ServerLimits limits;
     };
 
-    /// Binds. Throws std::runtime_error with a sentence where an address or certificate cannot be used.
-    /// `shares`: by which requests, messages and streams have their turns; it must outlive the server.
+    /// Binds. Throws std::runtime_error on an address or certificate that cannot be used. `shares`: gives
+    /// requests, messages and streams their turns.
     Server(boost::asio::io_context& io, Options options, bus::Shares& shares, AskerOf asker_of,
            Handler handler);
     ~Server();
 
-    /// Accepts connections from now on. Call once.
+    /// Call once.
     void start();
-    /// Accepts no more and closes every connection; streams and WebSockets (1001) are told.
+    /// Closes all; streams and WebSockets (1001) are told.
     void stop();
-    /// The addresses as bound, with the port that was chosen for port 0.
+    /// With the port that was chosen for port 0.
     std::vector<std::string> addresses() const;
     ServerCounters counters() const;
 

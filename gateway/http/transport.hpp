@@ -10,8 +10,7 @@
 
 namespace asip::gateway::http {
 
-/// The byte stream of a connection, TCP or Unix, with or without TLS: one type, so that what is built on it
-/// is compiled once.
+/// TCP or Unix, with or without TLS: one type, so that what uses it is compiled once.
 class Transport {
   public:
     using Socket = boost::asio::generic::stream_protocol::socket;
@@ -20,7 +19,7 @@ class Transport {
 
     explicit Transport(Socket socket) : socket_(std::make_unique<Socket>(std::move(socket))) {}
 
-    /// From now on; the handshake is the caller's. Before anything is read or written.
+    /// Before anything is read or written; the handshake is the caller's.
     void use_tls(boost::asio::ssl::context& context) { tls_ = std::make_unique<Tls>(*socket_, context); }
     Tls* tls() { return tls_.get(); }
     Socket& socket() { return *socket_; }
@@ -37,15 +36,15 @@ class Transport {
                    Ended(std::forward<Handler>(handler)));
     }
 
-    /// At once, without the good-byes of TLS: what is under way ends with an error.
+    /// At once, without the good-byes of TLS.
     void close();
 
   private:
     using ErrorCode = boost::system::error_code;
     static constexpr std::size_t kBuffers = 4;  // of one write; what is behind them is for the next
 
-    /// Is called when a transfer has ended. One type for all handlers: Asio's part of a transfer, the largest
-    /// for a compiler, is compiled once, in transport.cpp.
+    /// Called at the end of a transfer. One type for all handlers: Asio's part is compiled once, in
+    /// transport.cpp.
     class Ended {
       public:
         template <class Handler>

@@ -11,8 +11,7 @@
 
 namespace asip::gateway::http {
 
-/// An executor of Asio: what is bound to it runs as jobs of a name, in their turns, and is counted to that
-/// name.
+/// An executor of Asio whose work runs as jobs of a name, in its turns.
 class TurnExecutor {
   public:
     TurnExecutor(boost::asio::execution_context& context, bus::Shares& shares, std::string name)

@@ -7,19 +7,18 @@
 
 namespace asip::gateway::http {
 
-/// A connection that became a WebSocket.
 class WebSocket {
   public:
     virtual ~WebSocket() = default;
-    /// At once, without a close frame.
+    /// Without a close frame.
     virtual void close() = 0;
-    /// The server ends: a close frame behind what is being sent, and nothing of the channel any more.
+    /// The server ends: a close frame follows what is being sent.
     virtual void leave() = 0;
 
     /// Adds a job of its client.
     using InTurn = std::function<void(bus::Shares::Job)>;
-    /// Answers the upgrade and serves `channel` until the end, then calls `ended` once. `request` must be a
-    /// valid upgrade: see is_upgrade().
+    /// Answers the upgrade and serves `channel` until the end, then calls `ended` once. `request`:
+    /// is_upgrade().
     static std::shared_ptr<WebSocket> start(Transport transport, const Request& request,
                                             std::unique_ptr<Channel> channel, const ServerLimits& limits,
                                             InTurn in_turn, std::function<void()> ended);

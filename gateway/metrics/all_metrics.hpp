@@ -18,7 +18,7 @@
 
 namespace asip::gateway::metrics {
 
-/// A part of all boards, which stays the same as long as their names do: of several scrapes each takes one.
+/// A part of all boards, the same while their names are: several scrapes take one each.
 struct Part {
     std::size_t number = 1, of = 1;
 
@@ -29,14 +29,13 @@ struct Part {
     static constexpr std::size_t kMaxParts = 100;
 };
 
-/// How a property of a board stands, as a number.
+/// As a number.
 struct ValueSample {
     std::string board, property;
     double value = 0;
 };
 
-/// All that is shown, as it is at one moment. The caller fills it; of an asker with limited rights only with
-/// what the asker may see.
+/// All that is shown, as far as the asker may see it. The caller fills it.
 struct Snapshot {
     http::ServerCounters server;
     Commands::Counters commands;
@@ -65,7 +64,7 @@ struct Snapshot {
     double started_at = 0;  ///< seconds since 1970
 };
 
-/// Beyond these many different values of a label the rest is left out, or counted together.
+/// Beyond so many values of a label the rest is left out, or counted together.
 inline constexpr std::size_t kMaxBoards = 2000;
 inline constexpr std::size_t kMaxValues = 20'000;
 inline constexpr std::size_t kMaxKinds = 100;
@@ -73,9 +72,8 @@ inline constexpr std::size_t kMaxOutcomes = 20;
 
 struct Family;
 
-/// Writes a snapshot as text in one of the two formats, in steps that take about a millisecond. Statistics
-/// that are no JSON object, or hold no number where one is expected, are passed over: agents and registries
-/// of other versions write them. Pure.
+/// Writes a snapshot in one of two formats, in steps of about a millisecond. Statistics of other versions are
+/// passed over. Pure.
 class Writer {
   public:
     static constexpr std::size_t kRead = 20;      ///< boards whose statistics are read in a step
@@ -88,7 +86,7 @@ class Writer {
     Writer(Snapshot snapshot, Exposition::Format format);
     /// False: that was the last one.
     bool step();
-    /// Call once, behind the last step.
+    /// Once, behind the last step.
     std::string text() { return out_.finish(); }
 
   private:
@@ -104,7 +102,6 @@ class Writer {
     std::size_t at_ = 0;      // in it, or in the values
 };
 
-/// Numbers of one kind, of boards or registries.
 struct Family {
     std::string_view name;
     Exposition::Type type;
@@ -113,7 +110,7 @@ struct Family {
     std::function<void(Exposition&, const Writer::Named&)> sample;
 };
 
-/// What the operating system counts of this process.
+/// From the operating system.
 void read_process(Snapshot& snapshot);
 
 }  // namespace asip::gateway::metrics

@@ -6,11 +6,11 @@
 
 namespace asip::gateway::metrics {
 
-/// How long commands took, from the request to the answer, in seconds. A bucket counts all up to its bound,
-/// as Prometheus wants it: the last bound's bucket is not all of them, count() is.
+/// How long commands took, in seconds. A bucket counts all up to its bound, as Prometheus wants it; count()
+/// is all of them.
 class CommandTimes {
   public:
-    /// The bounds: a command takes milliseconds, and its deadline is 5 s where none is given.
+    /// Commands take milliseconds, up to their deadline of 5 s.
     static constexpr std::array<double, 12> kSeconds{0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
                                                      0.1,   0.25,   0.5,   1,    2.5,   5};
     void add(double seconds) {

@@ -8,8 +8,8 @@
 
 namespace asip::gateway::metrics {
 
-/// Writes metrics as OpenMetrics 1.0, or as the older text format of Prometheus, which names counters
-/// otherwise. A family is begun once and gets all its samples before the next begins.
+/// Writes OpenMetrics 1.0, or the older text format of Prometheus. A family gets all its samples before the
+/// next.
 class Exposition {
   public:
     enum class Format { kOpenMetrics, kText };
@@ -18,19 +18,17 @@ class Exposition {
 
     explicit Exposition(Format format) : format_(format) {}
 
-    /// `name` without `_total`; `unit` ("seconds", "bytes") is its ending, or empty. One without samples is
-    /// not written.
+    /// `name` without `_total`; `unit` ("seconds", "bytes") is its ending, or empty. Not written without
+    /// samples.
     void family(std::string_view name, Type type, std::string_view unit, std::string_view help);
-    /// One number of the family that was begun last. `suffix` is put behind the name: "_total" for counters
-    /// is put by itself. Values of labels may be any text: they are escaped.
+    /// For the last family. `suffix` follows the name; "_total" comes by itself. Labels are escaped.
     void sample(Labels labels, double value, std::string_view suffix = {});
     /// `buckets[i]` counts all up to `bounds[i]`.
     void histogram(Labels labels, const std::vector<double>& bounds, const std::vector<double>& buckets,
                    double count, double sum);
-    /// The whole text, with the end that OpenMetrics needs. Call once, last.
+    /// Once, last.
     std::string finish();
 
-    /// For the header Content-Type.
     static std::string_view content_type(Format format);
 
   private:

@@ -20,7 +20,6 @@
 
 namespace asip::gateway {
 
-/// What is known of a registry on the bus.
 struct RegistryInfo {
     std::string state;  ///< as it publishes it
     std::string stats;  ///< JSON text of its `$stats`; empty: none yet
@@ -33,8 +32,8 @@ struct BoardStats {
     Time seen{};
 };
 
-/// The gateway's picture of the bus: the catalogue, made from the same messages and by the same rules as a
-/// registry's, the last values of services, the changes. Pure: messages and time in, subscriptions out.
+/// The gateway's picture of the bus: the catalogue, by the same rules as a registry's, the last values, the
+/// changes. Pure.
 class Mirror {
   public:
     struct Port {
@@ -47,7 +46,7 @@ class Mirror {
         Duration forget_after = std::chrono::hours(7 * 24);
         ValueLimits values;
         catalogue::UnitsOf units_of;
-        /// For a message to ourselves that comes behind all retained ones; the caller subscribes to it.
+        /// For a message to ourselves behind all retained ones; the caller subscribes to it.
         std::string own_topic;
     };
 
@@ -57,24 +56,23 @@ class Mirror {
     std::vector<std::pair<std::string, bool>> subscriptions() const;
     void subscribed(const Instant& now);
     void disconnected(const Instant& now);
-    /// What is none of the mirror's is ignored.
+    /// Other messages are ignored.
     void message(const mqtt::Message& message, const Instant& now);
     void tick(const Instant& now);
 
     const std::string& epoch() const { return log_.epoch(); }
-    /// The catalogue holds at least what the broker retains, and the bus is heard.
+    /// The catalogue holds what the broker retains, and the bus is heard.
     bool ready() const { return complete_ && subscribed_; }
     bool complete() const { return complete_; }
-    /// What the broker retains is being read, since the connection began.
+    /// What the broker retains is being read.
     bool reading() const { return !mark_.empty(); }
     bool connected() const { return subscribed_; }
     Instant connected_since() const { return since_; }
 
     std::optional<bus::BoardItem> board(std::string_view name, const Instant& now) const;
-    /// The same for a caller that needs only its state and services: its times may be those of an earlier
-    /// call. Null: not known.
+    /// For state and services: its times may be of an earlier call. Null: not known.
     std::shared_ptr<const bus::BoardItem> known(const std::string& name, const Instant& now);
-    /// `view`: of the asker; null: of a user who sees everything.
+    /// `view`: the asker's; null: shows everything.
     Expected<bus::Answer> find(const bus::Query& query, const Instant& now,
                                const catalogue::View* view = nullptr);
     std::vector<std::string> board_names() const;
@@ -89,13 +87,12 @@ class Mirror {
     std::size_t size() const { return catalogue_.size(); }
     bool knows(std::string_view board) const { return catalogue_.knows(board); }
 
-    /// Properties and values as agents publish them.
+    /// As agents publish them.
     Standing& standing() { return standing_; }
     const Standing& standing() const { return standing_; }
-    /// What agents show of the links of their boards: `$links`, as it is.
+    /// `$links`, as agents publish it.
     const std::map<std::string, std::string>& links() const { return links_; }
-    /// How a property of a board stands: what the board reported last by itself, else what its agent says.
-    /// Nothing: nobody says.
+    /// What the board reported last, else what its agent says. Nothing: nobody says.
     std::optional<property::ShownValue> shown(const std::string& board, const property::Property& property,
                                               const Instant& now);
 
@@ -103,8 +100,8 @@ class Mirror {
     const Values& values() const { return values_; }
     ChangeLog& log() { return log_; }
     const ChangeLog& log() const { return log_; }
-    /// Reads the catalogue page by page: of the boards that `allowed` lets pass (empty: all), each as `limit`
-    /// leaves it (empty: whole). Boards that do not pass cost no more than the look at their names.
+    /// A page of the boards that `allowed` lets pass (empty: all), each as `limit` leaves it (empty: whole).
+    /// Others cost a look at their names.
     ChangeFeed::ReadPage read_page(ChangeFeed::Allowed allowed, std::function<void(bus::BoardItem&)> limit);
     const std::map<std::string, RegistryInfo>& registries() const { return registries_; }
     /// Those of agents that published some within the last 45 s.

@@ -12,12 +12,12 @@
 
 namespace asip::gateway {
 
-/// A document of the values of some properties, as agents publish it (docs/service-bus.md), by `choose`.
+/// A document as agents publish it (docs/service-bus.md), by `choose`.
 std::string values_text(Mirror& mirror, const exports::ExportedBoard& board, const std::string& session,
                         const std::function<bool(const property::Property&)>& choose, const Instant& now);
 
-/// What a property was, the newest first: [["2026-01-31T12:00:00.000Z", 42], ...], at most `max`; of sums,
-/// and of what no report shows, nothing.
+/// The newest first: [["2026-01-31T12:00:00.000Z", 42], ...], at most `max`; nothing for sums, and without
+/// reports.
 nlohmann::json past_of(Mirror& mirror, const std::string& board, const property::Property& property,
                        std::size_t max);
 

@@ -7,11 +7,9 @@
 
 namespace asip::gateway {
 
-/// What clients make the gateway keep, in bytes. Each client has one bound for all of it together:
-/// subscriptions and what waits in them, answers that it does not read, responses that it takes slowly,
-/// waits, and commands that are remembered. Pure; one thread.
-///
-/// A client is a text: the name of a token, or "address " and an address (see network_of()).
+/// Bytes that clients make the gateway keep, with one bound for each client: subscriptions and what waits in
+/// them, unread answers, slow responses, waits, and remembered commands. Pure; one thread.
+/// A client is the name of a token, or "address " and an address (see network_of()).
 class Budget {
     struct Account {
         std::size_t bytes = 0;
@@ -21,8 +19,8 @@ class Budget {
   public:
     explicit Budget(std::size_t max_bytes_per_client) : max_(max_bytes_per_client) {}
 
-    /// What one thing of a client takes. It is given back when the part is destroyed; a part may outlive the
-    /// budget. Move-only. One made without a client takes nothing from anybody, and everything fits.
+    /// What one thing of a client takes; given back by its end. May outlive the budget. One without a client
+    /// is free.
     class Part {
       public:
         Part() = default;
@@ -31,11 +29,10 @@ class Budget {
         Part& operator=(Part&& other) noexcept;
         ~Part() { set(0); }
 
-        /// Takes so many bytes from now on. False: that is beyond the bound of its client, and nothing is
-        /// changed. To take less always succeeds.
+        /// False: beyond its client's bound, and nothing changed. Less always succeeds.
         bool set(std::size_t bytes);
         bool add(std::size_t bytes) { return set(bytes_ + bytes); }
-        /// `bytes`: no more than it takes.
+        /// No more than it takes.
         void give_back(std::size_t bytes) { set(bytes_ - bytes); }
         std::size_t bytes() const { return bytes_; }
 
@@ -44,11 +41,10 @@ class Budget {
         std::size_t bytes_ = 0;
     };
 
-    /// A part of this client that takes nothing yet.
+    /// It takes nothing yet.
     Part part(const std::string& client);
-    /// What a client takes now.
     std::size_t bytes_of(const std::string& client) const;
-    /// Clients of which anything is known. Those that take nothing are forgotten by expire().
+    /// expire() forgets those that take nothing.
     std::size_t clients() const { return accounts_.size(); }
     void expire();
 

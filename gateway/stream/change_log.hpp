@@ -16,9 +16,8 @@ namespace asip::gateway {
 
 class ChangeFeed;
 
-/// The last changes of the catalogue, for clients that follow it and clients that come back to it: as many
-/// as fit into `max_bytes`, the oldest go first. Feeds refer to it and may outlive it: then they give nothing
-/// more. Pure.
+/// The last changes of the catalogue, as many as fit into `max_bytes`. Feeds may outlive it: then they end.
+/// Pure.
 class ChangeLog {
   public:
     struct Change {
@@ -35,9 +34,9 @@ class ChangeLog {
     ChangeLog& operator=(const ChangeLog&) = delete;
 
     const std::string& epoch() const { return epoch_; }
-    /// Number of the last change; 0: none yet.
+    /// 0: none yet.
     std::uint64_t last() const { return last_; }
-    /// Numbers a change and wakes every feed. `kind`: of static storage.
+    /// Wakes every feed. `kind`: of static storage.
     void add(std::string_view kind, std::string board, std::string data);
     /// Null: gone, or not yet there.
     const Change* change(std::uint64_t number) const;
@@ -53,16 +52,15 @@ class ChangeLog {
     std::vector<ChangeFeed*> feeds_;
 };
 
-/// The catalogue and its changes: each board that matches (`board`), `snapshot-end`, then each change. What
-/// changes while the snapshot is being read is in it or follows it, never both, never neither. A filtered
-/// feed moves its place on by `bookmark` events, so that it can be resumed after a quiet time. One that is
-/// too slow for what the log keeps is sent `reset` and begins anew.
+/// Each board that matches (`board`), `snapshot-end`, then each change: what changes during the snapshot is
+/// in it or follows, once. A filtered feed sends `bookmark` events, to be resumed after a quiet time. One
+/// that is too slow is sent `reset` and begins anew.
 class ChangeFeed : public Feed {
   public:
     static constexpr std::uint64_t kBookmarkAfter = 100;  ///< changes that did not match
     static constexpr Duration kBookmarkTime = std::chrono::seconds(15);
 
-    /// Boards behind `after` in the order of their names: as many as others can wait for.
+    /// Boards behind `after` by name, as many as others can wait for.
     struct Page {
         std::vector<std::string> boards;  ///< JSON objects, without those that the reader may not see
         std::string behind;               ///< the last name that was looked at
@@ -80,8 +78,7 @@ class ChangeFeed : public Feed {
         Budget::Part part{};         ///< of the reader: for what waits here to be sent
     };
 
-    /// `read_page` is called for one page a turn of the snapshot, and must leave out what the reader may not
-    /// see.
+    /// `read_page` is called once a turn, and leaves out what the reader may not see.
     ChangeFeed(ChangeLog& log, ReadPage read_page, Options options);
     ~ChangeFeed() override;
 

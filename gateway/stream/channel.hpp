@@ -11,27 +11,25 @@
 
 namespace asip::gateway {
 
-/// A WebSocket's messages: subscriptions, commands and what comes back. Each message is a JSON object; what
-/// is none, or asks for what cannot be, is answered with a sentence, and the next good message works. Answers
-/// go first; the events of the subscriptions follow in turn. Pure.
+/// A WebSocket's messages: subscriptions, commands and their answers, as JSON objects. A bad message is
+/// answered with a sentence. Answers go first, then events of subscriptions in turn. Pure.
 class StreamChannel : public http::Channel, public OpenStream {
   public:
     static constexpr std::size_t kBytesOfAnswer = 64;  ///< that waits to be read, beside its text
-    /// The bytes of answers that wait: part of what the connection takes from its beginning, so that a client
-    /// whose budget is used up is told so.
+    /// Part of what the connection takes for answers, so that a client with no budget left is told so.
     static constexpr std::size_t kBytesOfAnswers = 16 * 1024;
     static constexpr int kMaxFaults = 100;  ///< messages that are none, then the connection ends
 
-    /// What the channel needs of the rest. Errors are sentences for a person.
+    /// Errors are sentences for a person.
     struct Dependencies {
         std::function<Instant()> now;
-        /// A feed for `{"subscribe":...}`.
+        /// For `{"subscribe":...}`.
         std::function<Expected<std::unique_ptr<Feed>>(const nlohmann::json& request)> subscribe;
-        /// A command; `answer` is called once, at once or later, with the text of the answer.
+        /// `answer` is called once, at once or later.
         std::function<void(const nlohmann::json& request, std::function<void(std::string)> answer)> command;
         std::size_t max_subscriptions = 256;
-        /// What the connection takes of its client's budget, kBytesOfAnswers with it. Where an answer more
-        /// does not fit, since they are not read, the connection is closed.
+        /// Of its client's budget, kBytesOfAnswers with it. Where another answer does not fit the connection
+        /// is closed.
         Budget::Part part{};
     };
 

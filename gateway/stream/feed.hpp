@@ -12,8 +12,7 @@
 
 namespace asip::gateway {
 
-/// Where an event stands in its stream: `EPOCH-N`. Numbers step by one; another epoch (another run of the
-/// gateway) is another count, and says nothing of this one.
+/// A place in a stream: `EPOCH-N`. N steps by one; another epoch is another run of the gateway.
 struct Place {
     std::string epoch;
     std::uint64_t number = 0;
@@ -22,8 +21,7 @@ struct Place {
     friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// Reads what text() wrote. Nothing for any other text, of more than 64 bytes, or with a number beyond 64
-/// bits.
+/// Nothing: not what text() wrote.
 inline std::optional<Place> parse_place(std::string_view text) {
     const auto dash = text.rfind('-');
     if (dash == std::string_view::npos || dash == 0 || text.size() > 64) return std::nullopt;
@@ -35,14 +33,13 @@ inline std::optional<Place> parse_place(std::string_view text) {
     return place;
 }
 
-/// Where a reader stood in each of many services. Each counts for itself.
+/// In each of many services.
 struct Places {
     std::string epoch;
     std::map<std::string, std::uint64_t, std::less<>> services;  ///< "BOARD/SERVICE" -> number
     std::optional<std::uint64_t> others;  ///< of those not named: the reader had all that there was
 };
 
-/// One event of a stream, whatever carries it.
 struct StreamEvent {
     std::string_view kind;  ///< "value", "error", "board", "state", ..., "snapshot-end", "bookmark",
                             ///< "reset"
@@ -50,32 +47,32 @@ struct StreamEvent {
     std::string data;       ///< a JSON object
 };
 
-/// What one subscription sends: the present state, `snapshot-end`, then the changes, one at a time as the
-/// reader takes them. Pure.
+/// What a subscription sends: the present state, `snapshot-end`, then changes, as the reader takes them.
+/// Pure.
 class Feed {
   public:
     virtual ~Feed() = default;
-    /// The next event; false: none is due.
+    /// False: none is due.
     virtual bool next(StreamEvent& event, const Instant& now) = 0;
-    /// next() gave nothing only because others have their turn first: call it again soon, without a wake.
+    /// Others have their turn first: call next() again soon.
     virtual bool more() const { return false; }
-    /// Why nothing more comes, as a sentence; empty: it goes on.
+    /// Why nothing more comes; empty: it goes on.
     virtual std::string_view fault() const { return {}; }
-    /// Called now and then, for what time alone makes due.
+    /// For what time alone makes due.
     virtual void tick(const Instant& now) = 0;
 
-    /// Called when next() may have something again.
+    /// next() may have something again.
     std::function<void()> wake = [] {};
 };
 
-/// The fault of a feed that would keep more than its reader may have kept.
+/// The feed would keep more than its reader may have kept.
 inline constexpr std::string_view kTooMuchKept =
     "too much would be kept for this client (max-client-bytes): close other streams, or choose narrower "
     "patterns";
 
-/// As Server-Sent Events: appended to `out`.
+/// As Server-Sent Events.
 void append_sse(std::string& out, const StreamEvent& event);
-/// As a WebSocket message: the members of `data` behind `ref`, `event` and `place`.
+/// The members of `data` behind `ref`, `event` and `place`.
 std::string websocket_message(const StreamEvent& event, std::string_view ref_json);
 
 }  // namespace asip::gateway

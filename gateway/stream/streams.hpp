@@ -12,18 +12,18 @@
 
 namespace asip::gateway {
 
-/// One open stream, of whatever form: Server-Sent Events, a WebSocket, or a wait for a value.
+/// Server-Sent Events, a WebSocket, or a wait for a value.
 class OpenStream {
   public:
     OpenStream(Principal principal, std::string client)
         : principal_(std::move(principal)), client_(std::move(client)) {}
     virtual ~OpenStream() = default;
-    /// Called ten times a second.
+    /// Ten times a second.
     virtual void tick(const Instant& now) = 0;
-    /// Its right to read is gone: it ends soon, but not within this call.
+    /// Its right is gone: it ends soon, not within this call.
     virtual void revoke() = 0;
 
-    /// By whose rights it was opened, and to whom it is counted.
+    /// By whose rights it was opened.
     const Principal& principal() const { return principal_; }
     const std::string& client() const { return client_; }
 
@@ -32,18 +32,17 @@ class OpenStream {
     std::string client_;
 };
 
-/// All open streams: time for them, how many a client may have, and their end when the right to them ends.
-/// Streams add and remove themselves; they must not outlive it.
+/// All open streams: their time, their number for each client, and their end with the right to them. Streams
+/// add and remove themselves, and must not outlive it.
 class Streams {
   public:
     explicit Streams(std::size_t per_client) : per_client_(per_client) {}
 
-    /// Whether a client may open one more. To be asked before one is made: add() takes each.
+    /// Ask before one is made: add() takes each.
     bool has_room(const std::string& client) const;
     void add(OpenStream& stream);
     void remove(OpenStream& stream);
-    /// Call ten times a second: gives the streams their time, and twice a second revokes those whose right is
-    /// gone.
+    /// Ten times a second; twice a second it revokes streams whose right is gone.
     void tick(const Instant& now, const Gate& gate);
     /// The same at once: something was just revoked.
     void end_those_without_right(const Instant& now, const Gate& gate);
@@ -56,13 +55,12 @@ class Streams {
     Time checked_{};
 };
 
-/// A feed as Server-Sent Events, with a comment every 15 s, by which both sides learn that the other one is
-/// there. It ends when its right is gone, or with an event `fault` when its feed has one.
+/// A feed as Server-Sent Events, with a comment every 15 s. It ends with its right, or with an event `fault`.
 class SseSource : public http::Source, public OpenStream {
   public:
     static constexpr Duration kComment = std::chrono::seconds(15);
 
-    /// `part`: what the stream takes of its client's budget, beside what its feed takes.
+    /// `part`: for the stream, beside what its feed takes.
     SseSource(Streams& streams, std::unique_ptr<Feed> feed, std::function<Instant()> now, Principal principal,
               std::string client, Budget::Part part = {});
     ~SseSource() override;

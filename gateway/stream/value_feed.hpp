@@ -12,10 +12,8 @@
 namespace asip::gateway {
 
 /// The values of the services that match: the last ones with their age, `snapshot-end`, then each new one. A
-/// reader that falls behind by more than kMaxBehind values of a service gets the newest of each of its
-/// events, and `left_out` is the number of those between; services are served in the order in which they had
-/// something. What it takes of its reader's budget: kBytes, kBytesOfService for each service that matches,
-/// and the texts that wait.
+/// reader that is kMaxBehind values of a service behind gets the newest of each event, and `left_out` counts
+/// the others. It takes kBytes, kBytesOfService for each service, and the waiting texts.
 class ValueFeed : public Feed {
   public:
     static constexpr std::uint64_t kMaxBehind = 64;
@@ -32,7 +30,7 @@ class ValueFeed : public Feed {
         /// For one service only: resume behind this. Where it is gone, `reset` and the state follow.
         std::optional<Place> after;
         /// For patterns: resume each service behind its place. A service without one begins with its last
-        /// values; of what is not kept any more the newest is sent, with `left_out`.
+        /// values; where values are gone the newest is sent, with `left_out`.
         std::optional<Places> after_each;
         Allowed allowed;                 ///< empty: everything
         std::shared_ptr<void> demand{};  ///< what makes the boards report, kept as long as the feed

@@ -15,25 +15,24 @@
 
 namespace asip::gateway {
 
-/// The bytes that a text has on the heap.
+/// On the heap.
 inline std::size_t heap_bytes(const std::string& text) {
     constexpr std::size_t kInside = 15;  // that stand in the object itself
     constexpr std::size_t kAround = 16;  // of the allocator
     return text.capacity() > kInside ? text.capacity() + kAround : 0;
 }
 
-/// One value that a service reported, or an error.
+/// A value that a service reported, or an error.
 struct Point {
     std::uint64_t number = 0;  ///< of its service, from 1, without a gap
     Instant seen;
     std::uint32_t channel = 0;  ///< index into ServiceValues::channels
-    /// What was published; what is not JSON as a JSON string. Of what is too long to be kept its beginning,
-    /// as a JSON string; then `cut` is how many bytes were published.
+    /// What is not JSON becomes a JSON string. A payload that is too long is cut to its beginning; `cut` is
+    /// its full length.
     std::string json;
     std::size_t cut = 0;
 };
 
-/// The last value of one event of a service.
 struct ChannelValue {
     std::string event;  ///< "distance"; empty: what was published is no object with one member
     bool error = false;
@@ -42,16 +41,15 @@ struct ChannelValue {
     Instant seen;
     std::size_t cut = 0;  ///< as Point::cut
 
-    /// As published; where each report holds a part of a map (`{"digital":{"2":1}}`), all parts together.
+    /// As published; where reports hold parts of a map (`{"digital":{"2":1}}`), all together.
     const std::string& json() const;
     std::size_t bytes() const { return heap_bytes(event) + heap_bytes(json_) + heap_bytes(parts_); }
-    /// `part`: of a map.
     void report(const std::string& text, bool part);
-    /// Call some time after each report: keeps what json() puts together short.
+    /// Keeps json() short. Call some time after each report.
     void tidy();
 
   private:
-    /// Until a reader asks: one that keeps up never does.
+    /// Until a reader asks.
     static constexpr std::size_t kMaxPartsBytes = 512;
     void put_together() const;
 
@@ -59,7 +57,7 @@ struct ChannelValue {
     mutable std::string parts_;  // reported behind json_, each with a line end
 };
 
-/// A queue in one block: most services have few points, for which std::deque would take ten times as much.
+/// A queue in one block, since std::deque would take ten times as much for few points.
 class Points {
   public:
     bool empty() const { return first_ == points_.size(); }
@@ -86,7 +84,7 @@ class Points {
         points_.erase(points_.begin(), begin());
         first_ = 0;
     }
-    // So that few points do not keep the block of many.
+    // Few points do not keep the block of many.
     void shrink() {
         std::vector<Point> fewer;
         fewer.reserve(2 * size());
@@ -100,7 +98,7 @@ class Points {
     std::size_t first_ = 0;
 };
 
-/// `,"cut":100000` for an object that holds a value of which only the beginning is kept; empty: it is whole.
+/// `,"cut":100000` where only the beginning is kept; empty: it is whole.
 std::string cut_member(std::size_t cut);
 
 class ValueFeed;
@@ -116,7 +114,7 @@ struct ServiceValues {
     std::size_t dropped_ahead = 0;  ///< entries of the order of arrival that are gone already
     std::size_t last_bytes = 0;     ///< of its last values, as they were counted
 
-    /// By its number. Null: it is not kept any more, or not yet there.
+    /// Null: gone, or not yet there.
     const Point* point(std::uint64_t number) const;
     /// `{"board":..,"service":..,"at":..,"value":..}`, cached for the newest.
     const std::string& text(const Point& point) const;
@@ -141,9 +139,8 @@ struct ValueLimits {
 };
 inline constexpr std::size_t kShortValue = 256;
 
-/// The last value of each service and a ring of recent ones. Pure: messages and time in. Values of a service
-/// are kept until its board is forgotten; points give way to newer ones, the oldest of all first. Everything
-/// is counted in bytes, with what surrounds it.
+/// The last value of each service and a ring of recent ones, counted in bytes with what surrounds them.
+/// Values stay until their board is forgotten; the oldest points give way. Pure.
 class Values {
   public:
     explicit Values(std::string epoch, ValueLimits limits = {}) : epoch_(std::move(epoch)), limits_(limits) {}
@@ -152,17 +149,16 @@ class Values {
     Values& operator=(const Values&) = delete;
 
     const std::string& epoch() const { return epoch_; }
-    /// A service published `payload` (any bytes), as a value or as an error. Wakes the feeds that match it.
-    /// Beyond a limit of services or events it is not kept, and nothing else happens.
+    /// `payload`: any bytes. Wakes the feeds that match. Beyond a limit of services or events it is not kept.
     void value(std::string_view board, std::string_view service, std::string_view payload, bool error,
                const Instant& now);
     /// Forgets all services of a board, with everything that is kept of them.
     void forget(std::string_view board);
-    /// What a board reported before does not count any more for how it stands.
+    /// Earlier reports of a board do not count any more.
     void begin_anew(std::string_view board);
-    /// Drops points that are older than they may be. Call now and then.
+    /// Drops old points. Call now and then.
     void expire(const Instant& now);
-    /// Null: nothing was heard from it. Valid until its board is forgotten.
+    /// Null: nothing was heard. Valid until its board is forgotten.
     const ServiceValues* find(std::string_view board, std::string_view service) const {
         return known(board, service);
     }
