@@ -13,46 +13,44 @@
 
 namespace asip::cli {
 
-/// What a user may type: the options of every command, and the verbs with theirs.
+/// The options of every command, and the verbs with theirs.
 class CommandLine {
   public:
     explicit CommandLine(const std::vector<Verb>& verbs);
-    /// The same for these arguments only (without the program's name): of a verb that is given, and needs no
-    /// other, the others are left out. Without one, all are known by name, and have no options.
+    /// For these arguments only (without the program's name): other verbs are left out, or known by name
+    /// alone.
     CommandLine(const std::vector<Verb>& verbs, const std::vector<std::string>& arguments);
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
 
     const CLI::App& app() const { return app_; }
 
-    /// Reads arguments (without the program's name), environment and configuration file. Nothing: continue
-    /// with apply() and run(). Otherwise the exit status to end with; help or the error has been printed.
+    /// Reads arguments, environment and configuration file. Nothing: continue with apply() and run().
+    /// Otherwise the exit status; all has been printed.
     std::optional<int> parse(std::vector<std::string> arguments);
 
-    /// The options of every command among `words`, with their values (of flags `true`): they name the bus.
+    /// Among `words`, with their values (of flags `true`): they name the bus.
     OptionValues typed_options(const std::vector<std::string>& words) const;
 
-    /// Brings the options of every command into `environment`. Fails with kExitUsage.
+    /// Fails with kExitUsage.
     Outcome<void> apply(Environment& environment) const;
-    /// Where no broker is configured and none is on this machine: takes the one that is announced on the
-    /// local network, and says so. Only for verbs that use the bus. Fails with kExitBroker where there are
-    /// several.
+    /// For verbs on the bus, where no broker is configured or on this machine: takes the one that the network
+    /// announces, and says so. Fails with kExitBroker where there are several.
     Outcome<void> find_broker(Environment& environment) const;
     ColourChoice colour() const;
 
-    /// Runs the verb that was given.
     int run(Environment& environment) const { return chosen_(environment); }
 
-    /// What `asipctl VERB --help` prints; with an empty verb, `asipctl --help`; with "all", the verbs that
-    /// this leaves out, too. Fails with kExitUsage and the nearest verb.
+    /// `asipctl VERB --help`; with "", `asipctl --help`; with "all", all verbs. Fails with kExitUsage and the
+    /// nearest verb.
     Outcome<std::string> help(const std::string& verb) const;
 
   private:
     CommandLine();
     std::string other_commands() const;
-    /// The one that should be a verb, among words that are read before any verb was added.
+    /// The word that should be a verb, before any verb was added.
     std::string first_argument(const std::vector<std::string>& words) const;
-    /// The same words, where `--` is among them with the options before it and all arguments behind it.
+    /// Where `--` is among them, with the options before it and all arguments behind it.
     std::vector<std::string> arguments_last(std::vector<std::string> words) const;
     std::optional<std::string> usual_name(const std::vector<std::string>& words) const;
     void add_common_options();

@@ -30,21 +30,21 @@ class Declaration {
 
     enum class Needed { kYes, kNo };
 
-    /// Arguments by position, in the order of their declaration.
+    /// In the order of their declaration.
     void argument(const std::string& type, std::string& value, const std::string& help,
                   Needed needed = Needed::kYes);
     /// All that are left.
     void arguments(const std::string& type, std::vector<std::string>& values, const std::string& help,
                    Needed needed = Needed::kYes);
 
-    /// `names` as in `-w,--watch`.
+    /// `names`: `-w,--watch`.
     void flag(const std::string& names, bool& value, const std::string& help);
     void option(const std::string& names, const std::string& type, std::string& value,
                 const std::string& help);
-    /// Nothing where it is not given, which is not the same as empty.
+    /// Nothing: not given, which is not empty.
     void option(const std::string& names, const std::string& type, std::optional<std::string>& value,
                 const std::string& help);
-    /// Several, with commas or repeated.
+    /// With commas or repeated.
     void option(const std::string& names, const std::string& type, std::vector<std::string>& values,
                 const std::string& help);
     void option(const std::string& names, const std::string& type, std::size_t& value,
@@ -55,14 +55,14 @@ class Declaration {
     /// Bounds are included.
     void option(const std::string& names, const std::string& type, double& value, const std::string& help,
                 double least, double greatest);
-    /// A duration: `500ms`, `10s`, `7d`.
+    /// `500ms`, `10s`, `7d`.
     void option(const std::string& names, std::chrono::milliseconds& value, const std::string& help,
                 std::chrono::milliseconds least = std::chrono::milliseconds(0));
     void option(const std::string& names, std::optional<std::chrono::milliseconds>& value,
                 const std::string& help);
 
-    /// `-o` with `forms` for people (the first is the default) and `json` and `jsonl`, and `--format`, whose
-    /// template may use the members `fields` of the records that the verb prints.
+    /// `-o` with `forms` for people (first the default), `json` and `jsonl`, and `--format` with the members
+    /// `fields` of records.
     void output(OutputOptions& options, const std::vector<Output>& forms,
                 const std::vector<std::string>& fields);
 

@@ -19,7 +19,7 @@
 
 namespace asip::cli {
 
-/// Why a command ends early: the text for standard error (with what to do next), and the exit status.
+/// The text for standard error (with what to do), and the exit status.
 struct Failure {
     int status = program::kExitFailure;
     std::string text;
@@ -34,14 +34,13 @@ inline tl::unexpected<Failure> failure(int status, std::string text) {
     return tl::unexpected<Failure>(Failure{status, std::move(text)});
 }
 
-/// Ctrl-C, or the end of the program that reads the output, while something was asked or looked for:
-/// nothing is known of it.
+/// By Ctrl-C, or the end of the output's reader: nothing is known.
 constexpr std::string_view kInterrupted = "interrupted";
 inline tl::unexpected<Failure> interrupted() {
     return failure(program::kExitFailure, std::string(kInterrupted));
 }
 
-/// Everything a command uses of the world outside its own options.
+/// What a command uses of the world.
 struct Environment {
     std::istream& in;
     std::ostream& out;  ///< data
@@ -54,28 +53,28 @@ struct Environment {
     mqtt::Options mqtt{};
     bus::Topics topics{};
     std::optional<model::ModelSet> own_models{};  ///< standard ones and those of --services
-    /// How long to wait for one answer: of the broker, a registry, a board.
+    /// For one answer of broker, registry or board.
     std::chrono::milliseconds timeout{5000};
     bool from_bus = false;  ///< do not ask a registry
 
-    /// The options of every command that were typed, with their values.
+    /// The options of every command, with their values.
     std::vector<std::pair<std::string, std::string>> typed_options{};
 
-    /// Service models; the standard ones are read when first asked for, which `asipctl list` never does.
+    /// The standard ones are read when first asked for.
     const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }
-    /// What `asipctl VERB --help` prints (without a verb: `asipctl --help`), or the nearest verb.
+    /// `asipctl VERB --help`, or the nearest verb.
     std::function<Outcome<std::string>(const std::string& verb)> help{};
 
     bool terminal() const { return width != 0; }
-    /// Whether the reader of the pipe that `out` is has gone.
+    /// The reader of the pipe `out` has gone.
     bool reader_gone() const;
-    /// Whether printing more is of no use: the reader has gone, or writing failed.
+    /// The reader has gone, or writing failed.
     bool output_ended() const;
-    /// One line for people: a line end within `text` makes no second one.
+    /// One line, whatever `text` holds.
     void say(const std::string& text) const;
     /// `asipctl: TEXT` on standard error.
     void note(const std::string& text) const;
-    /// The same, and the status to end with. A reader that has stopped reading is not told so.
+    /// Returns the status. A reader that has gone is not told.
     int fail_with(const Failure& failure) const;
 };
 

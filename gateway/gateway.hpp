@@ -27,7 +27,7 @@
 
 namespace asip::gateway {
 
-/// Of another system that boards can be shown to.
+/// Another system that boards can be shown to.
 struct ExportStanding {
     std::string system;  ///< as `asip-gateway export` calls it
     std::string title;   ///< "Home Assistant"

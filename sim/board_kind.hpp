@@ -9,14 +9,14 @@
 
 namespace asip::sim {
 
-/// Where an Arduino pin sits on the chip.
+/// Where an Arduino pin sits.
 struct ChipPin {
     char port;    ///< 'A'..'L'; '-' for A6 and A7 of a Nano, which have a converter only
     int bit;      ///< 0..7
     int channel;  ///< ADC channel, or -1
 };
 
-/// An Arduino board as far as wiring needs it: which chip, which pin number is which port bit.
+/// Its chip, and the port bits of its pins.
 struct BoardKind {
     std::string name;           ///< "uno", "nano", "mega", "leonardo", "1284p"
     std::string chip;           ///< simavr's name: "atmega328p", "atmega2560", "atmega32u4"
@@ -25,12 +25,11 @@ struct BoardKind {
     int sda, scl;               ///< Arduino pins of the I2C bus
     char uart;                  ///< the USART that is looked at as the serial port: '0', or '1' on a Leonardo
 
-    /// The boards, in the order they are listed to a person.
+    /// As listed to a person.
     static const std::vector<BoardKind>& all();
-    /// Null if there is no such board.
     static const BoardKind* find(std::string_view name);
 
-    /// "13", "A0": the Arduino pin number; an error that names the pins there are.
+    /// "13", "A0"; the error names the pins.
     Expected<int> parse_pin(std::string_view text) const;
 };
 

@@ -20,11 +20,11 @@ struct BootLoader {
     std::string_view baud;
 };
 
-/// The usual one of the chip; nothing where none is known.
+/// The chip's; nothing: none is known.
 std::optional<BootLoader> boot_loader_of_chip(std::string_view chip);
 
-/// Those that may be there, the likeliest first. `board`: one of them; empty: by the USB numbers of its port,
-/// four hexadecimal digits each, which may be empty, too. Fails where avrdude can do nothing.
+/// The likeliest first. `board`: one of them; empty: by the USB numbers of its port, which may be empty, too.
+/// Fails where avrdude can do nothing.
 Expected<std::vector<BootLoader>> boot_loaders(std::string_view board, std::string_view vendor,
                                                std::string_view product);
 
@@ -37,13 +37,13 @@ class AvrdudeOutput {
   public:
     void take(std::string_view bytes);
 
-    /// What it does now: "connecting", "writing" or "verifying"; how much of that is done.
+    /// "connecting", "writing" or "verifying", and how much of that is done.
     std::string_view step() const;
     int percent() const { return percent_; }
 
-    /// Whether another boot loader may be at the port: none answered, or that of another chip.
+    /// No boot loader answered, or that of another chip.
     bool may_be_another() const { return !started_ && (no_answer_ || wrong_chip_); }
-    /// Why it failed with `status`, and what to do, for a person.
+    /// For a person, with what to do.
     std::string failure(int status, std::string_view port, const std::string& avrdude) const;
 
   private:

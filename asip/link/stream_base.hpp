@@ -16,9 +16,8 @@
 
 namespace asip::link {
 
-/// What serial ports and TCP streams have in common: reading into a callback and a queue of writes, over any
-/// Asio stream. Held by shared_ptr, because operations under way outlive the ByteStream that was destroyed or
-/// closed.
+/// Reading into a callback and a queue of writes, over any Asio stream. Operations under way outlive the
+/// ByteStream and hold it by shared_ptr.
 template <class Socket>
 class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
   public:
@@ -142,7 +141,7 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
     bool reading_ = false;  // an operation is under way, or its handler runs
 };
 
-/// A ByteStream over a core: `Base` is ByteStream or an interface that extends it.
+/// `Base`: ByteStream or an interface that extends it.
 template <class Socket, class Base = ByteStream>
 class CoreStream : public Base {
   public:

@@ -5,8 +5,7 @@
 
 namespace asip::link {
 
-/// What the kernel knows of the USB device behind a serial port. Empty: it is none, or the kernel does not
-/// say.
+/// The USB device behind a serial port; empty: there is none, or the kernel does not say.
 struct UsbPort {
     std::string vendor;   ///< four hexadecimal digits: "1a86"
     std::string product;  ///< likewise
@@ -17,7 +16,7 @@ struct UsbPort {
 /// `sys`: another root, for tests.
 UsbPort usb_port_of(const std::string& device, const std::string& sys = "/sys");
 
-/// Whether a serial number tells two devices of one kind apart: clones have none, or all of them the same.
+/// Clones have none, or all the same.
 bool is_own_serial(std::string_view serial);
 
 }  // namespace asip::link

@@ -23,14 +23,13 @@ struct Publication {
 };
 using Publications = std::vector<Publication>;
 
-/// Something a person may want to read in the log.
+/// For the log.
 struct Notice {
     program::log::Level level = program::log::Level::kInfo;
     std::string text;
     std::vector<std::pair<std::string, std::string>> fields;
 };
 
-/// Why the program has to end, and with which status.
 struct Fatal {
     int status = 1;
     std::string text;
@@ -48,11 +47,11 @@ struct Announcements {
     }
 };
 
-/// A message that the broker keeps; of an empty payload: it keeps none there any more.
+/// An empty payload clears the topic.
 mqtt::Message retained(std::string topic, std::string payload = {});
 
-/// Takes out the answers (Priority::kReply and kUrgent) for which bus::may_answer_on() is false. Returns
-/// their topics.
+/// Takes out the answers (Priority::kReply and kUrgent) that bus::may_answer_on() denies; returns their
+/// topics.
 std::vector<std::string> take_stray_answers(Publications& publish, const bus::Topics& topics,
                                             std::string_view board);
 
@@ -60,50 +59,41 @@ struct AnnouncerOptions {
     std::string board;
     int lease_seconds = model::kDefaultLeaseSeconds;
     bool takeover = false;
-    /// Seconds since 1970 at the start of this program: sessions are ordered by it, so that of two agents
-    /// with one name all agree on the later one.
+    /// Since 1970: of two agents with one name all agree on the later session.
     std::uint64_t started_unix = 0;
-    /// Whether the board's name goes out on the topic that all boards share, too. No access rule can tie that
-    /// one to its sender: a secured bus denies it.
+    /// Publish the board's name on the shared topic, too. Access rules cannot tie that one to its sender: a
+    /// secured bus denies it.
     bool on_shared_topic = true;
-    /// The name is stored on the board: while that is not there, an agent that has it may claim its name.
+    /// While a board with a stored name is away, another agent that has it may claim its name.
     bool name_of_board = false;
 };
 
-/// Claims a board's name on the bus, announces the board, keeps its lease, answers probes, and puts its
-/// `$state` right when another sender (a late will) wrote it.
-///
-/// A claim asks whether a living agent holds the name, by a probe, and waits 1.3 s for its announcement. Once
-/// established, an announcement of an older session is a ghost. One of a later session means that the name
-/// was taken over, if its agent answers a probe with another one; a single message with no living agent
-/// behind it, or a goodbye, is put right.
-///
-/// The description holds the state of the board, why, and for how long. Each change of it is announced at
-/// once: the description first, so that a reader of both learns of it once and with its reason.
-///
-/// Nothing is announced before the broker granted the subscriptions that commands come by. A lease is renewed
-/// by one message, the description, with QoS 0: it outlives one that is lost. Names are published when
-/// something changed or a program probed.
-///
-/// Where what is retained does not expire, the broker is told to retain the same only once a lease.
+/// Claims a board's name, announces the board, keeps its lease, answers probes, and puts its `$state` right
+/// when another sender (a late will) wrote it.
+/// A claim probes for a living holder, and waits 1.3 s. Once established, an older session is a ghost; a
+/// later one has taken the name over if its agent answers a probe; a single message without a living agent,
+/// or a goodbye, is put right.
+/// The description holds the board's state, reason and time, and is announced ahead of `$state`, so that
+/// readers learn all at once.
+/// Nothing is announced before commands can come. The description alone, with QoS 0, renews the lease, which
+/// outlives a lost one; names are published on changes and probes. Where what is retained does not expire,
+/// the broker is told to retain the same only once a lease.
 class Announcer {
   public:
     Announcer(const bus::Topics& topics, AnnouncerOptions options, Random random);
 
-    /// What is announced; `board`, `session`, `seq` and `lease` are filled in. Announced within a second
-    /// where established.
+    /// `board`, `session`, `seq` and `lease` are filled in. Announced within a second where established.
     void describe(model::Description description);
-    /// The state of the board from `now` on, and why. Announced at once where established.
+    /// From `now` on. Announced at once where established.
     void set_state(model::BoardState state, model::StateReason reason, Time now, Announcements& out);
     model::BoardState state() const { return state_; }
-    /// JSON text that stands in the description as "updating": the program that has the board's port, and
-    /// until when. Empty: no other program. Announced as describe() is.
+    /// JSON for "updating": who has the board's port, and until when; empty: nobody. Announced as describe()
+    /// is.
     void set_updating(std::string json);
 
-    /// See AnnouncerOptions::on_shared_topic: from now on not.
     void leave_shared_topic() { options_.on_shared_topic = false; }
 
-    /// What its messages come by, beside commands: subscribe to it before connecting.
+    /// Beside commands, before connecting.
     struct Subscription {
         std::string filter;
         mqtt::SubscribeOptions options;
@@ -111,28 +101,27 @@ class Announcer {
     static std::vector<Subscription> subscriptions(const bus::Topics& topics, const std::string& board);
     std::vector<Subscription> subscriptions() const { return subscriptions(topics_, options_.board); }
 
-    /// `expires`: what this broker retains, so that each renewal has to be retained.
+    /// `expires`: what this broker retains; else each renewal need not be retained.
     void on_connected(Time now, Announcements& out, bool expires = true);
     void on_disconnected();
     /// Commands reach us now.
     void on_subscribed(Time now, Announcements& out);
-    /// A message on our board's service-bus topics or on the probe topic.
+    /// On our board's service-bus topics, or on the probe topic.
     void on_message(const mqtt::Message& message, Time now, Announcements& out);
     void tick(Time now, Announcements& out);
     std::optional<Time> next_deadline() const;
 
-    /// Says that the board is offline, because its agent was stopped.
+    /// The board is offline, because its agent was stopped.
     void goodbye(Time now, Announcements& out);
 
-    /// The name is ours.
     bool established() const { return established_; }
-    /// And the bus is there.
+    /// With the bus.
     bool may_publish() const { return established_ && connected_; }
     const std::string& session() const { return session_; }
     mqtt::Message will() const;
 
   private:
-    /// An announcement of a later session, which has to show that a living agent is behind it.
+    /// A later session that has to show a living agent.
     struct Challenge {
         std::string session;
         std::uint64_t seq = 0;
@@ -144,12 +133,12 @@ class Announcer {
                    Announcements& out);
     /// State, description and names.
     void announce(Time now, Announcements& out);
-    /// State and description. False as publish_description().
+    /// False as publish_description().
     bool announce_board(Time now, Announcements& out);
     void publish_names(Announcements& out);
-    /// The description, which renews the lease. False where there is none yet, or it may not be sent.
+    /// Renews the lease. False: there is none yet, or it may not be sent.
     bool publish_description(int qos, bool retain, Time now, Announcements& out);
-    /// Whether it is time to have the broker retain the same again.
+    /// The broker is due to retain the same again.
     bool retains(Time now) const { return expires_ || !retained_until_ || now >= *retained_until_; }
     std::string description_text() const;
     void publish_state(bool retain, Announcements& out);

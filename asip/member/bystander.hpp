@@ -9,19 +9,18 @@
 
 namespace asip::member {
 
-/// What a member of the bus that executes nothing does with commands: it refuses each, so that its sender
-/// knows. Pure.
+/// Refuses each command to a member that executes nothing, so that its sender knows. Pure.
 class Bystander {
   public:
-    /// `reason` is the word of the refusal for programs, `text` the sentence for people.
+    /// `reason` a word for programs, `text` a sentence.
     Bystander(const bus::Topics& topics, std::string board, std::string reason, std::string text);
 
-    /// What commands to the board come by, beside what its Announcer needs.
+    /// For commands to the board, beside its Announcer's.
     std::vector<Announcer::Subscription> subscriptions() const;
 
-    /// Whether it is a command to a board, which an announcer has nothing to do with.
+    /// The announcer has nothing to do with it.
     bool is_command(const mqtt::Message& message) const;
-    /// The answer to a command that wants one. A retained command gets none.
+    /// A retained command gets no answer.
     void refuse(const mqtt::Message& command, Announcements& out) const;
 
   private:

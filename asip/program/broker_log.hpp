@@ -9,13 +9,12 @@
 
 namespace asip::program {
 
-/// What a program that serves the bus logs of its connection to the broker: each kind of failure once per
-/// outage, further attempts at level debug only.
+/// What a program logs of its connection: each kind of failure once per outage, the rest at level debug.
 class BrokerLog {
   public:
     void connected(const mqtt::Connected& connected);
-    /// True: no broker of the list accepts this program, so that it should end with kExitBroker. A supervised
-    /// one does not end, and asks again by `retry_in`, 30 s to 5 min apart.
+    /// True: no broker accepts this program, which should end with kExitBroker. A supervised one asks again
+    /// by `retry_in`, 30 s to 5 min apart.
     bool connect_failed(const mqtt::ConnectionFailure& failure,
                         const std::function<void(Duration)>& retry_in);
     static void subscribe_refused(const std::string& filter, const std::string& reason);

@@ -12,7 +12,7 @@ class Option;
 
 namespace asip::program {
 
-/// What one word of a command line is to a program and its subcommands.
+/// A word of a command line, to a program and its subcommands.
 struct CommandWord {
     enum class Kind {
         kSubcommand,
@@ -29,25 +29,23 @@ struct CommandWord {
     std::size_t position = 0;  ///< kArgument: how many arguments stand before it
 };
 
-/// Whether the option needs a value: it is not a flag.
+/// It is not a flag.
 bool takes_value(const CLI::Option& option);
 
-/// Each word of a command line (without the program's name) as CLI11 will read it. `app` and its options
-/// must outlive the result. Nothing is parsed or stored.
+/// As CLI11 will read each word (without the program's name). `app` must outlive the result. Nothing is
+/// stored.
 std::vector<CommandWord> classify(const CLI::App& app, const std::vector<std::string>& words);
 
-/// What the word after `words` would be: a subcommand, the value of the last option, or an argument.
+/// A subcommand, the last option's value, or an argument.
 CommandWord next_word(const CLI::App& app, const std::vector<std::string>& words);
 
-/// A sentence that names the first unknown option or subcommand and the nearest one there is, or all of a
-/// few; nothing when all are known.
+/// Names the first unknown option or subcommand and the nearest, or all of a few; nothing: all are known.
 std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<std::string>& words);
 
-/// A sentence that names the first argument that the command has no place for, and those that it takes.
+/// Names the first argument without a place, and those that the command takes.
 std::optional<std::string> word_too_many(const CLI::App& app, const std::vector<std::string>& words);
 
-/// Gives `option` the values that it may have: others are refused, with the nearest. Help shows them as its
-/// type (`auto|always|never`), which is what completion reads. Returns the option.
+/// `option` refuses other values, with the nearest. Help and completion read its type (`auto|always|never`).
 CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words);
 
 }  // namespace asip::program

@@ -7,7 +7,7 @@
 
 namespace asip::program {
 
-/// What one file of `asipctl secure` gives to a program.
+/// From a file of `asipctl secure`.
 struct Credentials {
     std::vector<std::string> brokers;
     std::string user;
@@ -17,13 +17,12 @@ struct Credentials {
     bool certificate = false;  ///< the file also holds the certificate of the authority, in PEM
 };
 
-/// Reads lines `NAME = VALUE` with the names `broker` (several, with commas), `user`, `password`,
-/// `topic-root`, `name` and `role` (for people), `#` comments, and PEM blocks. Fails, with file and line,
-/// on a file that cannot be read or is larger than 1 MiB, a line of another form, and one without `user`,
-/// `password` or `broker`.
+/// Lines `NAME = VALUE` (`broker`, `user`, `password`, `topic-root`, `name`, `role`), `#` comments, and PEM
+/// blocks. Fails, with file and line, on a file that is unreadable or above 1 MiB, another line, or without
+/// `user`, `password` or `broker`.
 Expected<Credentials> read_credentials(const std::string& path);
 
-/// The same of a text; `source` is named in errors.
+/// `source` is named in errors.
 Expected<Credentials> parse_credentials(const std::string& text, const std::string& source);
 
 }  // namespace asip::program

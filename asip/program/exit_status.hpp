@@ -3,7 +3,7 @@
 
 namespace asip::program {
 
-/// Exit statuses shared by all programs; documented for users, so never renumbered.
+/// All programs have these; documented, so never renumbered.
 inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailure = 1;       ///< what was asked did not succeed
 inline constexpr int kExitUsage = 2;         ///< usage, bad option or bad input file

@@ -20,7 +20,7 @@ Expected<Level> parse_level(std::string_view name);    ///< trace, debug, info, 
 std::string_view name_of(Level level);                 ///< what parse_level() reads
 Expected<Format> parse_format(std::string_view name);  ///< text, json
 
-/// Before anything is logged; the default is info and text. `program` is put in each JSON line.
+/// Before anything is logged; the default is info and text. `program` stands in each JSON line.
 void configure(Level level, Format format, std::string_view program = {});
 bool enabled(Level level);
 
@@ -39,7 +39,6 @@ struct Field {
 using Fields = std::initializer_list<Field>;
 
 void write(Level level, std::string_view text, Fields fields = {});
-/// With fields that were put together at run time.
 void write(Level level, std::string_view text, std::span<const Field> fields);
 inline void trace(std::string_view text, Fields fields = {}) {
     write(Level::kTrace, text, fields);

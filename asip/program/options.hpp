@@ -61,50 +61,43 @@ class Settings {
     Settings(CLI::App& app, std::string program);
     ~Settings();
 
-    /// Makes an option (or flag) of the app settable in environment and file. Its long name gives both names.
-    /// Returns it.
+    /// Makes an option of the app settable in environment and file, by its long name. Returns it.
     CLI::Option* setting(CLI::Option* option);
 
-    /// The same for what others on this machine must not see among the arguments: file and environment set
-    /// it.
+    /// For secrets: only file and environment set it.
     void never_typed(CLI::Option* option);
 
-    /// For a program with many settings, once all are declared, by their long names. `shown`: the options
-    /// that
-    /// --help shows; --help-all shows the others, too. `file_only`: those that are no options of the command
-    /// line: file and environment set them. --help-all tells them at its end.
+    /// By long names, once all are declared. --help shows `shown`, --help-all the others, and at its end
+    /// `file_only`, which are no options of the command line.
     void arrange(std::vector<std::string> shown, std::vector<std::string> file_only);
 
     void add_broker_options(BrokerOptions& options);
-    /// `--credentials-dir`, for a program that runs as a service: after add_broker_options(). A program
-    /// asip-NAME takes NAME.credentials there; an agent does that itself, as soon as it knows its board.
+    /// `--credentials-dir`, after add_broker_options(): a service asip-NAME takes NAME.credentials there, an
+    /// agent those of its board.
     void add_credentials_dir(BrokerOptions& options);
     void add_log_options(LogOptions& options);
     CLI::App& app();
 
-    /// Nothing: continue. Otherwise the exit status to end with; help, version or the error has been printed.
-    /// An option or subcommand that does not exist is an error that names the nearest one.
-    /// Applies the log options, where added, to the log.
+    /// Nothing: continue. Otherwise the exit status; all has been printed. An unknown option or subcommand is
+    /// an error that names the nearest. Applies the log options.
     std::optional<int> parse(int argc, const char* const* argv);
-    /// Same, without the program's name.
+    /// Without the program's name.
     std::optional<int> parse(std::vector<std::string> arguments);
 
-    /// Same for tests: arguments without the program name, environment by function.
+    /// For tests: environment by function.
     using Environment = std::function<std::optional<std::string>(const std::string& name)>;
     std::optional<int> parse(const std::vector<std::string>& arguments, const Environment& environment);
 
-    /// The configuration file may have sections `[KIND TITLE]`, one for each of several things that the
-    /// program serves. parse() reads them and applies none.
+    /// The configuration file may have sections `[KIND TITLE]`, which parse() reads and does not apply.
     void allow_sections(std::string kind);
-    /// What parse() read; an empty path: no file.
+    /// Empty: no file.
     const std::string& config_path() const;
     const ConfigFile& config_file() const;
-    /// In place of parse(), for the options of one section: `lines` count as those of the file at `path`. The
-    /// error is returned, not printed; the log stays as it is.
+    /// For one section: `lines` count as those of the file at `path`. The error is returned, not printed.
     Expected<void> parse_section(std::vector<std::string> arguments, const std::string& path,
                                  const std::vector<ConfigLine>& lines);
 
-    /// Prints `PROGRAM: TEXT` and where to find help on standard error; returns kExitUsage.
+    /// Prints `PROGRAM: TEXT` and where to find help; returns kExitUsage.
     int usage_error(const std::string& text) const;
 
   private:
@@ -115,22 +108,20 @@ class Settings {
     std::unique_ptr<State> state_;
 };
 
-/// A variable of this process's environment; nothing when it is not set.
+/// Nothing: it is not set.
 std::optional<std::string> environment_variable(const std::string& name);
 
-/// The file `user`.credentials in the folder of --credentials-dir. Empty where there is none, and where
-/// broker, user, certificate or credentials were given: then these count.
+/// `user`.credentials in --credentials-dir. Empty: there is none, or broker, user, certificate or credentials
+/// were given.
 std::string credentials_in_dir(const BrokerOptions& options, const std::string& user);
 
-/// Replaces all that `options` says of broker, user, certificates and topic root by what the file says.
-/// Returns the name of the board that the credentials are for, else an empty text.
+/// The file replaces broker, user, certificates and topic root of `options`. Returns the board that the
+/// credentials are for, if any.
 Expected<std::string> take_credentials(BrokerOptions& options, const std::string& path);
 
-/// What the MQTT client needs, from the options: addresses parsed, password file read, files checked to be
-/// readable, topic root checked, a client id unique to this process: `PROGRAM-HOST-RANDOM`.
+/// Checked, with the password read and a client id unique to this process: `PROGRAM-HOST-RANDOM`.
 Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_view program);
 
-/// This machine's name, for descriptions and client ids.
 std::string host_name();
 
 }  // namespace asip::program

@@ -4,9 +4,9 @@
 
 namespace asip::program {
 
-/// Whether this program may be called by its name: it stands in a folder of PATH.
+/// It stands in a folder of PATH.
 bool is_in_path(const std::string& name);
-/// Whether this file may be executed.
+/// The file may be executed.
 bool is_program(const std::string& path);
 
 }  // namespace asip::program

@@ -3,7 +3,7 @@
 
 namespace asip::program {
 
-/// What the operating system counts of this process.
+/// From the operating system.
 struct ProcessUsage {
     double processor_seconds = 0;  ///< since its start, in all threads
     double resident_bytes = 0;     ///< memory in use now

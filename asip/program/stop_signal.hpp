@@ -9,13 +9,12 @@ class io_context;
 
 namespace asip::program {
 
-/// Whether a signal is ignored, as SIGHUP is by nohup.
+/// As SIGHUP is by nohup.
 bool ignored(int signal);
 
-/// Calls `stop` once, on the io_context, at the first SIGINT, SIGTERM or SIGHUP (the terminal was closed). A
-/// second one ends the process at once with status 128 + signal, for when the orderly way hangs; not a
-/// SIGHUP, which kernel and shell both send: once stopped, the process ignores it to its end. Keeps the
-/// io_context busy until cancelled or destroyed.
+/// Calls `stop` once, on the io_context, at the first SIGINT, SIGTERM or SIGHUP. A second SIGINT or SIGTERM
+/// ends the process with 128 + signal, in case the orderly way hangs. Keeps the io_context busy until
+/// cancelled or destroyed.
 class StopSignal {
   public:
     enum class Hangup { kStops, kElsewhere };  ///< what handles SIGHUP; nothing where it is ignored

@@ -17,23 +17,20 @@ inline constexpr char kVerifiedFence = 'V';  ///< fences are answered with a dig
 inline constexpr char kLevels = 'D';         ///< `I,L`: the levels of all input pins, at once
 inline constexpr char kRequestLength = 'L';  ///< its "version" is the longest request in bytes
 
-/// What a board answered to `#,X`: tags and versions (0 to 255), in the board's order. Empty for a 0.4 board,
-/// which does not know the question.
+/// The answer to `#,X`: tags and versions (0 to 255). Empty for a 0.4 board.
 struct Extensions {
     std::vector<std::pair<char, int>> list;
 
-    /// The version of one extension; 0 when the board does not have it.
+    /// 0: the board does not have it.
     int version(char tag) const;
     bool has(char tag) const { return version(tag) > 0; }
     bool empty() const { return list.empty(); }
-    /// Longest request that the board takes, without newline and checksum: kUsualRequestBytes to
-    /// kMaxRequestBytes.
+    /// Without newline and checksum: kUsualRequestBytes to kMaxRequestBytes.
     std::size_t longest_request() const;
     friend bool operator==(const Extensions&, const Extensions&) = default;
 };
 
-/// From the body of `@#,X`: `4,{E:1,I:1,B:1,C:1}`. Fails with a reason when it is cut off or miscounted, or a
-/// tag is not one character.
+/// `4,{E:1,I:1,B:1,C:1}`. Fails on a damaged body.
 Expected<Extensions> parse_extensions(std::string_view body);
 
 }  // namespace asip::protocol

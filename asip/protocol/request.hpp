@@ -26,30 +26,30 @@ inline constexpr std::string_view kAskPinModes = "I,p";
 inline constexpr std::string_view kAskPinCapabilities = "I,c";
 inline constexpr std::string_view kAskLevels = "I,L";  ///< of boards with the extension kLevels
 
-/// Resets every service of the board and turns all auto-events off; has no answer.
+/// Resets every service and turns auto-events off; has no answer.
 inline constexpr std::string_view kRestart = "#,R";
 
 /// make_request('S', 'W', {0, 90}) -> "S,W,0,90".
 std::string make_request(char service, char tag, std::initializer_list<int> parameters = {});
-/// `mode` is one of is_settable().
+/// `mode`: is_settable().
 std::string set_pin_mode(int pin, PinMode mode);
 std::string digital_write(int pin, bool high);
 /// `value`: 0 to 255, the duty of a PWM pin.
 std::string analog_write(int pin, int value);
-/// How often analog inputs are reported: 1 to 65535; 0 stops them.
+/// In ms, 1 to 65535; 0: never.
 std::string analog_period(int milliseconds);
-/// `token`: 1 to 8 letters or digits, which come back. Boards with the echo extension only.
+/// `token`: 1 to 8 letters or digits, which come back. For the echo extension.
 std::string echo(std::string_view token);
-/// The same as echo(), for boards with the extension of verified fences: a digest comes behind the token.
+/// For verified fences: a digest comes behind the token.
 std::string verified_fence(std::string_view token);
-/// `name`: at most 32 characters, kept in EEPROM. Boards with the identity extension only.
+/// `name`: at most 32 characters, for EEPROM. For the identity extension.
 std::string set_identity(std::string_view name);
-/// Boards with the line-rate extension only. The board answers at the old rate and then changes.
+/// For the line-rate extension. The answer comes at the old rate.
 std::string set_line_rate(int baud);
-/// Boards with the checksum extension only.
+/// For the checksum extension.
 std::string set_checksum(bool on);
 
-/// A request `S,t[,params]` taken apart. `line` and `parameters` are views into the text that was parsed.
+/// `S,t[,params]`; views into the parsed text.
 struct Request {
     std::string_view line;  ///< the whole request, without line end
     char service;
@@ -57,27 +57,26 @@ struct Request {
     std::string_view parameters;  ///< without the comma before them; may be empty
 };
 
-/// Fails when the line is longer than kMaxRequestBytes, holds anything but printable ASCII, or is not a
-/// request. A trailing line end is not allowed here; split_requests takes it off.
+/// Fails on more than kMaxRequestBytes, anything but printable ASCII (a line end, too), and what is no
+/// request.
 Expected<Request> parse_request(std::string_view line);
 
-/// Each of them ends a request, and so do both together.
+/// Each ends a request, and both together.
 inline constexpr std::string_view kRequestEnds = "\r\n";
 
-/// How many characters at the beginning boards skip: blanks, zeros and control characters.
+/// Characters that boards skip at the beginning: blanks, zeros and control characters.
 std::size_t ignored_before(std::string_view text);
 
-/// What a board reads of a line without its end: none of these characters at its beginning, nor at its end.
-/// Empty for a line that boards ignore: one of them alone, and debug text, which begins with `!`.
+/// A line as boards read it, without skipped characters at both ends; empty for lines that they ignore: a
+/// lone character, and debug text behind `!`.
 std::string_view significant(std::string_view line);
 
-/// Takes a control payload apart into requests, each of a line as significant() gives it: kRequestEnds
-/// between them, optional at the end; lines that boards ignore are skipped. Fails as a whole, with the
-/// reason, for one line that parse_request() refuses, and for more than kMaxRequestsPerPayload lines. The
-/// views point into the payload.
+/// Requests of a control payload, as significant() gives them, between kRequestEnds; ignored lines are
+/// skipped. Fails as a whole for one that parse_request() refuses, and beyond kMaxRequestsPerPayload. Views
+/// into the payload.
 Expected<std::vector<Request>> split_requests(std::string_view payload);
 
-/// The lines of a control payload that boards do not ignore, before anything else is known of them.
+/// Those that boards do not ignore.
 struct PayloadLines {
     std::size_t count = 0;
     std::string_view first{};

@@ -8,15 +8,15 @@
 
 namespace asip::text {
 
-/// The whole file, or in words why it cannot be read: it is not there, it is a folder, its process has ended.
+/// The whole file. Error: why it cannot be read.
 Expected<std::string> file_text(const std::filesystem::path& file);
 
-/// The text without the mark that some editors put before UTF-8.
+/// Without the mark that some editors put before UTF-8.
 inline std::string_view without_mark(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     return text;
 }
-/// Whether a text begins as one in UTF-16 does: it is to be saved as UTF-8.
+/// It is to be saved as UTF-8.
 inline bool is_utf16(std::string_view text) {
     return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff");
 }

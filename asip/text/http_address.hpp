@@ -7,7 +7,7 @@
 
 namespace asip::text {
 
-/// `http://HOST[:PORT][/PATH]` or `https://...`, taken apart.
+/// `http://HOST[:PORT][/PATH]` or `https://...`.
 struct HttpAddress {
     bool tls = false;
     std::string host;  ///< without brackets
@@ -18,7 +18,7 @@ struct HttpAddress {
     std::string host_header() const;  ///< what a request says of the server: `host`, `host:8080`,
                                       ///< `[::1]:8080`
 };
-/// Error: a sentence, without a password that the text may have.
+/// The error holds no password.
 Expected<HttpAddress> parse_http_address(std::string_view text);
 
 }  // namespace asip::text

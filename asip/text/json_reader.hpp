@@ -23,34 +23,33 @@ namespace asip::text {
 ///     if (!reader.ok()) return fail(fault);
 class JsonReader {
   public:
-    /// What a member that is `null` means.
+    /// What `null` means.
     enum class Nulls {
         kFault,   ///< it has the wrong type
         kAbsent,  ///< the same as no such member
     };
     static constexpr std::size_t kNoLimit = static_cast<std::size_t>(-1);
 
-    /// `place` is the JSON pointer of `object`, empty for the document itself. The readers of one document
-    /// share `first_fault`, which is empty at first. `object` and `first_fault` must outlive the reader and
-    /// every reader made by it. A fault if `object` is not an object.
+    /// `place`: the JSON pointer of `object`. The readers of a document share `first_fault`, which begins
+    /// empty; both must outlive them. A fault if `object` is no object.
     JsonReader(const nlohmann::json& object, std::string place, std::string& first_fault,
                Nulls nulls = Nulls::kFault);
 
     const nlohmann::json& value() const { return *object_; }
     const std::string& place() const { return place_; }
-    /// Whether nothing was wrong so far in the whole document.
+    /// In the whole document.
     bool ok() const { return first_fault_->empty(); }
 
     bool has(std::string_view key) { return find(key) != nullptr; }
-    /// The member; null where it is absent.
+    /// Null: absent.
     const nlohmann::json* find(std::string_view key);
-    /// The same; a fault where it is absent.
+    /// A fault where it is absent.
     const nlohmann::json* required(std::string_view key);
 
     // Each returns its default, or nothing, for a member that is absent, and is a fault for one of another
     // type or out of bounds. Bounds are included.
 
-    /// `max_bytes` counts bytes of UTF-8.
+    /// `max_bytes`: of UTF-8.
     std::string text(std::string_view key, std::string_view otherwise = {}, std::size_t max_bytes = kNoLimit);
     std::optional<std::uint64_t> integer(std::string_view key, std::uint64_t minimum, std::uint64_t maximum);
     double number(std::string_view key, double otherwise, double minimum, double maximum);
@@ -58,17 +57,17 @@ class JsonReader {
     /// A string, or an array of strings.
     std::vector<std::string> texts(std::string_view key, std::size_t max_items, std::size_t max_bytes);
     std::optional<JsonReader> object(std::string_view key);
-    /// A reader for each item of an array; an item that is not an object is a fault.
+    /// For each item of an array of objects.
     std::vector<JsonReader> list(std::string_view key, std::size_t max_items = kNoLimit);
 
-    /// The members of an object, each with a reader; a member that is not an object itself is a fault.
+    /// For each member that is an object.
     std::vector<std::pair<std::string, JsonReader>> members(std::string_view key);
 
     /// A fault for each member that was not asked for, with the nearest that was.
     void refuse_others();
-    /// A fault of a member; of the object itself where `key` is empty.
+    /// Empty `key`: of the object itself.
     void fault(std::string_view key, std::string_view reason);
-    /// A fault that names its place itself: "/parts/2/pin: reason".
+    /// With its own place: "/parts/2/pin: reason".
     void fault_at(std::string fault);
 
   private:

@@ -15,8 +15,8 @@ struct GetOptions {
     OutputOptions output{};
 };
 
-/// `asipctl get`: all values of boards (get_all.hpp), or one value of a service, asked for or reported after
-/// the command began; a retained value is not taken. kExitNoAnswer when none came in time.
+/// All values of boards (get_all.hpp), or one of a service, asked for or reported from now on; no retained
+/// value. kExitNoAnswer: none came in time.
 int run_get(const GetOptions& options, Environment& environment);
 
 }  // namespace asip::cli

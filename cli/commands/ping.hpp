@@ -24,14 +24,13 @@ struct PingOptions {
     OutputOptions output{};
 };
 
-/// How many when no terminal can send Ctrl-C.
+/// Where no terminal can send Ctrl-C.
 inline constexpr std::size_t kPingsInScripts = 5;
 
-/// `asipctl ping`: the time a request takes to the board and back, of one board or of several at a time.
-/// kExitNoAnswer when no answer came at all.
+/// The time of a request to the board and back. kExitNoAnswer: no answer came at all.
 int run_ping(const PingOptions& options, Environment& environment);
 
-/// What stands below the lines. Pure.
+/// Below the lines. Pure.
 struct PingSummary {
     std::string board;
     std::size_t sent = 0;

@@ -25,7 +25,6 @@ struct SecureOptions {
     OutputOptions output{};
 };
 
-/// `asipctl secure`: makes what a broker needs to let in known programs only, and keeps it.
 int run_secure(const SecureOptions& options, Environment& environment);
 
 }  // namespace asip::cli

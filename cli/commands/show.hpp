@@ -18,28 +18,26 @@ struct ShowOptions {
     OutputOptions output{};
 };
 
-/// `asipctl show`: everything known of a board, or of one service of it.
 int run_show(const ShowOptions& options, Environment& environment);
 
-/// The properties whose values are known, as its agent says.
+/// Those with known values.
 using KnownProperties = std::vector<std::pair<property::Property, nlohmann::json>>;
 
-/// The parts of it, as text. Pure.
+/// Pure.
 std::string board_text(const KnownBoard& board, const model::ModelSet& models, std::size_t width, bool colour,
                        const KnownProperties& known = {});
 std::string pins_text(const model::Description& description, std::size_t width, bool colour);
-/// One object a pin: board, pin, and mode, owner, can (a list of digital, analog, pwm), channel and label
-/// where known.
+/// For each pin: board, pin, and mode, owner, can, channel and label where known.
 std::vector<nlohmann::json> pin_records(const model::Description& description);
-/// `label`: its friendly name; empty: none.
+/// `label`: may be empty.
 std::string service_text(const std::string& board, const model::ServiceInfo& service,
                          const std::string& label, const model::ServiceModel* model, std::size_t width,
                          bool colour, const KnownProperties& known = {});
 
-/// The events and commands of a model, as tables.
+/// Events and commands, as tables.
 std::string model_text(const model::ServiceModel& model, std::size_t width, bool colour);
 
-/// A field or argument in words: `angle 0..180 degrees`.
+/// `angle 0..180 degrees`.
 std::string field_text(const model::Field& field);
 
 }  // namespace asip::cli

@@ -19,7 +19,6 @@ struct StopOptions {
     OutputOptions output{Output::kTable, {}};
 };
 
-/// `asipctl stop`: stops boards ahead of everything that waits for them, and shows what was done.
 int run_stop(const StopOptions& options, Environment& environment);
 
 }  // namespace asip::cli

@@ -27,8 +27,7 @@ struct SubscribeOptions {
     OutputOptions output{};
 };
 
-/// `asipctl subscribe`: what boards report, as it comes. kExitNoAnswer when the time is over and fewer than
-/// `count` (at least one) came.
+/// kExitNoAnswer: the time is over and fewer than `count` (at least one) came.
 int run_subscribe(const SubscribeOptions& options, Environment& environment);
 
 }  // namespace asip::cli

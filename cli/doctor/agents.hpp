@@ -10,15 +10,15 @@
 
 namespace asip::cli {
 
-/// What agents say that they counted, by board: the newest document of each.
+/// By board, the newest document.
 using AgentCounts = std::map<std::string, nlohmann::json>;
 
-/// Takes a message on a board's `$stats`. Anybody may have written it; what is no JSON object is passed over.
+/// From `$stats`; what is no JSON object is passed over.
 void take_counts(AgentCounts& counts, const std::string& board, const std::string& payload);
 
 Table counts_table(const AgentCounts& counts);
 
-/// Prints what agents counted since they started, once each had the time to say it. kExitNoAnswer: none did.
+/// Once each agent had the time to answer. kExitNoAnswer: none did.
 int list_agents(const OutputOptions& output, Environment& environment);
 
 }  // namespace asip::cli

@@ -16,20 +16,20 @@
 
 namespace asip::cli {
 
-/// What one board answered to a request that only it can answer.
+/// From one board.
 struct PingResult {
     std::optional<bus::Reply> reply;  ///< none: there was no answer at all
     bool denied = false;              ///< the broker does not let us ask it
     bool properties_lost = false;     ///< we speak MQTT 5, and what came back was without its properties
 };
 
-/// Everything that was seen, for the checks below, which are pure.
+/// For the checks below, which are pure.
 struct Observations {
     bus::Topics topics{};
     std::string broker{};
     bool v5 = true;
     std::size_t max_packet_bytes = 0;  ///< the limit of the broker; 0: it named none
-    /// Whether the broker lets anybody command boards; nothing: not known.
+    /// Anybody may command boards; nothing: not known.
     std::optional<bool> open{};
     bool loopback = false;  ///< the broker's address is one of this machine alone
     std::optional<std::chrono::duration<double>> acknowledged{};  ///< a message out and back, median; QoS 1
@@ -44,7 +44,7 @@ struct Observations {
     /// By board: the sessions that announced it while we looked.
     std::map<std::string, std::set<std::string>> sessions{};
     std::map<std::string, PingResult> pings{};  ///< of boards whose state is "online"
-    /// By our clock: the registry wrote its answers between the two.
+    /// By our clock, around the registry's answers.
     std::chrono::system_clock::time_point asked{}, answered{};
     Machine machine{};
 };
@@ -61,7 +61,7 @@ Findings check_names(const Observations& seen);
 Findings check_conflicts(const Observations& seen);
 Findings check_clocks(const Observations& seen);
 
-/// All of them, in that order.
+/// In that order.
 Findings check_all(const Observations& seen);
 
 }  // namespace asip::cli

@@ -14,7 +14,7 @@ struct SerialPort {
     std::string group;     ///< of the device file
 };
 
-/// This machine, as far as it gets in the way of boards that are plugged into it.
+/// As far as it gets in the way of boards.
 struct Machine {
     std::vector<SerialPort> ports;
     bool modem_manager = false;  ///< runs here
@@ -22,7 +22,7 @@ struct Machine {
     bool udev_rule = false;      ///< that keeps it off our boards
 };
 
-/// Looks below `root` (`/`; another one for tests): dev, proc, etc and usr/lib.
+/// `root`: `/`, or another one for tests.
 Machine look_at_machine(const std::filesystem::path& root = "/");
 
 Findings check_machine(const Machine& machine);

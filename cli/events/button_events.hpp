@@ -10,12 +10,11 @@
 
 namespace asip::cli {
 
-/// What is done with buttons, each once: the agent alone tells a press from bouncing, on `$values`. The
-/// payload of such an event is {"io/2":"press"}.
+/// Each act once: only the agent tells a press from bouncing, on `$values`. The payload is {"io/2":"press"}.
 class ButtonEvents {
   public:
     explicit ButtonEvents(const bus::Topics& topics) : topics_(topics) {}
-    /// What is new in it. What the broker kept is past, and what is no such document is passed over.
+    /// Past acts, and other messages, are passed over.
     std::vector<ContextEvent> take(const mqtt::Message& message);
 
   private:

@@ -13,7 +13,7 @@
 
 namespace asip::cli {
 
-/// One message of the context bus, as `asipctl subscribe` prints it.
+/// As `asipctl subscribe` prints it.
 struct ContextEvent {
     enum class Kind { kValue, kError, kRaw, kButton };
     Kind kind = Kind::kValue;
@@ -28,34 +28,31 @@ struct ContextEvent {
     std::string where() const { return service.empty() ? board : board + "/" + service; }
 };
 
-/// Nothing for a topic that is not of the context bus.
+/// Nothing: another topic.
 std::optional<ContextEvent> context_event(const bus::Topics& topics, const std::string& topic,
                                           std::string payload);
 
-/// Filters that bring what `targets` ask for (raw lines, or decoded values and errors), none covered by
-/// another.
+/// For what `targets` ask for, none covered by another.
 std::vector<std::string> context_filters(const bus::Topics& topics, const std::vector<Target>& targets,
                                          bool raw);
 
-/// Whether only the board's description attributes events to the target: raw lines of one service, and a
-/// service given by its letter.
+/// Raw lines of one service, and a service by its letter, need the board's description.
 bool needs_description(const Target& target, bool raw);
 
-/// Whether one of `targets` asks for the event. A raw line is of the service whose letter it begins with
-/// (`@D,`); `description` is the board's, null where it is not known: then a letter stands for itself.
+/// A raw line is of the service of its first letter (`@D,`); `description`: null: a letter stands for itself.
 bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,
                const model::Description* description);
 
 /// `uno1/distance  TEXT`, with time and age where asked for.
 std::string event_text(const ContextEvent& event, const std::string& text, bool with_time, bool with_age,
                        bool colour);
-/// What stands above such lines: `SERVICE  VALUE`.
+/// `SERVICE  VALUE`.
 std::string event_header(bool with_time, bool with_age, bool colour);
-/// Members time, board, service; event, error, line or button; and age (seconds) where known.
+/// time, board, service; event, error, line or button; and age (seconds) where known.
 nlohmann::json event_json(const ContextEvent& event);
-/// Names that a template may use: of ContextEvent, and `data`, which is the payload.
+/// Members of ContextEvent, and `data`, the payload.
 std::vector<std::string> event_fields();
-/// The value of one; `data.distance.0` leads into the payload. Empty where there is none.
+/// `data.distance.0` leads into the payload. May be empty.
 std::string event_value(const ContextEvent& event, std::string_view name);
 
 }  // namespace asip::cli

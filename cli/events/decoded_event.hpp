@@ -9,7 +9,7 @@
 
 namespace asip::cli {
 
-/// What a service's report says, by its model: units for people, one part of it for programs. Pure.
+/// By its model: units for people, one part for programs. Pure.
 struct DecodedEvent {
     std::string field;              ///< of the selection: `distance/0`; empty where nothing was selected
     std::vector<LeafValue> leaves;  ///< the selection

@@ -10,23 +10,19 @@
 
 namespace asip::cli {
 
-/// An event with what it says.
 struct SeenEvent {
     ContextEvent event;
     DecodedEvent decoded;
 };
 
-/// Thins out what boards report: `changes` leaves out a report that says the same as the one before it,
-/// `max_hz` lets at most so many a second of each kind of report through (0: all). The newest is never lost:
-/// what came too early is given out once its time has come. Errors pass always, and what is
-/// done with buttons. Pure.
+/// Thins out reports: `changes` leaves out repetitions, `max_hz` bounds each kind (0: all). The newest comes
+/// once its time has come. Errors and acts on buttons always pass. Pure.
 class EventPace {
   public:
     EventPace(bool changes, double max_hz);
 
-    /// The event itself, if it is to be shown now.
+    /// Nothing: not now.
     std::optional<SeenEvent> offer(SeenEvent event, Time now);
-    /// Those whose time has come.
     std::vector<SeenEvent> due(Time now);
 
   private:

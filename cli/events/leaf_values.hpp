@@ -11,7 +11,7 @@
 
 namespace asip::cli {
 
-/// One number or text of an event, with what the model knows of it.
+/// A value of an event, with what the model knows.
 struct LeafValue {
     std::string path;  ///< below the event: `0`, `1.count`; empty where the event is one value
     nlohmann::json value;
@@ -21,8 +21,7 @@ struct LeafValue {
     std::string text() const;  ///< the words, else `42 cm`
 };
 
-/// Every number or text of a decoded event, in its order; null where the board says that it has no value.
-/// `value` is what stands below the event's name.
+/// In order; null: the board has no value. `value`: below the event's name.
 std::vector<LeafValue> leaf_values(const model::ServiceModel& model, const model::EventModel& event,
                                    const nlohmann::json& value);
 
@@ -36,15 +35,14 @@ struct FieldChoice {
     const model::EventModel* event = nullptr;
     std::string path;  ///< below the event's value; empty: all of it
 
-    /// Whether a leaf is of that part.
     bool takes(std::string_view leaf_path) const;
 };
 
-/// `field` as in `distance`, `distance/0`, `0` or `pulse`; empty: the first event of the model. Fails with
-/// what there is, and the nearest.
+/// `distance`, `distance/0`, `0` or `pulse`; empty: the first event. Fails with what there is, and the
+/// nearest.
 Expected<FieldChoice> choose_field(const model::ServiceModel& model, std::string_view field);
 
-/// The command without arguments that is answered by `event`; null where there is none.
+/// Without arguments; may be null.
 const model::CommandModel* asking_command(const model::ServiceModel& model, const model::EventModel& event);
 
 }  // namespace asip::cli

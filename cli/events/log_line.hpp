@@ -9,7 +9,6 @@
 
 namespace asip::cli {
 
-/// One line of `asipctl events --logs`.
 struct LogLine {
     std::string board;
     std::string source;  ///< `board`, `SERVICE`, or `agent`
@@ -17,8 +16,8 @@ struct LogLine {
     std::string text;
 };
 
-/// What a message means for a person who looks for trouble: a `!` line of the board, an error of a service,
-/// or a line of the agent; nothing for any other. Anybody may have written it; not yet fit for a terminal.
+/// A `!` line of the board, an error, or a line of the agent; nothing: another message. Not yet fit for a
+/// terminal.
 std::optional<LogLine> log_line(const bus::Topics& topics, const mqtt::Message& message);
 
 }  // namespace asip::cli

@@ -17,7 +17,6 @@ struct LogOptions {
     OutputOptions output{};
 };
 
-/// `asipctl events --logs`: what boards print for people, errors, and what their agents report, as it comes.
 int run_logs(const LogOptions& options, Environment& environment);
 
 }  // namespace asip::cli

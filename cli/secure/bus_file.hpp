@@ -37,7 +37,7 @@ Expected<SecuredBus> read_bus(const std::string& text);
 std::string password_lines(const SecuredBus& bus);
 std::string rule_lines(const SecuredBus& bus);
 
-/// Of the files that the configuration names.
+/// Where the files are that the configuration names.
 struct BrokerPlaces {
     std::string passwords, rules, certificate, key;
     std::string store;  ///< folder of what the broker keeps; empty: a configuration around this one names it

@@ -4,8 +4,8 @@
 
 namespace asip::cli {
 
-/// Tries at the running broker what each user (or the one that is named) may do, and prints a table. The
-/// status: kExitFailure when the broker allows something else than it should.
+/// Tries what each user (or the named one) may do, and prints a table. kExitFailure: the broker allows
+/// something else.
 Outcome<int> secure_check(const SecureOptions& options, Environment& environment);
 
 }  // namespace asip::cli

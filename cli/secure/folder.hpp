@@ -12,16 +12,15 @@
 
 namespace asip::cli {
 
-/// The folder in which `asipctl secure` keeps a bus. Secrets are readable by their owner alone: what the
-/// broker reads (`broker/`) belongs, where root made it, to the user `mosquitto`, all else to the user who
-/// made it. Files are replaced whole, so that a broker that reads them meanwhile sees the old or the new one.
+/// The folder of a bus. Secrets are readable by their owner alone: `broker/` belongs to `mosquitto` where
+/// root made it. Files are replaced whole.
 class SecureFolder {
   public:
     using Path = std::filesystem::path;
 
-    /// Makes the folder unless it exists, and locks it against other runs. Waits for them.
+    /// Made and locked; waits for other runs.
     static Outcome<SecureFolder> create(const Path& path);
-    /// Fails with what to do when `init` has not been run there.
+    /// Fails where `init` has not been run.
     static Outcome<SecureFolder> open(const Path& path);
     ~SecureFolder();
     SecureFolder(SecureFolder&& other) noexcept;
@@ -37,7 +36,7 @@ class SecureFolder {
     Path key() const { return path_ / "broker" / "broker.key"; }
     Path pid_file() const { return path_ / "broker" / "mosquitto.pid"; }
     Path store() const { return path_ / "broker"; }
-    /// There while the broker has not yet been started with what was made.
+    /// Until the broker was started with what was made.
     Path unfinished() const { return path_ / "unfinished"; }
     Path credentials(const std::string& user) const {
         return path_ / "credentials" / (user + ".credentials");
@@ -45,12 +44,11 @@ class SecureFolder {
 
     Outcome<SecuredBus> bus() const;
     bool initialised() const { return std::filesystem::exists(bus_file()); }
-    /// The authority, where this machine has its key.
+    /// Where this machine has its key.
     Outcome<CertificateAndKey> authority_and_key() const;
 
     Outcome<void> save(const SecuredBus& bus) const;
-    /// Writes `text` for its owner alone, or for everybody to read. True: the file was not there, or was
-    /// different, or others could read it than should.
+    /// True: the file was missing or different, or others could read it.
     enum class Readers { kOwner, kAll };
     Outcome<bool> write(const Path& file, const std::string& text, Readers readers) const;
 

@@ -5,8 +5,8 @@
 
 namespace asip::cli {
 
-/// By what other machines may call this one, best first: its name, its addresses (not those of loopback,
-/// links and containers), and its name in multicast DNS. Without a network: `localhost`.
+/// Best first: its name, its addresses (not of loopback, links and containers), and its name in multicast
+/// DNS; else `localhost`.
 std::vector<std::string> machine_names();
 
 }  // namespace asip::cli

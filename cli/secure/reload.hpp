@@ -16,17 +16,15 @@ struct Reload {
     };
     Result result = Result::kNotRunning;
     int pid = 0;
-    /// What to run by hand.
     std::string command;
 };
 
-/// Makes the broker that reads this folder's files read them again: the process `pid`, else the one of the
-/// pid file that its configuration names. Only a process called mosquitto is sent a signal.
+/// The process is `pid`, else the pid file's. Only a process called mosquitto is sent a signal.
 Reload reload_broker(const SecureFolder& folder, const SecuredBus& bus, std::optional<std::size_t> pid);
 
-/// Whether the configuration is a file of the system's broker, not one of its own.
+/// Not a configuration of its own.
 bool is_system_broker(const std::filesystem::path& folder, const SecuredBus& bus);
-/// The same; whether the broker has read it, is reported.
+/// True: the broker has read it. Reports that.
 bool report_reload(const SecureFolder& folder, const SecuredBus& bus, std::optional<std::size_t> pid,
                    SecureReport& report);
 

@@ -8,7 +8,7 @@
 
 namespace asip::cli {
 
-/// What `asipctl secure` did, a line each, and below it what to do next.
+/// A line each, and what to do next.
 class SecureReport {
   public:
     SecureReport(const OutputOptions& options, Environment& environment)
@@ -16,13 +16,12 @@ class SecureReport {
           out_(environment.out),
           records_(options, RecordPrinter::Count::kList, environment.out) {}
 
-    /// `action`: `made`, `kept`, `changed`, `removed`, `moved`, `gave`, `cleared`, `reloaded`, `restarted` or
+    /// `made`, `kept`, `changed`, `removed`, `moved`, `gave`, `cleared`, `reloaded`, `restarted` or
     /// `warning`.
     void did(const std::string& action, const std::string& what, const std::string& file = {});
-    /// A command to run (or a file to copy) and why.
+    /// A command to run (or a file to copy), and why.
     void next(const std::string& why, const std::string& command = {});
     void finish();
-    /// Whether anything is not as it was before.
     bool changed() const { return changed_; }
 
   private:

@@ -7,7 +7,7 @@
 
 namespace asip::cli {
 
-/// What a user of the broker is. The access rules follow from it and from the user's name alone.
+/// Access rules follow from it and the user's name.
 enum class Role {
     kBoard,          ///< the agent of the board that is named like the user
     kOperator,       ///< reads what boards report and commands them
@@ -20,7 +20,7 @@ enum class Role {
 
 std::string_view name_of(Role role);  ///< `board`, `operator`, ...
 std::optional<Role> parse_role(std::string_view word);
-/// One sentence part for a person: "reads what boards report, commands boards".
+/// "reads what boards report, commands boards".
 std::string_view rights_of(Role role);
 
 struct RoleOfUser {
@@ -28,13 +28,11 @@ struct RoleOfUser {
     Role role = Role::kViewer;
 };
 
-/// Why this name cannot be one of a user with this role; empty: it can. Names are those of boards, and
-/// `registry` is left to registries: rules for boards are written for the user called like the board.
+/// Empty: it can. Names are those of boards; `registry` is left to registries.
 std::string explain_user_name(std::string_view name, Role role);
 
-/// The access rules for Mosquitto (its `acl_file`) of all users, below the topic root `root`. A board needs
-/// no line of its own, so that the file does not grow with them: a broker with 5,000 users in it takes 5 s to
-/// read it.
+/// For Mosquitto's `acl_file`, below `root`. Boards need no line of their own: a broker takes 5 s to read
+/// 5,000.
 std::string access_rules(const std::string& root, const std::vector<RoleOfUser>& users);
 
 }  // namespace asip::cli

@@ -28,8 +28,8 @@ class StreamChannel : public http::Channel, public OpenStream {
         /// `answer` is called once, at once or later.
         std::function<void(const nlohmann::json& request, std::function<void(std::string)> answer)> command;
         std::size_t max_subscriptions = 256;
-        /// Of its client's budget, kBytesOfAnswers with it. Where another answer does not fit the connection
-        /// is closed.
+        /// A part of its client's budget, kBytesOfAnswers with it. Where another answer does not fit the
+        /// connection is closed.
         Budget::Part part{};
     };
 

@@ -10,8 +10,7 @@ namespace asip::sim {
 
 class Alarm;
 
-/// Every alarm of one board. A chip reset wipes simavr's timers, the outside world's among them: rearm() puts
-/// ours back.
+/// Every alarm of a board. A chip reset wipes simavr's timers: rearm() puts ours back.
 class AlarmClock {
   public:
     explicit AlarmClock(avr_t& avr) : avr_(avr) {}
@@ -25,7 +24,7 @@ class AlarmClock {
     std::vector<Alarm*> alarms_;
 };
 
-/// Calls back once at a given cycle (up to one instruction late). Uses one of simavr's 64 timers while armed.
+/// Calls back once, up to one instruction late. Uses one of simavr's 64 timers while armed.
 class Alarm {
   public:
     Alarm(AlarmClock& clock, std::function<void()> callback);
@@ -33,12 +32,12 @@ class Alarm {
     Alarm(const Alarm&) = delete;
     Alarm& operator=(const Alarm&) = delete;
 
-    /// Replaces an earlier time. A cycle that has passed means as soon as possible.
+    /// Replaces an earlier time. A past cycle: as soon as possible.
     void at(std::uint64_t cycle);
     void cancel();
     AlarmClock& clock() { return clock_; }
     bool armed() const { return armed_; }
-    /// The cycle it was armed for; the right base for what follows, since the callback may come late.
+    /// The cycle it was armed for, since the callback may come late.
     std::uint64_t when() const { return when_; }
 
   private:

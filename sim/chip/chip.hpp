@@ -11,9 +11,8 @@
 
 namespace asip::sim {
 
-/// A simavr chip with an image in its flash, set up so that it behaves as the real one where simavr 1.6 does
-/// not: its INT0 and INT1 are not polled while their pin is low, an interrupt takes its four cycles to enter,
-/// and it never sleeps by the computer's clock.
+/// A simavr chip with an image, mended where simavr 1.6 differs: INT0 and INT1 are not polled while low, an
+/// interrupt takes its four cycles, and it never sleeps by the computer's clock.
 class Chip {
   public:
     static Expected<std::unique_ptr<Chip>> create(const BoardKind& kind, std::uint32_t frequency,
@@ -24,18 +23,18 @@ class Chip {
 
     avr_t& avr() { return *avr_; }
     const avr_t& avr() const { return *avr_; }
-    /// Null if the chip has no such USART.
+    /// Null: none.
     avr_uart_t* uart(char name);
 
-    /// Called inside every reset, the watchdog's too, after simavr's own reset.
+    /// Inside every reset, the watchdog's too, after simavr's own.
     void on_reset(std::function<void()> callback) { reset_callback_ = std::move(callback); }
 
-    /// False once it has stopped for good.
+    /// False: stopped for good.
     bool alive() const;
-    /// Runs for about 100 cycles (one instruction with `step_`), or sleeps to the next timer.
+    /// About 100 cycles (one instruction with `step_`), or to the next timer.
     void run_a_little() { avr_run(avr_); }
-    /// simavr 1.6 does not know timers that count up and down (phase-correct PWM, as Arduino's start-up code
-    /// sets two of them), and lets each overflow with every count: half of what a board costs, for nothing.
+    /// simavr 1.6 lets phase-correct timers overflow with every count: half of what a board costs, for
+    /// nothing.
     void cancel_unknown_timers();
     void single_step(bool on) { avr_->run_cycle_limit = on ? 1 : kBatchCycles; }
 

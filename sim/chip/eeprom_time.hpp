@@ -5,11 +5,9 @@
 
 namespace asip::sim {
 
-/// Makes an EEPROM write take its time: for 3.4 ms EEPE stays set, as on a chip. simavr stores the byte at
-/// once and clears the bit.
+/// EEPE stays set for 3.4 ms, as on a chip; simavr clears it at once.
 class EepromTime {
   public:
-    /// Does nothing for a chip without an EEPROM.
     explicit EepromTime(AlarmClock& clock);
 
     /// A reset does not end a write.

@@ -10,32 +10,31 @@
 
 namespace asip::sim {
 
-/// A chip on the bus, as the master sees it.
+/// As the master sees it.
 class I2cDevice {
   public:
     virtual ~I2cDevice() = default;
-    /// Seven bits. One that is not there (detached) acknowledges nothing.
+    /// Seven bits. A detached one acknowledges nothing.
     virtual std::uint8_t address() const = 0;
     virtual bool is_there() const = 0;
-    /// It was addressed; a transfer begins or goes on the other way.
+    /// A transfer begins or goes on the other way.
     virtual void started(bool reading) = 0;
     /// False: not acknowledged.
     virtual bool write(std::uint8_t byte) = 0;
     virtual std::uint8_t read() = 0;
 };
 
-/// The chip's I2C master (TWI), as its data sheet has it, in place of simavr's own, which takes a fifth of
-/// the time that a transfer takes on the wire, and the devices on the bus. A device that was cut off while it
-/// was read holds SDA low until it got nine clocks.
+/// The chip's I2C master (TWI) by its data sheet, as simavr's is five times too fast, and the devices. A
+/// device that was cut off while it was read holds SDA low until nine clocks.
 class I2cBus {
   public:
-    /// `data` and `clock_pin`: Arduino pins of SDA and SCL. Does nothing for a chip without TWI in simavr.
+    /// Arduino pins of SDA and SCL. Does nothing for a chip without TWI.
     I2cBus(AlarmClock& clock, Wiring& wiring, int data, int clock_pin);
 
     bool exists() const { return port_ != nullptr; }
     void attach(I2cDevice& device) { devices_.push_back(&device); }
 
-    /// To be called after simavr's own reset.
+    /// After simavr's own reset.
     void after_reset();
 
   private:

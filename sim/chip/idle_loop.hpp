@@ -10,23 +10,20 @@
 
 namespace asip::sim {
 
-/// Firmware that waits repeats one loop until an interrupt comes, and simulating each round of it is nearly
-/// all that a simulated board costs. A round that leaves registers and memory as they were, and has touched
-/// no register of the chip whose access does anything or depends on the time, is repeated by the chip exactly
-/// until simavr's next timer (what arrives from outside comes by such timers, too): so that time is passed in
-/// whole rounds at once. Cycles stay what they are.
+/// Firmware that waits repeats one loop until an interrupt. A round that leaves registers and memory as they
+/// were, and touches no chip register with an effect or a time, repeats exactly until simavr's next timer:
+/// whole rounds pass at once. Cycles stay what they are.
 class IdleLoop {
   public:
-    /// Once all that handles I/O registers of `avr` is in place: it puts itself in front of them.
+    /// Once all that handles I/O registers is in place: it goes in front.
     explicit IdleLoop(avr_t& avr);
     IdleLoop(const IdleLoop&) = delete;
     IdleLoop& operator=(const IdleLoop&) = delete;
 
-    /// Between two instructions. Runs a few hundred cycles to find out whether the firmware waits, and passes
-    /// the rounds in front of the next timer; does nothing where that would not pay.
+    /// Between two instructions: finds out within a few hundred cycles whether the firmware waits, and passes
+    /// rounds where that pays.
     void pass();
 
-    /// Cycles that were passed, of all.
     std::uint64_t passed() const { return passed_; }
 
   private:

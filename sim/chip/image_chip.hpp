@@ -7,8 +7,7 @@
 
 namespace asip::sim {
 
-/// Whether an image can run on a board whose chip has `flash_bytes`: it fits, and its table of interrupt
-/// vectors is not that of another chip, whose registers and stack lie elsewhere.
+/// It fits, and its vector table is of this chip.
 Expected<void> check_chip(const Image& image, const BoardKind& kind, std::size_t flash_bytes);
 
 }  // namespace asip::sim

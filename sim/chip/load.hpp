@@ -6,9 +6,8 @@
 
 namespace asip::sim {
 
-/// Puts another image into the board's flash and restarts it, as a programmer does: the rest of the flash is
-/// erased, the EEPROM stays unless the image brings one along. Board::symbol() still knows the old image. The
-/// error is one line; then nothing has changed.
+/// As a programmer does: the rest of the flash is erased, the EEPROM stays unless the image has one.
+/// Board::symbol() knows the old image. After an error nothing has changed.
 Expected<void> load_into(Board& board, const std::filesystem::path& image);
 
 }  // namespace asip::sim

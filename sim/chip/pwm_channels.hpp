@@ -5,7 +5,7 @@
 
 namespace asip::sim {
 
-/// The timer registers behind a PWM pin, as addresses in the data space.
+/// As addresses in the data space.
 struct PwmChannel {
     int pin;
     std::uint16_t control;   ///< TCCRnA
@@ -13,7 +13,7 @@ struct PwmChannel {
     std::uint16_t compare;   ///< low byte of OCRnx; the Arduino core uses 8 bits everywhere
 };
 
-/// Null if the board's pin has no PWM.
+/// Null: none.
 const PwmChannel* find_pwm_channel(std::string_view board, int pin);
 
 }  // namespace asip::sim

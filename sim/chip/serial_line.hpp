@@ -11,8 +11,7 @@
 
 namespace asip::sim {
 
-/// The line between the host's serial port and the chip's. A byte takes ten bit times; where the rates of
-/// both sides differ, both receive other bytes.
+/// Between host and chip. A byte takes ten bit times; where rates differ, both receive other bytes.
 class SerialLine {
   public:
     using Receiver = std::function<void(char byte)>;

@@ -9,27 +9,25 @@
 
 namespace asip::sim {
 
-/// The chip's serial port, as its data sheet has it, in place of simavr's own. simavr 1.6 counts 11 bits for
-/// each byte, has no buffer before its transmit shift register (500,000 baud runs 20 % slow) and 63 bytes of
-/// receive buffer where the chip has two and a shift register, so that firmware that is too slow works there
-/// and fails on a real board.
+/// The serial port by its data sheet. simavr 1.6 counts 11 bits a byte, lacks a transmit buffer and has 63
+/// bytes of receive buffer in place of two, so that slow firmware works there and fails on a board.
 class Usart {
   public:
     struct Listener {
         std::function<void(std::uint8_t byte, double bit_cycles)> sent;  ///< its stop bit has just ended
-        /// The byte being sent was damaged: the firmware changed the rate before its end.
+        /// The firmware changed the rate before the byte's end.
         std::function<void()> cut;
     };
 
-    /// Takes the registers of `port` over. `port` and `clock` outlive it.
+    /// Takes over the registers of `port`.
     Usart(avr_uart_t& port, AlarmClock& clock, Listener listener);
 
-    /// Back to the registers' reset values. To be called after simavr's own reset.
+    /// After simavr's own reset.
     void reset();
 
-    /// A start bit arrives at the receiver now. False if the byte that follows will be lost to an overrun.
+    /// A start bit arrives. False: the byte will be lost to an overrun.
     bool receive_start();
-    /// The stop bit of a byte has ended. Ignored while the receiver is off.
+    /// Ignored while the receiver is off.
     void receive(std::uint8_t byte, bool framing_error);
 
     bool receiver_on() const;

@@ -11,16 +11,14 @@
 
 namespace asip::sim {
 
-/// Receives command lines over a Unix socket. Each is answered by lines that begin with a space and then "ok"
-/// or "error REASON".
+/// Command lines over a Unix socket. Answers are lines with a leading space, then "ok" or "error REASON".
 class ControlSocket {
   public:
     using Reply = std::function<void(Expected<std::string>)>;
-    /// Does a command; may reply from another thread.
+    /// May reply from another thread.
     using Execute = std::function<void(std::string_view line, Reply reply)>;
 
-    /// Replaces a socket on which no program answers; refuses one that is in use, or a file that is not a
-    /// socket.
+    /// Replaces a socket without a program; refuses one in use, and other files.
     static Expected<std::unique_ptr<ControlSocket>> open(boost::asio::io_context& context,
                                                          const std::filesystem::path& path, Execute execute);
     ~ControlSocket();
@@ -36,11 +34,10 @@ class ControlSocket {
     Execute execute_;
 };
 
-/// Where asip-sim listens without --socket: one path for each user.
+/// Without --socket: one for each user.
 std::filesystem::path usual_control_socket();
 
-/// The other side: sends one command, prints its lines to standard output. The error is the command's or the
-/// socket's.
+/// Sends a command, prints its lines. The error is the command's or the socket's.
 struct ControlError {
     bool reached = false;  ///< false: no program listens there
     std::string text;

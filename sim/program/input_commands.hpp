@@ -11,14 +11,12 @@
 
 namespace asip::sim {
 
-/// Commands on standard input, one a line, which ends as requests do (protocol::kRequestEnds). The end of the
-/// input ends nothing: a service has none.
+/// Commands on standard input. Its end ends nothing: a service has none.
 class InputCommands {
   public:
     using Execute = std::function<void(std::string line)>;
 
-    /// Where standard input is a file, all its lines are executed at once. In the background of a shell no
-    /// commands are read from the terminal.
+    /// A file is executed at once. A program in the background of a shell reads no terminal.
     InputCommands(boost::asio::io_context& context, Execute execute);
 
   private:

@@ -14,18 +14,16 @@
 
 namespace asip::sim {
 
-/// When a board wants to run on.
 enum class Pace {
     kBehind,  ///< at once: it has not caught up with the clock
     kBusy,    ///< soon: bytes are on its line
     kIdle,    ///< when its host or its parts have something for it, or after a millisecond
 };
 
-/// A board that runs by the computer's clock and that programs reach through its ports. Used by one thread at
-/// a time.
+/// A board in real time, reached through its ports. One thread at a time.
 class LiveBoard {
   public:
-    /// The reporter outlives it. Opens the ports and reports them.
+    /// Opens the ports and reports them.
     static Expected<std::unique_ptr<LiveBoard>> create(BoardFile file, Reporter& reporter);
     LiveBoard(const LiveBoard&) = delete;
     LiveBoard& operator=(const LiveBoard&) = delete;
@@ -34,13 +32,13 @@ class LiveBoard {
 
     std::vector<std::string> part_names() const;
 
-    /// Carries bytes between the ports and the board and lets it run up to `now`, but not for long.
+    /// Carries bytes, and runs the board up to `now`, but not for long.
     Pace tick(Time now);
 
-    /// What becomes readable when the host has something for the board.
+    /// Readable: the host has something for the board.
     void add_waits(std::vector<pollfd>& waits) const;
 
-    /// "press button1", "reset", "unplug", "replug", "list"; the answer's lines, or what was wrong.
+    /// "press button1", "reset", "unplug", "replug", "list".
     Expected<std::string> command(std::string_view verb, std::string_view part, std::string_view argument,
                                   Time now);
 
@@ -48,7 +46,6 @@ class LiveBoard {
     LiveBoard(BoardFile file, Reporter& reporter, std::unique_ptr<Board> board);
 
     Expected<void> open_pty();
-    /// All of them, and reports them.
     Expected<void> open_ports();
     void close_ports();
     void send_to_ports();

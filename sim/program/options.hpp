@@ -11,7 +11,6 @@
 
 namespace asip::sim {
 
-/// What asip-sim is asked to do.
 struct Options {
     std::vector<std::string> boards;  ///< board files or images
     std::string board = "uno";        ///< for images
@@ -29,8 +28,7 @@ struct Options {
     std::vector<std::string> command;  ///< asip-sim ctl: its words; otherwise empty
 };
 
-/// From command line, environment and configuration file. The error is the exit status to end with (--help,
-/// --version, a bad option); what there is to print has been printed.
+/// From command line, environment and configuration file. The error is the exit status; all has been printed.
 Expected<Options, int> read_options(int argc, const char* const* argv);
 
 }  // namespace asip::sim

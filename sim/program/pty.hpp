@@ -12,10 +12,10 @@
 
 namespace asip::sim {
 
-/// A pseudo-terminal that stands for a board's serial port. Not blocking.
+/// In place of a serial port. Not blocking.
 class Pty {
   public:
-    /// At 57600 baud and raw, as programs usually set it.
+    /// At 57600 baud and raw.
     static Expected<Pty> open();
     Pty() = default;
     ~Pty();
@@ -33,12 +33,11 @@ class Pty {
         bool readable = false;  ///< that program has written something
     };
     Events look();
-    /// What becomes readable when look() has something new to tell; `in_use` as last seen there.
+    /// `in_use` as look() saw it.
     void add_waits(std::vector<pollfd>& waits, bool with_bytes) const;
-    /// The rate that the program has set; 0 if it is unknown.
+    /// 0: unknown.
     std::uint32_t baud() const;
     std::string read(std::size_t max_bytes);
-    /// How many bytes it took.
     std::size_t write(std::string_view bytes);
 
   private:
@@ -48,9 +47,8 @@ class Pty {
     std::string path_;
 };
 
-/// A symbolic link to a port, for as long as the object lives. Replaces nothing but a link that was left
-/// over by a program that ended: one that leads to the same port, to a pseudo-terminal that is gone, or to
-/// one that was opened after the link was made and so is another program's.
+/// A link to a port while the object lives. Replaces only a leftover: a link to the same port, to a gone
+/// pseudo-terminal, or to one that was opened after the link was made.
 class PortLink {
   public:
     static Expected<PortLink> create(const std::filesystem::path& link, const std::string& target);

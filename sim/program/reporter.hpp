@@ -10,17 +10,15 @@
 
 namespace asip::sim {
 
-/// Prints what happens on the boards, one line each: "uno1 1.234567 led13 on", or as a JSON object. Called
-/// from the boards' threads.
+/// "uno1 1.234567 led13 on", or a JSON object. Called from the boards' threads.
 class Reporter {
   public:
     enum class Format { kText, kJson };
-    /// `write_line` gets a line without its end, one call at a time.
+    /// `write_line`: without line end, one call at a time.
     Reporter(Format format, std::function<void(std::string_view)> write_line);
 
     void changed(const std::string& board, const Change& change);
-    /// Something other than a change of a part: "reset", "unplugged". `details` is an object whose values
-    /// follow in the text.
+    /// "reset", "unplugged". The values of `details` follow in the text.
     void happened(const std::string& board, SimTime time, std::string_view event,
                   const nlohmann::ordered_json& details);
 

@@ -10,24 +10,24 @@
 
 namespace asip::sim {
 
-/// All boards of one asip-sim: runs them and carries out commands.
+/// Runs all boards of an asip-sim and carries out commands.
 class RunningBoards {
   public:
-    /// What a command answers: lines of text (maybe none), or the reason why it was not done.
+    /// Lines of text (maybe none), or why it was not done.
     using Reply = std::function<void(Expected<std::string>)>;
 
-    /// Starts `threads` workers (at most one for each board) that share the boards.
+    /// `threads` workers (at most one a board) share the boards.
     RunningBoards(std::vector<std::unique_ptr<LiveBoard>> boards, unsigned threads,
                   std::chrono::nanoseconds slice);
 
-    /// Does one command line. The reply comes exactly once, maybe from another thread.
+    /// Replies once, maybe from another thread.
     void execute(std::string_view line, Reply reply);
 
-    /// The commands, one a line, those of all kinds of parts among them.
+    /// One a line, with those of parts.
     static std::string help();
 
   private:
-    /// Where a board is: the boards themselves belong to the workers' threads.
+    /// The boards belong to the workers' threads.
     struct Place {
         std::string board;
         std::vector<std::string> parts;

@@ -10,11 +10,11 @@
 
 namespace asip::sim {
 
-/// A board's serial port as a TCP port on 127.0.0.1, for one client at a time; others are turned away while
-/// it is there. Not blocking: everything happens in poll().
+/// A serial port as a TCP port on 127.0.0.1, for one client at a time. Not blocking: everything happens in
+/// poll().
 class TcpPort {
   public:
-    /// 0 takes any free port.
+    /// 0: any free port.
     static Expected<TcpPort> listen(int port);
     TcpPort() = default;
     ~TcpPort();
@@ -25,13 +25,12 @@ class TcpPort {
     int port() const { return port_; }
     bool in_use() const { return client_ >= 0; }
 
-    /// Lets a client in. True if one came.
+    /// True: one came.
     bool accept();
-    /// What the client sent; notices that it left.
+    /// Notices that the client left.
     std::string read(std::size_t max_bytes);
     std::size_t write(std::string_view bytes);
     void drop_client();
-    /// What becomes readable when accept() or read() has something to do.
     void add_waits(std::vector<pollfd>& waits, bool with_bytes) const;
 
   private:

@@ -4,8 +4,7 @@
 
 namespace asip::sim {
 
-/// The speed of a terminal in baud, any number (500000, 250000), 0 if it has none. In a file of its own
-/// because the kernel's header for it and the C library's exclude each other.
+/// In baud; 0: none. Apart, because the kernel's header for it and the C library's exclude each other.
 std::uint32_t tty_speed(int descriptor);
 
 }  // namespace asip::sim

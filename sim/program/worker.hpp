@@ -13,15 +13,14 @@
 
 namespace asip::sim {
 
-/// A thread that runs some boards in turn, each a slice of real time after the other; a longer one while
-/// nothing is on their lines.
+/// A thread that runs boards in turn, in slices of real time, longer ones while no line is busy.
 class Worker {
   public:
     Worker(std::vector<std::unique_ptr<LiveBoard>> boards, std::chrono::nanoseconds slice);
-    /// Ends the thread; the boards go with it, closing their ports.
+    /// The boards go with it.
     ~Worker();
 
-    /// Does something with the boards on their thread, between two slices.
+    /// On their thread, between two slices.
     void post(std::function<void(std::vector<std::unique_ptr<LiveBoard>>&)> task);
 
   private:

@@ -10,7 +10,6 @@
 
 namespace asip::sim {
 
-/// The identity of a published world.
 struct WorldIdentity {
     std::string name;                      ///< on the bus
     std::string source;                    ///< the world's file, for people: in the description as its link
@@ -19,22 +18,20 @@ struct WorldIdentity {
     model::AgentInfo agent{};
 };
 
-/// The name of the service that describes the floor; no rover may have it.
+/// No rover may have this name.
 inline constexpr std::string_view kFloorService = "floor";
-/// A description has room for so many, and the floor.
+/// What a description has room for, beside the floor.
 inline constexpr std::size_t kMaxPublishedRovers = model::kMaxDescriptionServices - 1;
 
-/// A world as a member of the bus: a service `floor` with the line, its measures and the obstacles, and one
-/// for each rover with its pose. The floor is published at once, again when it changed, and every 5 s, since
-/// nothing of it is retained; a pose 20 times a second while it changes and once a second otherwise. It
-/// executes no command. Pure but for the world, which it only reads.
+/// A world on the bus: a service `floor` with line, measures and obstacles, and one for each rover with its
+/// pose. The floor is published at once, on changes, and every 5 s; a pose 20 times a second while it
+/// changes, else once. It executes no command. Pure but for the world, which it reads.
 class WorldMember {
   public:
     WorldMember(const bus::Topics& topics, WorldIdentity identity, std::shared_ptr<const world::World> world,
                 Random random);
 
     const std::string& name() const { return identity_.name; }
-    /// What the broker publishes when this program dies.
     mqtt::Message will() const { return announcer_.will(); }
     std::vector<member::Announcer::Subscription> subscriptions() const;
 
@@ -43,17 +40,15 @@ class WorldMember {
     void on_disconnected() { announcer_.on_disconnected(); }
     void on_message(const mqtt::Message& message, Time now, member::Announcements& out);
 
-    /// `keeps_up`: the broker takes what is published. While it does not nothing is reported; then what is
-    /// newest.
+    /// `keeps_up`: the broker takes what is published; else only the newest follows.
     void tick(Time now, bool keeps_up, member::Announcements& out);
-    /// When to call tick() next.
     Time next_deadline() const;
 
     /// `offline`.
     void goodbye(Time now, member::Announcements& out) { announcer_.goodbye(now, out); }
 
   private:
-    /// One event of a service, and what was said last.
+    /// And what was said last.
     struct Report {
         std::string topic;
         std::string payload{};

@@ -13,11 +13,10 @@
 
 namespace asip::sim {
 
-/// Names for the rovers of a world whose boards are made one after the other: that of the board, and for a
-/// further one on the same board that name with a number.
+/// Names for rovers: that of the board, with a number for further ones.
 class RoverNames {
   public:
-    /// A board was made: the rovers that its world has got by it are named.
+    /// Names the rovers that this board brought.
     void made(const BoardFile& board);
     const std::vector<std::string>& names() const { return names_; }
 
@@ -25,12 +24,12 @@ class RoverNames {
     std::vector<std::string> names_;
 };
 
-/// Keeps the world of some boards on the bus, on the io_context's thread. Whatever becomes of the broker or
-/// the name, the boards run on: it is written to the log.
+/// Keeps a world on the bus, on the io_context's thread. Whatever happens to broker or name is logged; the
+/// boards run on.
 class WorldPublisher {
   public:
-    /// The error is a sentence about `name` or the broker options: a name that no board may have or that one
-    /// of these boards has, no world, more than one, more rovers than a description has room for.
+    /// The error is about `name` (impossible, or a board's) or the broker, no world, several, or too many
+    /// rovers.
     static Expected<std::unique_ptr<WorldPublisher>> create(boost::asio::io_context& io,
                                                             const std::string& name,
                                                             const program::BrokerOptions& broker,

@@ -8,8 +8,7 @@
 
 namespace asip::sim {
 
-/// Something wired to a board's pins. Owned by its Board; used only between the board's runs (or in its
-/// callbacks).
+/// On a board's pins. Used only between the board's runs (or in its callbacks).
 class Part {
   public:
     virtual ~Part() = default;
@@ -19,22 +18,21 @@ class Part {
     const std::string& name() const { return name_; }
     const PartKind& kind() const { return kind_; }
 
-    /// What the part shows now, for a person and as the value in JSON: "on", "pressed", "0.5", "90".
+    /// "on", "pressed", "0.5", "90".
     virtual std::string state() const = 0;
 
-    /// Carries out a command: "press", "release", "set" with "0.25". Errors: the kind has no such
-    /// verb (it names those that there are), an argument where none is taken, or one that is out of range.
+    /// "press", "release", "set" with "0.25". Errors: no such verb (with those there are), an argument too
+    /// many, or out of range.
     Expected<void> command(std::string_view verb, std::string_view argument);
 
-    /// The board was reset and has forgotten its timers: restart what runs by time. Levels are driven
-    /// again already.
+    /// Restart what runs by time; levels are driven already.
     virtual void after_reset() {}
 
   protected:
     Part(std::string name, const PartKind& kind) : name_(std::move(name)), kind_(kind) {}
 
   private:
-    /// `verb` is one of the kind's; `argument` is empty where that takes none.
+    /// `verb` is one of the kind's; `argument` may be empty.
     virtual Expected<void> perform(std::string_view verb, std::string_view argument);
 
     std::string name_;

@@ -14,19 +14,19 @@ namespace world {
 class World;
 }
 
-/// What a part has of its board. Outlives the part.
+/// Outlives the part.
 struct PartContext {
     Wiring& wiring;
     AlarmClock& clock;
     I2cBus& i2c;
     double cycles_per_us;
     std::function<void(const Part&)> changed;  ///< must be called when state() has changed
-    /// Something happened at a part that is not its state: "lap 24.100".
+    /// Other than its state: "lap 24.100".
     std::function<void(const Part&, std::string)> happened;
     std::shared_ptr<world::World> world;  ///< null: the board stands in none
 };
 
-/// The PartPlan::make of a part whose constructor takes a name, a spec and a context.
+/// For a part whose constructor takes a name, a spec and a context.
 template <class Made, class Spec>
 auto maker(const Spec& spec) {
     return [spec](std::string name, PartContext& context) -> std::unique_ptr<Part> {

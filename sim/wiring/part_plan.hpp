@@ -15,9 +15,8 @@ struct PlannedPart {
     PartPlan plan;
 };
 
-/// Reads the settings of all parts and checks that they can be wired as asked: every pin exists, is free and
-/// can do it, each name is used once, and the simulator has enough timers. The error is one line that begins
-/// with the place: "/parts/1/pin: is missing".
+/// Reads and checks all parts: pins exist, are free and can do it, names are unique, timers suffice. The
+/// error begins with the place: "/parts/1/pin: is missing".
 Expected<std::vector<PlannedPart>> plan_parts(const BoardConfig& config, const BoardKind& board);
 
 }  // namespace asip::sim

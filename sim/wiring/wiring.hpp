@@ -12,15 +12,14 @@
 
 namespace asip::sim {
 
-/// A pin at one moment.
 struct PinState {
     bool high = false;
     bool output = false;
     bool operator==(const PinState&) const = default;
 };
 
-/// The board's pins seen from outside the chip: levels, what drives them, and what watches them. Pins are
-/// Arduino pin numbers and have to exist. One without a port is low, whatever drives it.
+/// The pins from outside the chip: levels, what drives them, what watches them, by Arduino numbers. A pin
+/// without a port is low.
 class Wiring {
   public:
     using Callback = std::function<void(PinState)>;
@@ -28,24 +27,22 @@ class Wiring {
     Wiring(avr_t& avr, const BoardKind& kind);
 
     PinState pin(int number) const;
-    /// Drives the pin; an output of the chip wins over it. simavr lets a pull-up win over an outside low:
-    /// here it does not.
+    /// An output of the chip wins. simavr lets a pull-up win over an outside low: here it does not.
     void drive(int number, bool high);
     void release(int number);
-    /// Something outside drives the pin low.
     bool is_pulled_low(int number) const;
     void set_millivolts(int number, int millivolts);
 
-    /// Called at each change of level or direction, in order of registration.
+    /// At each change of level or direction, in order of registration.
     void watch(int number, Callback callback);
 
-    /// What analogWrite() puts out on the pin: 1..254 while its timer drives it, else nothing. Read from the
-    /// timer's registers, since simavr shows no edges for two of the three timers.
+    /// 1..254 while the pin's timer drives it, else nothing. From the registers, since simavr shows no edges
+    /// for two of the three timers.
     std::optional<int> pwm(int number) const;
-    /// Called whenever the answer of pwm() may be another one.
+    /// pwm() may have changed.
     void watch_pwm(int number, std::function<void()> callback);
 
-    /// After a reset of the chip: puts the levels that are driven from outside back on its pins.
+    /// Drives the outside levels again.
     void after_reset();
 
   private:
