@@ -99,12 +99,6 @@ TEST_F(HoldOfMotor, NobodyRenews_RunsForItsTimeAndNoLonger) {
     EXPECT_EQ(json::parse(error->payload)["reason"], "not-renewed");
 }
 
-TEST_F(HoldOfMotor, RenewedByItsSender_RunsOn) {
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold("1500ms");
-    EXPECT_FALSE(stops_within(3s)) << sender->errors();
-}
-
 TEST_F(HoldOfMotor, SenderEndedByCtrlC_StopsAtOnce) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
@@ -191,15 +185,6 @@ TEST_F(HoldOfMotor, AgentKilled_ItsSuccessorStopsTheMotorBeforeItIsOnline) {
     EXPECT_NE(probe.last("asip/servicebus/robot/$state"), "online");
     ASSERT_TRUE(online()) << agent->errors();
     EXPECT_EQ(sender->wait_exit(), 1) << "the new agent holds nothing";
-    EXPECT_FALSE(robot.runs());
-}
-
-TEST_F(HoldOfMotor, BoardRestarts_RenewalsDoNotSwitchItOnAgain) {
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold();
-    robot.command("reset robot");
-    ASSERT_TRUE(stops_within(kDeadline));
-    EXPECT_EQ(sender->wait_exit(), 1) << sender->errors();
     EXPECT_FALSE(robot.runs());
 }
 

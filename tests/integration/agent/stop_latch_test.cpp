@@ -82,12 +82,5 @@ TEST_F(StopThatHolds, AgentKilledAndBrokerWithoutMemory_ItHolds) {
     EXPECT_EQ(drive()["status"], "ok");
 }
 
-TEST_F(StopThatHolds, Once_CommandsAreExecutedAgain) {
-    ASSERT_EQ(drive()["status"], "ok");
-    EXPECT_EQ(asipctl({"stop", "rob*", "--once"}), 0) << said;
-    EXPECT_THAT(said, HasSubstr("stopped once"));
-    EXPECT_EQ(drive()["status"], "ok");
-}
-
 }  // namespace
 }  // namespace asip::test
