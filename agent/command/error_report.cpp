@@ -18,11 +18,18 @@ std::string service_named(const session::ServiceTable& services, char letter) {
     return model::valid_name(name) && letter != 'I' ? name : "io";
 }
 
+std::string service_of_line(const session::ServiceTable& services, std::string_view line) {
+    return service_named(services, line.size() > 1 && line[1] == ',' ? line[0] : '#');
+}
+
+std::string_view request_of_line(std::string_view line) {
+    return line.size() > 2 && line[1] == ',' ? line.substr(2) : line;
+}
+
 void publish_error(const Board& board, std::string_view service, const nlohmann::json& value, Effects& out) {
-    mqtt::Message message;
-    message.topic = board.topics.service_error(board.name, service);
-    message.payload = model::dump_json(value);
-    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+    out.publish.push_back({mqtt::Message{.topic = board.topics.service_error(board.name, service),
+                                         .payload = model::dump_json(value)},
+                           mqtt::Priority::kContext});
 }
 
 void report_failure(const Board& board, const Failure& failure, Effects& out) {

@@ -13,6 +13,10 @@ namespace asip::agent {
 /// The bus name of the service with this letter: its model's, else the letter; `io` where no service has it
 /// (`#`).
 std::string service_named(const session::ServiceTable& services, char letter);
+/// The service of a request line.
+std::string service_of_line(const session::ServiceTable& services, std::string_view line);
+/// The request as it stands on its service's topic: without the service.
+std::string_view request_of_line(std::string_view line);
 
 /// Publishes `{"request":...}` as context: of a flood the oldest give way.
 void publish_error(const Board& board, std::string_view service, const nlohmann::json& value, Effects& out);
