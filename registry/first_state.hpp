@@ -47,11 +47,7 @@ class FirstState {
 
   private:
     void publish(std::string topic, std::string payload, int qos) {
-        mqtt::Message message;
-        message.topic = std::move(topic);
-        message.payload = std::move(payload);
-        message.qos = qos;
-        publish_(std::move(message));
+        publish_(mqtt::Message{.topic = std::move(topic), .payload = std::move(payload), .qos = qos});
     }
     void whole() {
         mark_.clear();

@@ -18,10 +18,7 @@ IdentityWatch::IdentityWatch(const bus::Topics& topics, std::string id, std::str
 }
 
 mqtt::Message IdentityWatch::probe() const {
-    mqtt::Message message;
-    message.topic = topics_.registry_query(id_);
-    message.payload = probe_;
-    return message;
+    return mqtt::Message{.topic = topics_.registry_query(id_), .payload = probe_};
 }
 
 std::optional<std::string> IdentityWatch::other(const mqtt::Message& message) const {

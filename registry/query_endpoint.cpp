@@ -27,12 +27,8 @@ std::string asker_of(const std::string& topic) {
 
 mqtt::Message message_of(bus::Answer answer, const bus::ReplyTo& reply) {
     answer.id = reply.id;
-    mqtt::Message out;
-    out.topic = reply.topic;
-    out.correlation = reply.correlation;
-    out.qos = 1;
-    out.payload = bus::encode(answer);
-    return out;
+    return mqtt::Message{
+        .topic = reply.topic, .payload = bus::encode(answer), .qos = 1, .correlation = reply.correlation};
 }
 
 }  // namespace

@@ -132,12 +132,8 @@ std::vector<Registry::Subscription> Registry::subscriptions() const {
 }
 
 mqtt::Message Registry::state(std::string word) const {
-    mqtt::Message message;
-    message.topic = topics_.registry_state(id_);
-    message.payload = std::move(word);
-    message.retain = true;
-    message.qos = 1;
-    return message;
+    return mqtt::Message{
+        .topic = topics_.registry_state(id_), .payload = std::move(word), .qos = 1, .retain = true};
 }
 
 mqtt::Message Registry::will() const {

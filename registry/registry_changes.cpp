@@ -75,10 +75,7 @@ void Registry::publish_changes() {
 }
 
 void Registry::publish(const bus::ChangeEvent& event) {
-    mqtt::Message message;
-    message.topic = topics_.registry_events(id_);
-    message.payload = bus::encode(event);
-    port_.publish(std::move(message));
+    port_.publish(mqtt::Message{.topic = topics_.registry_events(id_), .payload = bus::encode(event)});
 }
 
 void Registry::publish_statistics() {
@@ -86,11 +83,9 @@ void Registry::publish_statistics() {
         statistics_.counts.history_dropped = history_->dropped_rows();
         statistics_.counts.history_fault = history_->fault();
     }
-    mqtt::Message message;
-    message.topic = topics_.registry_stats(id_);
-    message.payload = statistics_.document(catalogue_, feed_.epoch(), feed_.seq(), now_);
-    message.retain = true;
-    port_.publish(std::move(message));
+    port_.publish(mqtt::Message{.topic = topics_.registry_stats(id_),
+                                .payload = statistics_.document(catalogue_, feed_.epoch(), feed_.seq(), now_),
+                                .retain = true});
 }
 
 }  // namespace asip::registry

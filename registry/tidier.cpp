@@ -10,11 +10,7 @@ Tidier::Tidier(const bus::Topics& topics, Port port, IsAlive is_alive)
 
 void Tidier::clear(std::string topic) {
     if (denied_topics_.contains(topic)) return;
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.retain = true;
-    message.qos = 1;
-    port_.publish(std::move(message));
+    port_.publish(mqtt::Message{.topic = std::move(topic), .qos = 1, .retain = true});
 }
 
 std::string Tidier::context_filter(const std::string& board) const {

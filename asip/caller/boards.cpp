@@ -68,9 +68,7 @@ Caller::Mark Caller::mark_retained() {
                                        if (!*at) *at = now_;
                                    },
                                    {.qos = 1});
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = "mark";
+    mqtt::Message message{.topic = topic, .payload = "mark"};
     message.qos = 1;  // of QoS 0 it would overtake messages of QoS 1 that wait
     publish(std::move(message));
     return mark;

@@ -96,10 +96,7 @@ const std::string& Caller::Call::id() const {
 
 Caller::Call Caller::command(Command command, Done done, Time now) {
     now_ = now;
-    mqtt::Message message;
-    message.topic = command.topic;
-    message.payload = std::move(command.payload);
-    message.qos = command.qos;
+    mqtt::Message message{.topic = command.topic, .payload = std::move(command.payload), .qos = command.qos};
     // What reaches the broker while the agent is away is not delivered when it is no longer wanted.
     if (!command.lasts) message.expire_after(command.deadline);
     bus::Requester::More more{.plain = command.plain, .by = command.by, .id = std::move(command.id)};

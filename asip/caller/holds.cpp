@@ -44,9 +44,9 @@ void Caller::renew(const std::shared_ptr<Hold::Entry>& hold, Time now) {
     const auto between = std::max<Duration>(hold->hold / 3, std::chrono::milliseconds(10));
     hold->next = now + between;
     if (access_.why_lost()) return;
-    mqtt::Message message;
-    message.topic = hold->topic;
-    message.payload = model::dump_json({{"renew", hold->id}, {"hold_ms", hold->hold.count()}});
+    mqtt::Message message{
+        .topic = hold->topic,
+        .payload = model::dump_json({{"renew", hold->id}, {"hold_ms", hold->hold.count()}})};
     message.expire_after(hold->hold);
     hold->renewal = ask(
         std::move(message),

@@ -41,11 +41,7 @@ std::string session_behind(const std::string& other, std::uint64_t started_unix,
 }
 
 mqtt::Message plain(std::string topic, std::string payload) {
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.payload = std::move(payload);
-    message.qos = 1;
-    return message;
+    return mqtt::Message{.topic = std::move(topic), .payload = std::move(payload), .qos = 1};
 }
 
 // A stored description proves no living agent, nor does a goodbye.
@@ -60,12 +56,7 @@ Duration random_part(Duration of, const Random& random) {
 }  // namespace
 
 mqtt::Message retained(std::string topic, std::string payload) {
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.payload = std::move(payload);
-    message.qos = 1;
-    message.retain = true;
-    return message;
+    return mqtt::Message{.topic = std::move(topic), .payload = std::move(payload), .qos = 1, .retain = true};
 }
 
 std::vector<std::string> take_stray_answers(Publications& publish, const bus::Topics& topics,

@@ -112,9 +112,7 @@ void ClientCore::look_for_stand_still(bool unread, Time now, Actions& out) {
         own_subscription_ = OwnSubscription{};
         out.push_back(action::Subscribe{own_topic_, {.qos = 1, .retained = false}});
     } else if (own_subscription_->granted) {
-        Message message;
-        message.topic = own_topic_;
-        message.qos = *qos;
+        Message message{.topic = own_topic_, .qos = *qos};
         if (!outbox_.push(std::move(message), Priority::kUrgent, now)) return;
         stand_still_.sent(now);
         flush(now, out);

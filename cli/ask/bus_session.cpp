@@ -187,21 +187,13 @@ bool BusSession::v5() const {
 }
 
 void BusSession::publish(const std::string& topic, const std::string& payload, int qos, bool retain) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.qos = qos;
-    message.retain = retain;
-    state_->caller.publish(std::move(message));
+    state_->caller.publish(mqtt::Message{.topic = topic, .payload = payload, .qos = qos, .retain = retain});
 }
 
 BusSession::Request BusSession::ask(const std::string& topic, const std::string& payload, OnMessage on_reply,
                                     int qos, bool plain) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.qos = qos;
-    return state_->caller.ask(std::move(message), std::move(on_reply), Clock::now(), plain);
+    return state_->caller.ask(mqtt::Message{.topic = topic, .payload = payload, .qos = qos},
+                              std::move(on_reply), Clock::now(), plain);
 }
 
 BusSession::Call BusSession::command(caller::Command command, OnAnswer on_answer) {

@@ -25,11 +25,8 @@ struct Claims {
             if (ref->kind == bus::TopicKind::kRegistryState) registries[std::string(ref->board)] = payload;
             // Names are said, not stored: they make no board.
             if (ref->kind != bus::TopicKind::kState && ref->kind != bus::TopicKind::kDescription) continue;
-            mqtt::Message message;
-            message.topic = topic;
-            message.payload = payload;
-            message.retain = true;
-            message.expiry_seconds = expiry_seconds;
+            mqtt::Message message{
+                .topic = topic, .payload = payload, .retain = true, .expiry_seconds = expiry_seconds};
             boards.apply(message, kThen);
         }
     }

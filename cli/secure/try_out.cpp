@@ -41,10 +41,7 @@ class Attempt {
 
     /// A refused message may cost the connection: one at a time, and none is lost.
     void publish(const std::string& topic, Time end) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.qos = 1;
-        client_.publish(std::move(message), mqtt::Priority::kReply);
+        client_.publish(mqtt::Message{.topic = topic, .qos = 1}, mqtt::Priority::kReply);
         run_until([&] { return allowed_.contains(topic) || denied_.contains(topic); }, end);
     }
     Found published(const std::vector<std::string>& topics) const { return found(topics, allowed_, denied_); }

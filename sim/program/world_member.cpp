@@ -175,10 +175,8 @@ void WorldMember::say(Report& report, std::string payload, Duration again, Time 
     if (payload == report.payload && now < report.due) return;
     report.payload = std::move(payload);
     report.due = now + again;
-    mqtt::Message message;
-    message.topic = report.topic;
-    message.payload = report.payload;
-    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+    out.publish.push_back(
+        {mqtt::Message{.topic = report.topic, .payload = report.payload}, mqtt::Priority::kContext});
 }
 
 void WorldMember::say_obstacles(Time now, Announcements& out) {

@@ -140,12 +140,10 @@ Time Demander::renewal(Time now) const {
 }
 
 mqtt::Message Demander::message(const std::string& board, std::map<std::string, double> services) const {
-    mqtt::Message result;
-    result.topic = topics_.demand(board, demander_);
-    result.payload = to_text(Demand{std::move(services), kDemandLease});
-    result.qos = 1;
-    result.expiry_seconds = static_cast<std::uint32_t>(kDemandLease.count());
-    return result;
+    return mqtt::Message{.topic = topics_.demand(board, demander_),
+                         .payload = to_text(Demand{std::move(services), kDemandLease}),
+                         .qos = 1,
+                         .expiry_seconds = static_cast<std::uint32_t>(kDemandLease.count())};
 }
 
 std::vector<mqtt::Message> Demander::due(Time now) {
