@@ -146,13 +146,13 @@ void Bridge::start_publishing(Effects& out) {
 
 void Bridge::publish_statistics(const mqtt::Counters& bus, Time now, Effects& out) {
     if (!announcer_ || !announcer_->may_publish()) return;
-    mqtt::Message message;
-    message.topic = board_.topics.stats(name());
-    message.payload = statistics_.document(
-        {board_.session, bus, name(), announcer_->session(), control_.forgotten_answers(),
-         safety_.holds().size(), periods_, context_.undecoded()},
-        now);
-    out.publish.push_back({std::move(message), mqtt::Priority::kContext});
+    out.publish.push_back(
+        {mqtt::Message{.topic = board_.topics.stats(name()),
+                       .payload = statistics_.document(
+                           {board_.session, bus, name(), announcer_->session(), control_.forgotten_answers(),
+                            safety_.holds().size(), periods_, context_.undecoded()},
+                           now)},
+         mqtt::Priority::kContext});
 }
 
 void Bridge::tick(Time now, Effects& out) {

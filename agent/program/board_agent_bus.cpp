@@ -283,10 +283,8 @@ void BoardAgent::publish_statistics(Duration after) {
 void BoardAgent::publish_log() {
     if (!bus_ || !bridge_.may_publish()) return;
     for (auto& line : log_.take()) {
-        mqtt::Message message;
-        message.topic = topics_.log(bridge_.name());
-        message.payload = std::move(line);
-        bus_->publish(std::move(message), mqtt::Priority::kContext);
+        bus_->publish(mqtt::Message{.topic = topics_.log(bridge_.name()), .payload = std::move(line)},
+                      mqtt::Priority::kContext);
     }
 }
 

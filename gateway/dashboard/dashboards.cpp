@@ -37,12 +37,7 @@ void Dashboards::complete() {
 }
 
 mqtt::Message Dashboards::message_of(const std::string& name, std::string payload) const {
-    mqtt::Message message;
-    message.topic = prefix_ + name;
-    message.payload = std::move(payload);
-    message.qos = 1;
-    message.retain = true;
-    return message;
+    return mqtt::Message{.topic = prefix_ + name, .payload = std::move(payload), .qos = 1, .retain = true};
 }
 
 bool Dashboards::take(const mqtt::Message& message) {

@@ -52,12 +52,8 @@ bool BoardExport::keep_turn(Time now) {
 }
 
 void BoardExport::retain(std::string topic, std::string payload, int qos) {
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.payload = std::move(payload);
-    message.qos = qos;
-    message.retain = true;
-    port_.publish(std::move(message));
+    port_.publish(
+        mqtt::Message{.topic = std::move(topic), .payload = std::move(payload), .qos = qos, .retain = true});
 }
 
 void BoardExport::take_up(ShownBoard& shown, std::shared_ptr<const ExportedBoard> board,

@@ -64,12 +64,8 @@ std::vector<std::string> Exporter::own_subscriptions() const {
 }
 
 std::optional<mqtt::Message> Exporter::will() const {
-    mqtt::Message message;
-    message.topic = dialect().gateway_state();
-    message.payload = dialect().lost();
-    message.qos = 1;
-    message.retain = true;
-    return message;
+    return mqtt::Message{
+        .topic = dialect().gateway_state(), .payload = dialect().lost(), .qos = 1, .retain = true};
 }
 
 void Exporter::retain(std::string topic, std::string payload, int qos) {
@@ -102,11 +98,7 @@ void Exporter::message(const mqtt::Message& message, Time now) {
 void Exporter::own_subscribed(Time now) {
     if (phase_ == Phase::kPreparing && scan_.runs()) {
         // Behind all that is retained: a message of QoS 0 would overtake those of QoS 1 that wait.
-        mqtt::Message last;
-        last.topic = mark();
-        last.payload = "1";
-        last.qos = 1;
-        port_.publish(std::move(last));
+        port_.publish(mqtt::Message{.topic = mark(), .payload = "1", .qos = 1});
     }
     if (phase_ != Phase::kConnecting) return;
     if (claim((options_.enabled ? "exports boards to " : "clears what was exported to ") +

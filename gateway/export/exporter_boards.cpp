@@ -252,10 +252,7 @@ void Exporter::acted(const std::string& board, const std::string& id, property::
         if (property.id != id) continue;
         auto said = dialect().act(board, property, act);
         if (!said) continue;
-        mqtt::Message message;
-        message.topic = std::move(said->topic);
-        message.payload = std::move(said->text);
-        message.qos = 1;
+        mqtt::Message message{.topic = std::move(said->topic), .payload = std::move(said->text), .qos = 1};
         ++acknowledged_;
         port_.publish(std::move(message));
     }
@@ -319,10 +316,7 @@ void Exporter::failed(const std::string& board, const std::string& id, const std
     auto text = dialect().error_text(sentence);
     if (dialect().error_is_retained())
         return offer(found->second, found->second.board->properties.size(), std::move(text), now_);
-    mqtt::Message message;
-    message.topic = dialect().error(board);
-    message.payload = std::move(text);
-    port_.publish(std::move(message));
+    port_.publish(mqtt::Message{.topic = dialect().error(board), .payload = std::move(text)});
 }
 
 }  // namespace asip::gateway::exports

@@ -44,11 +44,7 @@ mqtt::Message SparkplugNode::death_of(unsigned bd_seq) const {
     sparkplug::Payload payload;
     payload.timestamp = time_ms();
     payload.metrics.push_back(Sparkplug::bd_seq(bd_seq, *payload.timestamp));
-    mqtt::Message message;
-    message.topic = dialect_.topic("NDEATH");
-    message.payload = sparkplug::write(payload);
-    message.qos = 1;
-    return message;
+    return mqtt::Message{.topic = dialect_.topic("NDEATH"), .payload = sparkplug::write(payload), .qos = 1};
 }
 
 /// With the next number.
@@ -56,10 +52,7 @@ void SparkplugNode::say(const std::string& topic, sparkplug::Payload payload) {
     payload.timestamp = time_ms();
     payload.seq = seq_;
     seq_ = (seq_ + 1) % kNumbers;
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = sparkplug::write(payload);
-    port_.publish(std::move(message));
+    port_.publish(mqtt::Message{.topic = topic, .payload = sparkplug::write(payload)});
 }
 
 /// The first, and then ever more seldom: what others send must not fill the log.

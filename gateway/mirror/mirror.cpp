@@ -92,10 +92,7 @@ void Mirror::subscribed(const Instant& now) {
     status(now, "connected");
     mark_ = random_hex(random_, 16);
     mark_sent_ = now.time;
-    mqtt::Message mark;
-    mark.topic = options_.own_topic;
-    mark.payload = mark_;
-    port_.publish(std::move(mark));
+    port_.publish(mqtt::Message{.topic = options_.own_topic, .payload = mark_});
     mqtt::Message probe;
     probe.topic = topics_.probe();
     port_.publish(std::move(probe));
