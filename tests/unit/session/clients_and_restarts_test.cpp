@@ -17,9 +17,7 @@ using testing::IsEmpty;
 using testing::Not;
 
 TEST(BoardSession, FloodOfOneClient_AnotherWaitsForOneRequestOnly) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.board.mute = true;
     for (int i = 0; i < 64; ++i)
         bench.request("S,W,0," + std::to_string(i), {.client = 1});
@@ -35,9 +33,7 @@ TEST(BoardSession, FloodOfOneClient_AnotherWaitsForOneRequestOnly) {
 }
 
 TEST(BoardSession, DeadlineWhileWaiting_IsNotSentAndNeverWillBe) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.board.mute = true;
     std::vector<RequestId> ids;
     for (int i = 0; i < 10; ++i)
@@ -54,9 +50,7 @@ TEST(BoardSession, DeadlineWhileWaiting_IsNotSentAndNeverWillBe) {
 
 TEST_P(EachGeneration, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot) {
     SessionOptions options = no_step_up();
-    bench.session = Bench::make_session(options);
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start(options));
     for (const char* line : {"I,P,13,3", "I,d,13,1", "D,A,100", "S,W,0,90", "I,P,12,2"})
         bench.request(line);
     bench.board.executed.clear();
@@ -70,9 +64,7 @@ TEST_P(EachGeneration, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot)
 
 // The answer is read before the line mends itself: the board is asked again before it is another one.
 TEST_P(EachGeneration, AnswerIsDamagedBehindARestart_SettingsAreRestored) {
-    bench.session = Bench::make_session(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start(no_step_up()));
     bench.request("I,P,13,3");
     bench.board.executed.clear();
     bench.board.heard.clear();
@@ -89,9 +81,7 @@ TEST_P(EachGeneration, AnswerIsDamagedBehindARestart_SettingsAreRestored) {
 }
 
 TEST_P(EachGeneration, AnotherSketchBehindARestart_IsBelievedTheSecondTime) {
-    bench.session = Bench::make_session(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start(no_step_up()));
     bench.request("I,P,13,3");
     bench.board.executed.clear();
     bench.board.heard.clear();
@@ -104,9 +94,7 @@ TEST_P(EachGeneration, AnotherSketchBehindARestart_IsBelievedTheSecondTime) {
 }
 
 TEST_P(EachGeneration, BannerCutInHalf_IsStillARestart) {
-    bench.session = Bench::make_session(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start(no_step_up()));
     bench.request("I,P,13,3");
     bench.board.executed.clear();
     bench.say("ing on ATmega328P with Services: I S D \r\n");
@@ -116,9 +104,7 @@ TEST_P(EachGeneration, BannerCutInHalf_IsStillARestart) {
 
 // The board had accepted that setting before: the line changed it, and may have changed what follows.
 TEST_P(EachGeneration, ErrorOfASettingThatIsRestored_PutsWhatIsInFlightInDoubt) {
-    bench.session = Bench::make_session(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start(no_step_up()));
     bench.request("I,P,13,3");
     bench.board.replies["I,P,13,3"] = "~I,P,3{INVALID_PIN}";
     bench.board.misreads["S,W,0,2"] = "S,W,0,0";
@@ -136,8 +122,7 @@ TEST_P(EachGeneration, ErrorOfASettingThatIsRestored_PutsWhatIsInFlightInDoubt) 
 struct RestoredDamaged : testing::Test {
     RestoredDamaged() : bench(no_step_up()) {
         bench.board.verified_fences = true;
-        bench.plug();
-        EXPECT_TRUE(bench.ready_within());
+        EXPECT_TRUE(bench.start());
         bench.request("I,P,13,3");
         bench.board.misreads["I,P,13,3"] = "I,P,13,1";
         bench.say(bench.board.reboot());
@@ -181,9 +166,7 @@ TEST_F(RestoredDamaged, ClientsFloodMeanwhile_AreServedAndItIsRestored) {
 }
 
 TEST(BoardSession, RestartAtAFastRate_IsNoticedByGarbageAndRestored) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.request("I,P,13,3");
     bench.board.executed.clear();
     bench.board.reboot();
@@ -197,8 +180,7 @@ TEST(BoardSession, RestartAtAFastRate_IsNoticedByGarbageAndRestored) {
 TEST(BoardSession, RefusedMode_IsNotRestored) {
     Bench bench(no_step_up());
     bench.board.replies["I,P,1,3"] = "~I,P,3{INVALID_PIN}";
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.request("I,P,1,3");
     bench.board.executed.clear();
     bench.say(bench.board.reboot());
@@ -207,9 +189,7 @@ TEST(BoardSession, RefusedMode_IsNotRestored) {
 }
 
 TEST(BoardSession, ClientRestartsTheBoard_NothingIsRestored) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.request("I,P,13,3");
     bench.request("#,R");
     bench.board.executed.clear();
@@ -219,9 +199,7 @@ TEST(BoardSession, ClientRestartsTheBoard_NothingIsRestored) {
 }
 
 TEST(BoardSession, Replugged_SettingsAreRestored) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.request("I,P,13,3");
     bench.unplug();
     bench.board.reboot();
@@ -233,9 +211,7 @@ TEST(BoardSession, Replugged_SettingsAreRestored) {
 }
 
 TEST(BoardSession, QueuedWhileRestarting_IsExecutedAfterwards) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.request("I,P,13,3");
     bench.board.mute = true;
     bench.say(bench.board.reboot());
@@ -248,8 +224,7 @@ TEST(BoardSession, QueuedWhileRestarting_IsExecutedAfterwards) {
 }
 
 TEST_P(EachGeneration, QuietBoard_IsProbedAndStaysReady) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.pass(1min);
     EXPECT_EQ(bench.session.state(), BoardSession::State::kReady);
     EXPECT_EQ(bench.count("silent"), 0);
@@ -258,8 +233,7 @@ TEST_P(EachGeneration, QuietBoard_IsProbedAndStaysReady) {
 }
 
 TEST_P(EachGeneration, BoardStopsAnswering_IsSilentWithinFourSecondsAndFoundAgain) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.board.mute = true;
     bench.pass(4s);
     EXPECT_EQ(bench.count("silent"), 1);
@@ -271,9 +245,7 @@ TEST_P(EachGeneration, BoardStopsAnswering_IsSilentWithinFourSecondsAndFoundAgai
 }
 
 TEST_P(EachGeneration, GarbageInManyForms_IsCountedAndTheNextMessageWorks) {
-    bench.session = Bench::make_session(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start(no_step_up()));
     const std::string long_line(10'000, 'x');
     for (const std::string& bytes :
          {std::string("\0\xff\x80\n", 4), long_line + "\n", std::string("@\n"), std::string("~I,d,\n"),
@@ -289,9 +261,7 @@ TEST_P(EachGeneration, GarbageInManyForms_IsCountedAndTheNextMessageWorks) {
 }
 
 TEST(BoardSession, NoNewlineForAMinute_BoardIsAskedAndStays) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.say("@I,a,1,{");
     bench.pass(1min);
     ASSERT_TRUE(bench.ready_within(5s));

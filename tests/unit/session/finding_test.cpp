@@ -163,8 +163,7 @@ TEST(BoardSession, SlowToSayWhatItIs_IsNotCalledNoAnswer) {
 }
 
 TEST_P(EachGeneration, RestartsAgainAndAgainAndSaysNothingElse_IsSilent) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.board.mute = true;
     for (int i = 0; i < 10; ++i) {
         bench.say(bench.board.reboot());
@@ -177,9 +176,7 @@ TEST_P(EachGeneration, RestartsAgainAndAgainAndSaysNothingElse_IsSilent) {
 }
 
 TEST(BoardSession, CallerWasStopped_SilenceMeanwhileSaysNothing) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.board.mute = true;
     bench.request("I,d,13,1", {.prove = false});
     const Time stopped = bench.now;
@@ -290,9 +287,7 @@ TEST(BoardSession, OnTcp_NoRateIsTouched) {
 }
 
 TEST(BoardSession, GarbageAtAFastRate_GoesToASlowerOne) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     for (int i = 0; i < 3; ++i)
         bench.say("\x81\x82garbage\n");
     ASSERT_TRUE(bench.ready_within(5s));

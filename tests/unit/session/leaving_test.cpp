@@ -11,9 +11,7 @@ namespace {
 using State = BoardSession::State;
 
 TEST(Leaving, FastBoard_IsBackAtItsStartRateWithoutChecksums) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     ASSERT_EQ(bench.board.baud, 1'000'000u);
     ASSERT_TRUE(bench.board.checksum);
     bench.leave();
@@ -24,9 +22,7 @@ TEST(Leaving, FastBoard_IsBackAtItsStartRateWithoutChecksums) {
 }
 
 TEST(Leaving, RequestUnderWay_EndsFirstAndOnesThatWaitAreNotSent) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.hold();
     std::vector<RequestId> requests;
     for (int i = 0; i < 20; ++i)
@@ -41,9 +37,7 @@ TEST(Leaving, RequestUnderWay_EndsFirstAndOnesThatWaitAreNotSent) {
 }
 
 TEST(Leaving, BoardThatIsMute_IsLeftInAThirdOfASecond) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.board.mute = true;
     bench.request("I,d,13,1");
     bench.leave();
@@ -54,8 +48,7 @@ TEST(Leaving, BoardThatIsMute_IsLeftInAThirdOfASecond) {
 TEST(Leaving, OldBoard_HearsNothing) {
     Bench bench;
     bench.board.extensions = false;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto heard = bench.board.heard.size();
     bench.leave();
     EXPECT_EQ(bench.session.state(), State::kDown);
@@ -63,9 +56,7 @@ TEST(Leaving, OldBoard_HearsNothing) {
 }
 
 TEST(Leaving, AtOnce_WaitsForNothing) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.hold();
     bench.request("I,d,13,1");
     bench.leave(Leave::kAtOnce);
@@ -73,14 +64,11 @@ TEST(Leaving, AtOnce_WaitsForNothing) {
 }
 
 TEST(Leaving, PortThatComesBack_IsUsedAsBefore) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.leave();
     bench.unplug();
     bench.host_baud = 57600;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     EXPECT_EQ(bench.board.baud, 1'000'000u);
     const auto request = bench.request("I,d,13,1");
     EXPECT_EQ(bench.end_of(request)->ending, Ending::kExecuted);

@@ -13,8 +13,7 @@ using testing::Contains;
 using testing::IsEmpty;
 
 TEST_P(EachGeneration, LongestRequestsWithReportsOn_NeverMoreThanTheBufferAndAllExecuted) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const std::string line = "S,W,0," + std::string(56, '1');
     ASSERT_EQ(line.size(), 62u);
     std::vector<RequestId> ids;
@@ -33,17 +32,13 @@ TEST_P(EachGeneration, LongestRequestsWithReportsOn_NeverMoreThanTheBufferAndAll
 }
 
 TEST(BoardSession, FastLine_CarriesChecksumsUnasked) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     EXPECT_EQ(bench.session.baud(), 1'000'000u);
     EXPECT_TRUE(bench.board.checksum);
 }
 
 TEST(BoardSession, SlowLine_CarriesChecksumsFromTheFirstDamageOn) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     EXPECT_FALSE(bench.board.checksum);
     bench.say("nonsense\n");
     EXPECT_TRUE(bench.board.checksum);
@@ -53,9 +48,7 @@ TEST(BoardSession, SlowLine_CarriesChecksumsFromTheFirstDamageOn) {
 // A request that has no room for a checksum in the board's buffer goes without, and so does all that the
 // board says then.
 TEST(BoardSession, LongRequestWhileAValueIsAwaited_ValueKeepsItsChecksum) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     ASSERT_TRUE(bench.board.checksum);
     const std::string longest = "S,W,0," + std::string(56, '1');
     const auto value = bench.request("D,M", {.client = 1, .answer_tag = 'e', .answer_time = 500ms});
@@ -90,9 +83,7 @@ TEST(BoardSession, ChecksumsStillOnAndTurningThemOffIsLost_IdentityIsWhole) {
 }
 
 TEST(BoardSession, ValueComesAfterTheFence_IsWaitedFor) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     const auto id = bench.request("D,M", {.answer_tag = 'e'});
     EXPECT_EQ(bench.end_of(id), nullptr) << "executed, but not measured yet";
     bench.pass(25ms);
@@ -103,9 +94,7 @@ TEST(BoardSession, ValueComesAfterTheFence_IsWaitedFor) {
 }
 
 TEST(BoardSession, ValueDoesNotCome_EndsWithoutIt) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     const auto id = bench.request("D,M", {.answer_tag = 'e', .answer_time = 500ms});
     bench.pass(500ms);
     ASSERT_NE(bench.end_of(id), nullptr);
@@ -113,9 +102,7 @@ TEST(BoardSession, ValueDoesNotCome_EndsWithoutIt) {
 }
 
 TEST(BoardSession, TwoClientsAskForAMeasurementAtOnce_TheSecondWaitsForTheFirstAndBothGetValues) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     const auto first = bench.request("D,M", {.client = 1, .answer_tag = 'e'});
     const auto second = bench.request("D,M", {.client = 2, .answer_tag = 'e'});
     const auto other = bench.request("I,d,13,1", {.client = 2});
@@ -136,8 +123,7 @@ bool is_list(const protocol::Event& event) {
 }
 
 TEST_P(EachGeneration, ValueMergedWithAnotherLine_IsNotTaken) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     for (const char* merged : {"@D,e,{0:0,1:0}", "@D,e,2,{0:0,1:0,2:0}"}) {
         const auto id = bench.request("D,M", {.answer_tag = 'e', .is_answer = is_list});
         bench.say_line(merged);
@@ -147,8 +133,7 @@ TEST_P(EachGeneration, ValueMergedWithAnotherLine_IsNotTaken) {
 }
 
 TEST_F(OldBoard, BeginningOfALineWithinAnother_DoubtsWhatIsUnderWay) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.board.mute = true;
     for (const char* merged : {"@D,e,1,{4@I,a,1,{0:320}", "@D,e,1,{~I,d,11{BAD_ARGUMENT}"}) {
         const auto id = bench.request("I,d,13,1");
@@ -161,8 +146,7 @@ TEST_F(OldBoard, BeginningOfALineWithinAnother_DoubtsWhatIsUnderWay) {
 }
 
 TEST_F(OldBoard, AnswerToAFenceIsDamaged_DoubtsWhatIsUnderWay) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.board.mute = true;
     for (int i = 0; i < 2; ++i) {
         const auto id = bench.request("I,d,13,1");
@@ -174,8 +158,7 @@ TEST_F(OldBoard, AnswerToAFenceIsDamaged_DoubtsWhatIsUnderWay) {
 }
 
 TEST_F(OldBoard, ValueOfARequestWhoseDeadlineCameFirst_IsNotThatOfTheNext) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto first = bench.request("D,M", {.deadline = bench.now + 20ms, .answer_tag = 'e'});
     bench.pass(20ms);
     ASSERT_NE(bench.end_of(first), nullptr);
@@ -192,8 +175,7 @@ TEST_F(OldBoard, ValueOfARequestWhoseDeadlineCameFirst_IsNotThatOfTheNext) {
 }
 
 TEST_F(OldBoard, BoardStoodStillWhileItMeasured_ValueIsNotThatOfTheNext) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto first = bench.request("D,M", {.answer_tag = 'e', .answer_time = 500ms});
     bench.board.mute = true;
     bench.request("I,d,13,1");
@@ -210,9 +192,7 @@ TEST_F(OldBoard, BoardStoodStillWhileItMeasured_ValueIsNotThatOfTheNext) {
 }
 
 TEST(BoardSession, PeriodIsOnItsWayToTheBoard_AReportIsNotTheValueThatWasAskedFor) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.board.heard.clear();
     bench.board.swallow_fences = 2;
     const auto period = bench.request("D,A,100");
@@ -229,9 +209,7 @@ TEST(BoardSession, PeriodIsOnItsWayToTheBoard_AReportIsNotTheValueThatWasAskedFo
 }
 
 TEST(BoardSession, ReportsWereTurnedOffAndValuesTakeTime_IsAskedAtOnce) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     const auto first = bench.request("D,M", {.answer_tag = 'e'});
     bench.say_line("@D,e,1,{1}");
     ASSERT_EQ(bench.end_of(first)->ending, Ending::kExecuted);
@@ -244,9 +222,7 @@ TEST(BoardSession, ReportsWereTurnedOffAndValuesTakeTime_IsAskedAtOnce) {
 }
 
 TEST(BoardSession, ErrorInPlaceOfTheValue_EndsTheRequestWithIt) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     const auto id = bench.request("D,M", {.client = 7, .answer_tag = 'e', .answer_time = 500ms});
     bench.pass(50ms);
     ASSERT_EQ(bench.end_of(id), nullptr) << "executed, but without its value";
@@ -262,8 +238,7 @@ TEST(BoardSession, ErrorInPlaceOfTheValue_EndsTheRequestWithIt) {
 TEST(BoardSession, ErrorInPlaceOfTheValueBeforeTheFence_EndsTheRequestBehindIt) {
     Bench bench(no_step_up());
     bench.board.replies["D,M"] = "~D,e,8{DEVICE_NOT_AVAILABLE}";
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto id = bench.request("D,M", {.answer_tag = 'e'});
     const auto next = bench.request("I,d,13,1");
     bench.pass(1ms);
@@ -288,9 +263,7 @@ TEST(BoardSession, BoardReportedBeforeTheSessionWasReady_ReportIsNotTakenForTheV
 }
 
 TEST(BoardSession, ReportBeforeTheFence_IsNotTakenForTheValue) {
-    Bench bench(no_step_up());
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(no_step_up());
     bench.request("D,A,100");
     bench.pass(1s);
     bench.board.replies["D,M"] = "@D,e,1,{1}";
@@ -305,9 +278,7 @@ TEST(BoardSession, ReportBeforeTheFence_IsNotTakenForTheValue) {
 TEST(BoardSession, ChecksumWanted_LinesCarryItBothWays) {
     SessionOptions options = no_step_up();
     options.checksum = ChecksumPolicy::kAlways;
-    Bench bench(options);
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench(options);
     const auto id = bench.request("I,d,13,1");
     EXPECT_TRUE(bench.board.checksum);
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);

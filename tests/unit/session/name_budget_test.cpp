@@ -49,9 +49,7 @@ TEST(NameBudget, QuestionForTheName_CostsNothing) {
 }
 
 TEST(BoardSession, NamesTooOften_AreRefusedAndOtherRequestsWork) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     for (unsigned i = 0; i < NameBudget::kAtOnce; ++i)
         bench.request("#,I,name" + std::to_string(i));
     EXPECT_EQ(bench.refused("#,I,another"), Refusal::kTooManyNames);

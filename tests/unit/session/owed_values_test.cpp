@@ -12,9 +12,7 @@ namespace {
 class AnswersAtOnce : public EachGeneration {
   protected:
     AnswersAtOnce() {
-        bench.session = Bench::make_session(no_step_up());
-        bench.plug();
-        EXPECT_TRUE(bench.ready_within());
+        EXPECT_TRUE(bench.start(no_step_up()));
         bench.board.replies["D,M"] = "@D,e,1,{7}";
     }
     RequestId measure(Duration deadline = 5s) {

@@ -73,10 +73,7 @@ class ReportingBoard {
 
 class Renewal : public OldBoard {
   protected:
-    void SetUp() override {
-        bench.plug();
-        ASSERT_TRUE(bench.ready_within());
-    }
+    void SetUp() override { ASSERT_TRUE(bench.start()); }
 };
 
 TEST_F(Renewal, BoardWhosePeriodEnds_IsAskedBeforeThatAndReportsOn) {
@@ -156,9 +153,7 @@ TEST_F(Renewal, ServiceThatNeverReports_IsAskedMoreAndMoreRarely) {
 }
 
 TEST(RenewalOfOurs, BoardWithExtensions_IsNotAsked) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.request("D,A,100");
     bench.pass(5min);
     EXPECT_EQ(std::count(bench.board.executed.begin(), bench.board.executed.end(), "D,A,100"), 1);

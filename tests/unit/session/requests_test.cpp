@@ -23,9 +23,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, EachGeneration,
                          });
 
 TEST(BoardSession, Request_EndsExecutedWhenItsFenceIsBack) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     const auto id = bench.request("I,d,13,1\n");
     ASSERT_NE(bench.end_of(id), nullptr);
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
@@ -34,8 +32,7 @@ TEST(BoardSession, Request_EndsExecutedWhenItsFenceIsBack) {
 }
 
 TEST_F(OldBoard, Request_IsProvenByTheInformationRequest) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto id = bench.request("I,d,13,1");
     ASSERT_NE(bench.end_of(id), nullptr);
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
@@ -46,8 +43,7 @@ TEST_F(OldBoard, Request_IsProvenByTheInformationRequest) {
 TEST(BoardSession, BoardError_EndsTheRequestAndIsHandedOn) {
     Bench bench;
     bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto id = bench.request("S,W,9,90");
     ASSERT_NE(bench.end_of(id), nullptr);
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
@@ -59,8 +55,7 @@ TEST(BoardSession, BoardError_EndsTheRequestAndIsHandedOn) {
 
 TEST_P(EachGeneration, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
     bench.board.replies["S,W,9,1"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     std::vector<RequestId> good, bad;
     bench.board.mute = true;  // they pile up
     for (int i = 0; i < 50; ++i) {
@@ -90,8 +85,7 @@ TEST_P(EachGeneration, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
 
 TEST_P(EachGeneration, UnprovenRequestsOfTwoClientsLookAlike_ErrorGoesToItsOwnAlone) {
     bench.board.replies["S,W,9,1"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.owned_lines.clear();
     for (int i = 0; i < 20; ++i) {
         bench.hold();
@@ -111,8 +105,7 @@ TEST_P(EachGeneration, UnprovenRequestsOfTwoClientsLookAlike_ErrorGoesToItsOwnAl
 }
 
 TEST_P(EachGeneration, ThousandRequestsOfManyClients_NeverMoreThanTheBufferInFlight) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     for (int i = 0; i < 1000; ++i)
         bench.request(i % 3 ? "I,d,13,1" : "S,W,0,90", {.client = ClientId(i / 60), .prove = i % 2 == 0});
     bench.pass(5s);
@@ -157,8 +150,7 @@ TEST_P(EachGeneration, RequestThatWasToFollow_NeverComes_OthersGoOnAtTheDeadline
 }
 
 TEST_P(EachGeneration, FenceLost_RequestIsInDoubtAndTheNextWorks) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.board.swallow_fences = 1;
     const auto lost = bench.request("I,d,13,1");
     bench.say_line("@I,a,1,{0:1}");
@@ -174,8 +166,7 @@ TEST_P(EachGeneration, FenceLost_RequestIsInDoubtAndTheNextWorks) {
 }
 
 TEST_P(EachGeneration, UnprovenRequests_CostNoFenceEach) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.request("#,?");  // from now on its digest is known, where it has one
     bench.board.heard.clear();
     bench.request("I,d,13,1", {.prove = false});
@@ -188,8 +179,7 @@ TEST_P(EachGeneration, UnprovenRequests_CostNoFenceEach) {
 }
 
 TEST_P(EachGeneration, ClientAsksForInformation_GetsTheAnswer) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto id = bench.request("#,?", {.prove = true, .answer_tag = '?'});
     ASSERT_NE(bench.end_of(id), nullptr);
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
@@ -198,9 +188,7 @@ TEST_P(EachGeneration, ClientAsksForInformation_GetsTheAnswer) {
 }
 
 TEST(BoardSession, ClientSendsAFence_GetsItsOwnAnswerOnly) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     const auto id = bench.request("#,E,mine");
     EXPECT_THAT(bench.lines, ElementsAre("@#,E,mine"));
     EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
@@ -209,17 +197,14 @@ TEST(BoardSession, ClientSendsAFence_GetsItsOwnAnswerOnly) {
 TEST(BoardSession, AnswerEvent_ComesWithTheEnd) {
     Bench bench;
     bench.board.replies["D,M"] = "@D,e,2,{42,118}";
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     const auto id = bench.request("D,M", {.prove = true, .answer_tag = 'e'});
     EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,2,{42,118}");
     EXPECT_THAT(bench.lines, ElementsAre("@D,e,2,{42,118}"));
 }
 
 TEST(BoardSession, ServiceTheBoardDoesNotHave_ErrorWithoutNameIsAttributed) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     const auto before = bench.request("I,d,13,1");
     const auto id = bench.request("Z,x,1");
     const auto after = bench.request("I,a,3,1");
@@ -230,9 +215,7 @@ TEST(BoardSession, ServiceTheBoardDoesNotHave_ErrorWithoutNameIsAttributed) {
 }
 
 TEST(BoardSession, NotARequest_IsRefused) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     for (const char* line :
          {"", "x", "@I,d,4,1", "I", "i,d,1", "I,d,\x01", "#,B,500000", "#,C,1", "I,d,13,1\nI,d,13,0"})
         EXPECT_EQ(bench.refused(line), Refusal::kInvalid) << line;
@@ -243,8 +226,7 @@ TEST(BoardSession, NotARequest_IsRefused) {
 TEST(BoardSession, RequestOfTheLengthThatTheBoardNames_IsSentWithItsChecksum) {
     Bench bench;
     bench.board.replies["#,X"] = "@#,X,5,{E:1,I:1,B:1,C:1,L:172}";
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     ASSERT_TRUE(bench.session.checksums());
     const std::string longest = "S,M," + std::string(168, '1');
     const auto id = bench.request(longest);
@@ -259,9 +241,7 @@ TEST(BoardSession, RequestOfTheLengthThatTheBoardNames_IsSentWithItsChecksum) {
 }
 
 TEST(BoardSession, QueueFull_IsRefused) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.board.mute = true;
     int accepted = 0;
     while (!bench.refused("I,d,13,1") && accepted < 10000)
@@ -274,16 +254,13 @@ TEST(BoardSession, QueueFull_IsRefused) {
 TEST(BoardSession, NoBoard_IsRefused) {
     Bench bench;
     EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.unplug();
     EXPECT_EQ(bench.refused("I,d,13,1"), Refusal::kNoBoard);
 }
 
 TEST(BoardSession, LinkGoes_SentTimesOutAndQueuedIsNotSent) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.board.mute = true;
     std::vector<RequestId> ids;
     for (int i = 0; i < 10; ++i)
@@ -295,8 +272,7 @@ TEST(BoardSession, LinkGoes_SentTimesOutAndQueuedIsNotSent) {
 }
 
 TEST_F(OldBoard, FenceComesLate_ProvesItsOwnRequestAndNothingNewer) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.board.mute = true;
     const auto slow = bench.request("S,W,0,1");
     const auto next = bench.request("S,W,0,2");
@@ -311,8 +287,7 @@ TEST_F(OldBoard, FenceComesLate_ProvesItsOwnRequestAndNothingNewer) {
 }
 
 TEST_F(OldBoard, FencesTakeTurns) {
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ASSERT_TRUE(bench.start());
     bench.board.heard.clear();
     for (int i = 0; i < 4; ++i)
         bench.request("I,d,13,1");
@@ -323,9 +298,7 @@ TEST_F(OldBoard, FencesTakeTurns) {
 TEST(BoardSession, ErrorThatBelongsToNoRequest_PutsWhatIsInFlightInDoubt) {
     for (const char* error : {"~#,,,2{UNKNOWN_REQUEST}", "~Q,?,1{INVALID_SERVICE}", "~#,E,11{BAD_ARGUMENT}",
                               "~#,C,10{BAD_CHECKSUM}", "~D,A,11{BAD_ARGUMENT}"}) {
-        Bench bench(no_step_up());
-        bench.plug();
-        ASSERT_TRUE(bench.ready_within());
+        ReadyBench bench(no_step_up());
         bench.board.replies["S,W,0,1"] = error;
         const auto id = bench.request("S,W,0,1");
         bench.pass(2s);
@@ -346,9 +319,7 @@ TEST(Fences, Tokens_DoNotRepeat) {
 }
 
 TEST(BoardSession, Tokens_DifferBetweenSessionsAndDoNotRepeat) {
-    Bench bench;
-    bench.plug();
-    ASSERT_TRUE(bench.ready_within());
+    ReadyBench bench;
     bench.board.heard.clear();
     for (int i = 0; i < 500; ++i) {
         bench.request("I,d,13,1");

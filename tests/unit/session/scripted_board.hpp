@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,15 @@ class Bench {
     void leave(Leave how = Leave::kOnceQuiet);
     /// Until the session is ready, at most for `limit` of its time.
     bool ready_within(Duration limit = 10s);
+    /// Plugs the board in, to a new session where options are given. False: it is not ready.
+    bool start() {
+        plug();
+        return ready_within();
+    }
+    bool start(const SessionOptions& options) {
+        session = make_session(options);
+        return start();
+    }
     void pass(Duration time);
     /// The board sends this by itself.
     void say(std::string_view bytes);
@@ -114,6 +124,13 @@ class Bench {
 
     std::deque<std::string> inbox_;
     bool delivering_ = false;
+};
+
+/// With a board that is ready.
+struct ReadyBench : Bench {
+    explicit ReadyBench(const SessionOptions& options = {}) : Bench(options) {
+        if (!start()) throw std::runtime_error("the board is not ready");
+    }
 };
 
 }  // namespace asip::session

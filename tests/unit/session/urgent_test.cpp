@@ -24,8 +24,7 @@ class Urgent : public testing::TestWithParam<bool> {
   protected:
     Urgent() {
         bench.board.extensions = GetParam();
-        bench.plug();
-        EXPECT_TRUE(bench.ready_within());
+        EXPECT_TRUE(bench.start());
         bench.board.executed.clear();
     }
     Bench bench{at_start_rate()};

@@ -14,8 +14,7 @@ class VerifiedFences : public testing::TestWithParam<ChecksumPolicy> {
     explicit VerifiedFences(unsigned fastest = 1'000'000) : bench({.checksum = GetParam()}) {
         bench.board.verified_fences = true;
         bench.board.fastest_allowed = fastest;
-        bench.plug();
-        EXPECT_TRUE(bench.ready_within());
+        EXPECT_TRUE(bench.start());
         EXPECT_EQ(ending_of("I,d,13,0"), Ending::kExecuted);
     }
     std::optional<Ending> ending_of(const std::string& line) {
