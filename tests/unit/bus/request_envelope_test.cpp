@@ -10,10 +10,7 @@ namespace asip::bus {
 namespace {
 
 mqtt::Message request(std::string payload) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/servo/in";
-    message.payload = std::move(payload);
-    return message;
+    return mqtt::Message{.topic = "asip/uno1/servo/in", .payload = std::move(payload)};
 }
 
 TEST(Envelope, JsonWithReplyToAndId_IsTakenApart) {

@@ -15,11 +15,8 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 
 mqtt::Message message(std::string topic, std::string payload, std::string correlation = {}) {
-    mqtt::Message made;
-    made.topic = std::move(topic);
-    made.payload = std::move(payload);
-    made.correlation = std::move(correlation);
-    return made;
+    return mqtt::Message{
+        .topic = std::move(topic), .payload = std::move(payload), .correlation = std::move(correlation)};
 }
 
 constexpr const char* kReply = "asip/reply/ann/uno1/me";

@@ -249,9 +249,7 @@ TEST_F(CallTest, SecondCommand_SaysWhenItWasSentByTheAgentsClock) {
 }
 
 TEST_F(CallTest, Question_IsAnsweredByAnyNumber) {
-    mqtt::Message question;
-    question.topic = "asip/registry/query";
-    question.payload = "{}";
+    mqtt::Message question{.topic = "asip/registry/query", .payload = "{}"};
     int answers = 0;
     auto asked = caller->ask(std::move(question), [&](const mqtt::Message&) { ++answers; }, now);
     answer(sent[0], {});

@@ -60,11 +60,10 @@ class SimulatedProgram {
         now = until;
     }
     void receive(std::string topic, std::string payload, bool retain = false, std::string correlation = {}) {
-        mqtt::Message message;
-        message.topic = std::move(topic);
-        message.payload = std::move(payload);
-        message.retain = retain;
-        message.correlation = std::move(correlation);
+        mqtt::Message message{.topic = std::move(topic),
+                              .payload = std::move(payload),
+                              .retain = retain,
+                              .correlation = std::move(correlation)};
         caller->message(message, now);
     }
     /// As the agent that was asked.

@@ -104,13 +104,11 @@ TEST(EventPace, TooManyASecond_TheNewestIsNotLost) {
 }
 
 mqtt::Message values_of(const std::string& events, int seq, bool retained = false) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/$values";
-    message.payload = R"({"version":1,"board":"uno1","session":"s1","seq":)" + std::to_string(seq) +
-                      R"(,"values":{"io/2":{"value":true,"how":"reported","age":0,"events":)" + events +
-                      "}}}";
-    message.retain = retained;
-    return message;
+    return mqtt::Message{
+        .topic = "asip/uno1/$values",
+        .payload = R"({"version":1,"board":"uno1","session":"s1","seq":)" + std::to_string(seq) +
+                   R"(,"values":{"io/2":{"value":true,"how":"reported","age":0,"events":)" + events + "}}}",
+        .retain = retained};
 }
 
 TEST(ButtonEvents, EachIsTakenOnce_AndNoneThatTheBrokerKept) {

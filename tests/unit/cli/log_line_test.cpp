@@ -7,10 +7,7 @@ namespace asip::cli {
 namespace {
 
 std::string shown(const std::string& topic, const std::string& payload, bool retained = false) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.retain = retained;
+    mqtt::Message message{.topic = topic, .payload = payload, .retain = retained};
     const auto line = log_line(bus::Topics{}, message);
     return line ? line->board + "|" + line->source + "|" + line->level + "|" + line->text : "-";
 }

@@ -92,10 +92,7 @@ class ApiTest : public testing::Test {
         published_.clear();
     }
     void bus(const std::string& topic, const std::string& payload) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = payload;
-        gateway_->message(message);
+        gateway_->message(mqtt::Message{.topic = topic, .payload = payload});
     }
     void announce(const std::string& board = "uno1") {
         bus("asip/servicebus/" + board + "/$description",
@@ -125,11 +122,9 @@ class ApiTest : public testing::Test {
     std::shared_ptr<Captured> get(const std::string& target) { return ask("GET", target); }
     /// Answers the last command that was published.
     void answer(const std::string& payload) {
-        mqtt::Message reply;
-        reply.topic = published_.back().response_topic;
-        reply.correlation = published_.back().correlation;
-        reply.payload = payload;
-        gateway_->message(reply);
+        gateway_->message(mqtt::Message{.topic = published_.back().response_topic,
+                                        .payload = payload,
+                                        .correlation = published_.back().correlation});
     }
     void pass(std::chrono::milliseconds time) {
         time_ += time;

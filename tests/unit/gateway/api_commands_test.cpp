@@ -347,11 +347,10 @@ TEST_F(ApiTest, Forget_OnlyWhatIsNotAliveAndByTheRegistry) {
     const auto forgotten = ask("DELETE", "/api/boards/uno1");
     ASSERT_EQ(published_.size(), 1u);
     EXPECT_EQ(json::parse(published_[0].payload)["forget"], "uno1");
-    mqtt::Message reply;
-    reply.topic = published_[0].response_topic;
-    reply.correlation = published_[0].correlation;
-    reply.payload = R"({"registry":"r","epoch":"e","seq":2,"forgotten":["uno1"],"items":[],"find":"boards"})";
-    gateway_->message(reply);
+    gateway_->message(mqtt::Message{
+        .topic = published_[0].response_topic,
+        .payload = R"({"registry":"r","epoch":"e","seq":2,"forgotten":["uno1"],"items":[],"find":"boards"})",
+        .correlation = published_[0].correlation});
     EXPECT_EQ(forgotten->status(), 200);
     EXPECT_EQ(forgotten->body()["forgotten"][0], "uno1");
     const auto nobody = ask("DELETE", "/api/boards/uno1");

@@ -31,11 +31,9 @@ class ManyBoardsApi : public ApiTest {
     std::vector<mqtt::Message> answer_all(std::size_t silent = 0, const std::string& status = "ok") {
         const auto sent = std::exchange(published_, {});
         for (std::size_t i = silent; i < sent.size(); ++i) {
-            mqtt::Message reply;
-            reply.topic = sent[i].response_topic;
-            reply.correlation = sent[i].correlation;
-            reply.payload = R"({"status":")" + status + R"("})";
-            gateway_->message(reply);
+            gateway_->message(mqtt::Message{.topic = sent[i].response_topic,
+                                            .payload = R"({"status":")" + status + R"("})",
+                                            .correlation = sent[i].correlation});
         }
         return sent;
     }

@@ -38,11 +38,8 @@ class CommandsTest : public testing::Test {
         return start({session, id, "anna", "uno1/servo", "asip/uno1/servo/in", payload, 1s});
     }
     mqtt::Message answer(const std::string& payload) {
-        mqtt::Message reply;
-        reply.topic = message_.response_topic;
-        reply.correlation = message_.correlation;
-        reply.payload = payload;
-        return reply;
+        return mqtt::Message{
+            .topic = message_.response_topic, .payload = payload, .correlation = message_.correlation};
     }
     bool take(const mqtt::Message& message, std::chrono::milliseconds time) {
         now_ = at(time);

@@ -97,10 +97,7 @@ class KeptDashboards : public testing::Test {
                 [this] { ++changes_; }, [this](const std::string& sentence) { logged_.push_back(sentence); }};
     }
     static mqtt::Message message(const std::string& name, const std::string& payload) {
-        mqtt::Message message;
-        message.topic = "asip/export/dashboard/" + name;
-        message.payload = payload;
-        return message;
+        return mqtt::Message{.topic = "asip/export/dashboard/" + name, .payload = payload};
     }
     static Dashboard titled(const std::string& title) {
         Dashboard dashboard;

@@ -81,11 +81,11 @@ TEST_F(DemandingApi, LimitedToken_DemandsOnlyWhatItMayRead) {
         const Time now{1s};
         caller.connected(now);
         for (const std::string name : {"lab1", "uno1", "uno2"}) {
-            mqtt::Message description;
-            description.topic = "asip/servicebus/" + name + "/$description";
-            description.payload =
-                R"({"board":")" + name +
-                R"(","session":"s","seq":1,"lease":60,"on_demand":{"fastest":20,"resting":0},"services":[]})";
+            mqtt::Message description{
+                .topic = "asip/servicebus/" + name + "/$description",
+                .payload =
+                    R"({"board":")" + name +
+                    R"(","session":"s","seq":1,"lease":60,"on_demand":{"fastest":20,"resting":0},"services":[]})"};
             caller.message(description, now);
         }
         return text;

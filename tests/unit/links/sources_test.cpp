@@ -25,10 +25,7 @@ class SourcesTest : public testing::Test {
     }
     std::vector<std::string> hear(const std::string& topic, const std::string& payload,
                                   bool retained = false) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = payload;
-        message.retain = retained;
+        mqtt::Message message{.topic = topic, .payload = payload, .retain = retained};
         return words(sources.take(message, now));
     }
     static std::vector<std::string> words(const Sources::Tolds& tolds) {

@@ -11,11 +11,7 @@ namespace {
 constexpr std::size_t kPlenty = 1000000;
 
 Message message(std::string topic, std::string payload, bool retain = false) {
-    Message made;
-    made.topic = std::move(topic);
-    made.payload = std::move(payload);
-    made.retain = retain;
-    return made;
+    return Message{.topic = std::move(topic), .payload = std::move(payload), .retain = retain};
 }
 
 std::string drain(Outbox& outbox) {

@@ -35,9 +35,8 @@ class HistoryQuestion : public testing::Test {
                 said.push_back(nlohmann::json::parse(answer.payload).value("refused", "kept"));
             },
             [](const std::string&) { return true; });
-        mqtt::Message question;
-        question.payload = R"({"find":"history","board":"uno1"})";
-        question.response_topic = "answers";
+        mqtt::Message question{.payload = R"({"find":"history","board":"uno1"})",
+                               .response_topic = "answers"};
         endpoint.request(question, to_any, at(0s));
         Answers answers;
         answers.at_once = std::exchange(said, {});
@@ -140,10 +139,7 @@ class LongAnswers : public testing::Test {
         };
     }
     mqtt::Message question(const std::string& text, const std::string& answers) {
-        mqtt::Message message;
-        message.payload = text;
-        message.response_topic = answers;
-        return message;
+        return mqtt::Message{.payload = text, .response_topic = answers};
     }
 
     Catalogue catalogue;
