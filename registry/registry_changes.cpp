@@ -40,6 +40,7 @@ void Registry::handle(const std::vector<Event>& events, bool decided_here) {
 
 void Registry::change(const Event& event) {
     if (history_ != nullptr) history_->change(event, now_);
+    if (choice_) choice_->changed(event.board);
     if (notices_) note_loss(event);
     if (event.kind == Event::Kind::kConflict) {
         log::warning("two agents claim one board; stop one or give it another --name",
@@ -82,6 +83,11 @@ void Registry::publish_statistics() {
     if (history_ != nullptr) {
         statistics_.counts.history_dropped = history_->dropped_rows();
         statistics_.counts.history_fault = history_->fault();
+    }
+    if (values_ != nullptr) {
+        statistics_.counts.values_kept = values_->kept();
+        statistics_.counts.values_lost = values_->lost();
+        statistics_.counts.values_fault = values_->fault();
     }
     port_.publish(mqtt::Message{.topic = topics_.registry_stats(id_),
                                 .payload = statistics_.document(catalogue_, feed_.epoch(), feed_.seq(), now_),

@@ -20,15 +20,6 @@ namespace asip::agent {
 
 namespace {
 
-std::string service_of_line(const session::ServiceTable& services, std::string_view line) {
-    return service_named(services, line.size() > 1 && line[1] == ',' ? line[0] : '#');
-}
-
-// On a service's topic the request stands without its service.
-std::string_view request_of_line(std::string_view line) {
-    return line.size() > 2 && line[1] == ',' ? line.substr(2) : line;
-}
-
 session::ClientId bus_client(const std::string& name) {
     return std::hash<std::string>{}(name) | kBusClient;
 }
