@@ -11,10 +11,11 @@ import subprocess
 import unittest
 import urllib.request
 
-from bus import BIN, IMAGES, ROOT, Bus, eventually, settings_file
+from bus import BIN, IMAGES, ROOT, Bus, eventually, paho_client, settings_file
 
 LOADERS = pathlib.Path("/usr/share/arduino/hardware/arduino/avr/bootloaders")
 OLD_NANO = LOADERS / "atmega/ATmegaBOOT_168_atmega328.hex"
+EYE = {"kind": "ultrasonic", "name": "eye", "trigger": 7, "echo": 7, "distance": 42}
 NOTHING = ":02000000FFCF30\n:00000001FF\n"  # for ever: rjmp .
 
 
@@ -32,12 +33,16 @@ class Boxes(Bus):
         self.firmware = self.work / "firmware"
         subprocess.run([ROOT / "packaging/loadable_firmware", IMAGES, self.firmware], check=True)
 
-    def plug(self, port, image=OLD_NANO, name=None):
+    def start_gateway(self):
+        self.start("gateway", "asip-gateway", "--http", f"127.0.0.1:{self.http_port}", "--home-assistant")
+        eventually(lambda: self.get("/readyz"), "the gateway")
+
+    def plug(self, port, image=OLD_NANO, name=None, parts=(EYE,)):
         """A board in the socket of this name; its memory is what it was, where it was there before by `name`."""
         name = name or port
         file = self.work / f"{name}.json"
         file.write_text(json.dumps({"name": name, "board": "nano", "image": str(image), "link": str(self.work / port),
-                                    "reset_on_open": True, "parts": [{"kind": "ultrasonic", "name": "eye", "trigger": 7, "echo": 7, "distance": 42}]}))
+                                    "reset_on_open": True, "parts": list(parts)}))
         self.start(f"sim-{port}", "asip-sim", "--no-socket", str(file))
         eventually((self.work / port).exists, f"the port of {port}")
         self.start_service(port)
@@ -88,6 +93,31 @@ class OneBoard(unittest.TestCase):
         self.assertIn("runs ASIP already (AsipServices)", again.stderr)
         self.assertNotIn("speaks no ASIP", bus.asipctl("doctor").stdout)
         bus.pull("usb-3")
+
+    def test_thermometer_from_the_box_shows_degrees_in_home_assistant(self):
+        bus = self.bus
+        shown = {}
+        client = paho_client()
+        client.on_message = lambda _client, _data, message: shown.update({message.topic: message.payload.decode()})
+        client.connect("127.0.0.1", bus.broker_port)
+        client.subscribe([("homeassistant/#", 0), ("asip/export/#", 0)])
+        client.loop_start()
+        self.addCleanup(client.loop_stop)
+        bus.plug("usb-6", parts=[{"kind": "ds18b20", "name": "wire", "pin": 2, "devices": [{"temperature": 21.5}, {"temperature": -3}]}])
+        eventually(lambda: bus.is_without_asip("usb-6"), "the board, without ASIP", 40)
+        flashed = bus.asipctl("flash", "usb-6", "--board", "nano-old", "--firmware", "AsipThermometers")
+        self.assertEqual(flashed.stdout, "usb-6: AsipThermometers on ATmega328P\n", flashed.stderr + bus.logs())
+
+        def temperature(index):
+            document = shown.get("homeassistant/device/asip-usb-6/config")
+            return json.loads(document)["cmps"].get(f"thermometers-{index}-temperature") if document else None
+
+        entity = eventually(lambda: temperature(0), "the thermometer in Home Assistant")
+        self.assertEqual((entity["p"], entity["dev_cla"], entity["unit_of_meas"]), ("sensor", "temperature", "\u00b0C"))
+        topics = [f"asip/export/ha/usb-6/thermometers-{index}-temperature" for index in range(2)]
+        eventually(lambda: all(topic in shown for topic in topics), "both temperatures")
+        self.assertEqual({float(shown[topic]) for topic in topics}, {21.5, -3})
+        bus.pull("usb-6")
 
     def test_board_without_a_boot_loader_fails_in_words_and_leaves_nothing_behind(self):
         bus = self.bus
