@@ -38,6 +38,7 @@ set(asip_library_sources
   AsipServos.cpp
   AsipThermometers.cpp
   AsipTone.cpp
+  AsipWeather.cpp
   asip/Board.cpp
   asip/DhtPulses.cpp
   asip/EchoTimer.cpp

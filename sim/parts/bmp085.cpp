@@ -46,19 +46,6 @@ long pressure_of(long raw, long b5, int oss) {
     return p + ((x1 + (-7357 * p >> 16) + 3791) >> 4);
 }
 
-/// The smallest raw value from `low` to `high` whose measure is not below the wanted one.
-template <class Measure>
-long search(long low, long high, double wanted, Measure measure) {
-    while (low < high) {
-        const long middle = (low + high) / 2;
-        if (static_cast<double>(measure(middle)) < wanted)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /// A pressure sensor: what it is told to measure is there some milliseconds later.
 class Bmp085 final : public I2cChip {
   public:
@@ -77,13 +64,13 @@ class Bmp085 final : public I2cChip {
     }
     void write_register(std::uint8_t number, std::uint8_t value) override {
         if (number != kControl) return;
-        const long raw_temperature = search(20300, 65535, value_of_temperature(),
+        const long raw_temperature = raw_of(20300, 65535, value_of_temperature(),
                                             [](long raw) { return temperature_of(raw).temperature; });
         if (value == kMeasureTemperature) return measure(raw_temperature << 8, kTemperatureUs);
         if ((value & 0x3f) != kMeasurePressure) return;
         const int oss = value >> 6;
         const long b5 = temperature_of(raw_temperature).b5;
-        const long raw = search(0, 65535L << oss, value_of_pressure(),
+        const long raw = raw_of(0, 65535L << oss, value_of_pressure(),
                                 [&](long candidate) { return pressure_of(candidate, b5, oss); });
         measure(raw << (8 - oss), kPressureUs[static_cast<std::size_t>(oss)]);
     }

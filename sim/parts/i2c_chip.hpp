@@ -71,15 +71,28 @@ class I2cChip : public Part, public I2cDevice {
 /// The quantities as a board file has them.
 std::vector<double> read_quantities(PartReader& reader, std::span<const Quantity> quantities);
 
-/// The plan of a part on the bus; it has no pins of its own.
-template <class Made>
-PartPlan read_i2c_chip(PartReader& reader, std::span<const Quantity> quantities) {
+/// The smallest raw value from `low` to `high` whose measure is not below the wanted one.
+template <class Measure>
+long raw_of(long low, long high, double wanted, Measure measure) {
+    while (low < high) {
+        const long middle = (low + high) / 2;
+        if (static_cast<double>(measure(middle)) < wanted)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/// The plan of a part on the bus, made with `options`; it has no pins of its own.
+template <class Made, class... Options>
+PartPlan read_i2c_chip(PartReader& reader, std::span<const Quantity> quantities, Options... options) {
     auto values = read_quantities(reader, quantities);
     return {.claims = {{reader.sda(), PinUse::kBus}, {reader.scl(), PinUse::kBus}},
             .timers = 1,
-            .make = [values = std::move(values)](std::string name,
-                                                 PartContext& context) -> std::unique_ptr<Part> {
-                return std::make_unique<Made>(std::move(name), values, context);
+            .make = [values = std::move(values), options...](std::string name,
+                                                             PartContext& context) -> std::unique_ptr<Part> {
+                return std::make_unique<Made>(std::move(name), options..., values, context);
             }};
 }
 

@@ -60,6 +60,10 @@ TEST(ServiceProperties, EachOtherSensor_HasOneForEachFieldOrElement) {
     EXPECT_THAT(
         seen_of("thermometers", 1),
         testing::Contains("thermometers/0/temperature sensor 'Thermometers temperature' C temperature"));
+    EXPECT_THAT(seen_of("weather"),
+                ElementsAre("weather/temperature sensor 'Weather temperature' C temperature",
+                            "weather/humidity sensor 'Weather humidity' % humidity",
+                            "weather/pressure sensor 'Weather pressure' hPa pressure"));
     EXPECT_THAT(seen_of("heading"),
                 ElementsAre("-heading/x sensor 'Heading x'", "-heading/y sensor 'Heading y'",
                             "-heading/z sensor 'Heading z'", "heading sensor 'Heading' degrees angle"));
