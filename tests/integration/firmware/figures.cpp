@@ -182,6 +182,7 @@ std::vector<Figure> measure_figures() {
     const auto thermometers = size_of_image("asip_uno_thermometers");
     const auto one_wire = size_of_image("asip_uno_onewire");
     const auto chips = size_of_image("asip_uno_i2c");
+    const auto weather = size_of_image("asip_uno_weather");
     const auto slow = round_trip(57600);
     const auto fast = round_trip(500000);
     const auto fastest = round_trip(1000000);
@@ -209,6 +210,8 @@ std::vector<Figure> measure_figures() {
          500, 491},
         {"eight thermometers and OneWire: flash", "B", static_cast<double>(one_wire.text + one_wire.data),
          11500, 10938},
+        {"BME280: static RAM", "B", static_cast<double>(weather.data + weather.bss), 385, 378},
+        {"BME280: flash", "B", static_cast<double>(weather.text + weather.data), 10700, 10556},
         {"I2C chips: static RAM", "B", static_cast<double>(chips.data + chips.bss), 370, 360},
         {"I2C chips: flash", "B", static_cast<double>(chips.text + chips.data), 9500, 9400},
         {"round trip / wire at 57600", "", slow.cycles / slow.wire, 1.01, 1.01, false, 4},

@@ -150,6 +150,7 @@ TEST(Matches, NamesOfDeployedBoards_FindTheirModel) {
                                          {'K', "Thermometers", "thermometers"},
                                          {'O', "OneWire", "onewire"},
                                          {'J', "I2C", "i2c"},
+                                         {'W', "Weather", "weather"},
                                          {'E', "Encoders", "encoders"},
                                          {'T', "Tone", "tone"},
                                          {'P', "Pixels", "pixels"},
