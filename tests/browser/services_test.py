@@ -42,7 +42,7 @@ class Services(PageTest):
         self.send(form)
         self.answered(form, "ok", "Done")
         self.all_commands()
-        self.assertIn("servo write: proof: fence", self.browser.text(".advanced"))
+        self.assertIn("servo write: fence", self.browser.text(".advanced"))
         eventually(lambda: abs(float(self.bus.part("desk/servo")) - 90) < 2, "the servo at 90 degrees")
         self.browser.screenshot("board")
 
