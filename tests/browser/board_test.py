@@ -127,9 +127,23 @@ class BoardPage(PageTest):
             self.open("board/rover2")
             eventually(lambda: heads() == ["Controls", "Values"], "motors before values")
             self.assertGreater(height(".title-row button.stop"), 1.3 * height("header button.stop"))
+            large = self.browser.shown("header button.stop").size
         self.open_board()
         eventually(lambda: heads() == ["Values", "Controls"], "values before servos")
-        self.assertEqual(height(".title-row button.stop"), height("header button.stop"))
+        self.assertGreater(height(".title-row button.stop"), height("header button.stop"))
+        small = self.browser.shown("header button.stop").size
+        self.assertTrue(large["height"] > small["height"] and large["width"] > 1.3 * small["width"], (large, small))
+
+    def test_StopAll_IsOnEveryScreenAndStopsWithOnePress(self):
+        for route in ("", "add", "board/desk", "dashboards", "dashboard/none", "history", "settings", "nowhere"):
+            for width in (1280, 390):
+                with self.subTest(route, width=width):
+                    self.browser.size(width, 844, mobile=width == 390)
+                    self.open(route)
+                    self.browser.button("Stop all", "header").click()
+                    eventually(lambda: self.bus.get("/api/boards/desk").get("reason") == "latched", "the stop")
+                    self.browser.button("Resume all", "header").click()
+                    eventually(lambda: self.bus.get("/api/boards/desk").get("reason") != "latched", "commands again")
 
     def test_PinMap_ShowsWhatIsInUse(self):
         self.open("board/desk")

@@ -93,9 +93,9 @@ class Dashboards(PageTest):
     def test_FromTheBoardsPage_ADashboardIsMadeUsedAndReloaded(self):
         self.addCleanup(self.ask, "DELETE", "/api/dashboards/class-room")
         self.open_board("desk")
-        self.add("values of distance", "Distance 0 (cm): value", "Class room!")
-        self.add("values of distance", "Distance 0 (cm): plot")
-        self.add("controls of servo", "Servo 0 angle (\u00b0): slider")
+        self.add("Values of Distance", "Distance 0 (cm): value", "Class room!")
+        self.add("Values of Distance", "Distance 0 (cm): plot")
+        self.add("Controls of Servo", "Servo 0 angle (\u00b0): slider")
         self.output(13)
         self.open_board("lamp")
         self.browser.shown(".pin[title^='Pin 13:']").click()
@@ -298,7 +298,8 @@ class Dashboards(PageTest):
         self.browser.screenshot("phone-dashboard")
         self.browser.size(1920, 1080)
         self.browser.run("location.hash = '#/dashboard/greenhouse?full'")
-        eventually(lambda: not self.browser.find("header")[0].is_displayed(), "nothing but the dashboard")
+        eventually(lambda: not self.browser.find("nav")[0].is_displayed(), "nothing but the dashboard")
+        self.assertTrue(self.browser.button("Stop all", "header").is_displayed(), "and the stop")
         self.shows("Distance", "cm")
         self.browser.screenshot("dashboard-full")
 
