@@ -45,7 +45,7 @@ class GatewayCompression : public GatewayTest {
     }
 };
 
-const std::vector<std::string> kPageFiles{"/", "/main.js", "/style.css", "/icon.svg", "/net/worker.js"};
+const std::vector<std::string> kPageFiles{"/", "/main.js", "/style.css", "/icon.svg", "/net/hub.js"};
 const std::vector<std::string> kLists{"/api/boards", "/api/services", "/api/openapi.json"};
 
 TEST_F(GatewayCompression, CurlCompressed_GetsByteForByteTheSame) {
