@@ -166,8 +166,8 @@ void Declaration::output(OutputOptions& options, const std::vector<Output>& form
     auto* form = command_.add_option_function<std::string>(
         "-o,--output",
         [&options](const std::string& word) {
-            for (const auto one : {Output::kTable, Output::kWide, Output::kText, Output::kName, Output::kJson,
-                                   Output::kJsonLines}) {
+            for (const auto one : {Output::kTable, Output::kWide, Output::kText, Output::kName, Output::kCsv,
+                                   Output::kJson, Output::kJsonLines}) {
                 if (word == name_of(one)) options.form = one;
             }
         },

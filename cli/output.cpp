@@ -31,6 +31,8 @@ std::string_view name_of(Output output) {
             return "name";
         case Output::kJson:
             return "json";
+        case Output::kCsv:
+            return "csv";
         case Output::kJsonLines:
             break;
     }

@@ -229,6 +229,14 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
     return all;
 }
 
+Outcome<bus::Answer> BoardSource::values(bus::Query query) {
+    query.find = bus::Find::kValues;
+    auto answer = ask(query);
+    if (answer || answer.error().status != program::kExitNoAnswer) return answer;
+    return failure(program::kExitNoAnswer,
+                   "no registry answers; only asip-registry --history FILE keeps values");
+}
+
 void BoardSource::on_announcement(
     std::function<void(const std::string& board, const std::string& session)> handler) {
     // The view shows one of two agents with one name.

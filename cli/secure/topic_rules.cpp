@@ -86,7 +86,7 @@ TopicRule rule_of(TopicKind kind) {
                              "each reader: 128 KiB are read", "-");
         case TopicKind::kValues:
             return announced("BOARD/$values", "broker, gateway: 32 KiB a board",
-                             "each reader, at most ten times a second", "-");
+                             "each reader, at most ten times a second", "registry: values, each ten seconds");
         case TopicKind::kLinks:
             return announced("BOARD/$links", "broker, gateway: 256 KiB a board", "each reader", "-");
         case TopicKind::kLink:
@@ -197,6 +197,9 @@ std::vector<TopicRule> exported() {
     auto host = shown("spBv1.0/STATE/NAME", true);
     host.commander = kBoth;
     host.exporter = kReadOnly;
+    // A registry keeps values of what dashboards show.
+    auto dashboard = rule("export/dashboard/NAME", "gateway, registry: a dashboard of at most 32 KiB");
+    dashboard.registry = kReadOnly;
     auto status = home("homeassistant/status", kBoth, "gateway: looks at what is retained", true);
     status.exporter = kReadOnly;
     return {home("export/ha/NAME", kReadOnly, "each reader"),
@@ -204,7 +207,7 @@ std::vector<TopicRule> exported() {
             home("export/ha/EXPORTED/NAME/set", kWriteOnly, kCommand),
             home("homeassistant/device/NAME/config", kReadOnly, "Home Assistant: 128 KiB a board", true),
             std::move(status),
-            rule("export/dashboard/NAME", "each gateway: a dashboard of at most 32 KiB"),
+            std::move(dashboard),
             shown("export/wot/NAME"),
             shown("export/wot/EXPORTED/NAME"),
             asked("export/wot/EXPORTED/NAME/set"),

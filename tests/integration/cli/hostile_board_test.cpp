@@ -254,6 +254,7 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
           {"events", "--last", "20"},
           {"events", "--logs"},
           {"events", "--logs", "-o", "json"}}},
+        {"values", {{"values", "evil"}, {"values", "evil/k", "-o", "csv"}, {"values", "evil/" + kEvil}}},
         {"model",
          {{"model"},
           {"model", "check", model},
