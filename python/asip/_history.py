@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a property was: `for point in desk["temperature"].history(days=7): print(point.at, point.mean)`."""
+"""How a property was: `for point in desk["distance/0"].history(days=7): print(point.at, point.mean)`."""
 from __future__ import annotations
 
 import datetime
