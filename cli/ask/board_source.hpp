@@ -53,6 +53,9 @@ class BoardSource {
     Outcome<std::vector<bus::HistoryItem>> history(bus::Query query, std::size_t count,
                                                    text::WallTime since = {});
 
+    /// Values that a registry has kept, or the properties of which it has some. Fails as history() does.
+    Outcome<bus::Answer> values(bus::Query query);
+
     /// The quickest way: what is retained, else a registry, else a probe. Fails with kExitNoAnswer and the
     /// nearest name.
     Outcome<KnownBoard> board(const std::string& name);
