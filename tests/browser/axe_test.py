@@ -131,6 +131,29 @@ class Screens(Axe):
         request = urllib.request.Request(f"{self.bus.url}/api/dashboards/greenhouse", json.dumps(WHOLE).encode(), {"Content-Type": "application/json"}, method="PUT")
         urllib.request.urlopen(request, timeout=20).close()
 
+    def test_AClass_AndTheWayIn(self):
+        self.start()
+        self.go("class", "form.open-lesson")
+        self.check("class-none")
+        self.browser.button("Open the lesson").click()
+        code = self.browser.shown("p.class-code").text
+        self.browser.shown("button[aria-label='Take over lamp']")
+        self.check("class")
+        self.go(f"join/{code}", "input.class-code")
+        self.check("class-join")
+        self.browser.button("Join").click()
+        eventually(lambda: "You are" in self.browser.text("asip-pupil"), "the pupil", 30)
+        self.browser.shown("asip-board .title-row")
+        self.browser.run(AXE.read_text())
+        self.check("class-pupil")
+        for each in self.browser.driver.get_cookies():
+            self.browser.driver.add_cookie({**each, "value": "lesson.over"})
+        self.start()
+        self.browser.button("Leave the lesson")
+        self.check("class-over")
+        self.browser.button("Leave the lesson").click()
+        eventually(lambda: self.bus.get("/api/lessons") and self.browser.text("asip-link") == "live", "the teacher again", 30)
+
     def test_History_Settings_AndWhatIsNotThere(self):
         self.bus.asipctl("send", "desk/servo", "write", "7", "90")
         self.start()

@@ -112,17 +112,15 @@ def in_class(reader, commands, text):
     reader.types(flash, until=r"student-1 +loaded", meanwhile=reader.plugs_it_in)
     reader.sees("student-1 +online", look)
     reader.sees("(?i)<!doctype html", "bash -c 'exec 3<>/dev/tcp/127.0.0.1/8080; printf \"GET / HTTP/1.0\\r\\nHost: 127.0.0.1\\r\\n\\r\\n\" >&3; cat <&3'")
-    tokens = []
     for command in commands:
-        shown = reader.types(command.replace("student-2", "student-1"))  # one board stands for both
-        if "asip-gateway token" in command:
-            tokens.append(shown.split()[0])
-            assert "Type it at Sign in" in shown, shown
-    # Anna, from another computer: her board and no other.
+        reader.types(command.replace("student-2", "student-1"))  # one board stands for both
+    # A pupil, from another computer: nothing without the code, and one board with it.
     reader.root("apt-get install -y -qq curl")
-    reader.sees('"board":"student-1"', f"curl -s -H 'Authorization: Bearer {tokens[1]}' http://$(hostname -I | cut -d' ' -f1):8080/api/boards")
-    reader.sees('"status":"ok"', f"curl -s -H 'Authorization: Bearer {tokens[1]}' -H 'Content-Type: application/json' -d '[13,1]' "
-                "http://$(hostname -I | cut -d' ' -f1):8080/api/boards/student-1/services/io/commands/write")
+    json, outside = "-s -H 'Content-Type: application/json'", "http://$(hostname -I | cut -d' ' -f1):8080"
+    reader.sees("a token is needed", f"curl -s {outside}/api/boards")
+    code = re.search(r'"code":"(\w+)"', reader.sees('"free":1', f"curl {json} -d '{{\"boards\":[\"*\"]}}' http://127.0.0.1:8080/api/lessons"))[1]
+    reader.sees('"board":"student-1"', f"curl {json} -c /tmp/pupil -d '{{\"code\":\"{code}\"}}' {outside}/api/join")
+    reader.sees('"status":"ok"', f"curl {json} -b /tmp/pupil -d '[13,1]' {outside}/api/boards/student-1/services/io/commands/write")
     for command in re.findall(r"`(asipctl (?:stop|resume) [^`]*)`", text):
         reader.types(command)
 

@@ -88,6 +88,9 @@ class Bus extends EventTarget {
     };
   }
 
+  /// This browser has other rights from now on.
+  anew() { this.port.postMessage({ anew: true }); }
+
   hurry() { this.port.postMessage({ hurry: true }); }
 }
 

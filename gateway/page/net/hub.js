@@ -83,6 +83,7 @@ export class Hub {
     else if (message.command) this.run((now) => this.link.command(name(message.id), message.command, now));
     else if (message.renew) this.run(() => this.link.renew(name(message.id), message.renew));
     else if (message.release) this.link.held.delete(name(message.release));
+    else if (message.anew) this.socket?.close();
     else if (message.hurry) this.run((now) => this.link.hurry(now));
     else if (message.bye) this.remove(number);
   }

@@ -8,6 +8,7 @@ import { moved_row, scroll_to_show, visible_rows } from "../core/virtual.js";
 import { boards, status } from "./model.js";
 import { load_firmware } from "./firmware.js";
 import { RowValues } from "./row_values.js";
+import { class_link } from "./class.js";
 import "./notify.js";
 import "./selection.js";
 import { h, page_of, Part, set_class, set_text, small } from "./dom.js";
@@ -62,6 +63,7 @@ class Boards extends Part {
     this.classList.toggle("picks", status.may_command || status.may_label);
     this.invite.hidden = !status.may_label || !boards.catalogue.complete || boards.catalogue.rows.size > 0;
     this.adding.hidden = !status.may_label || boards.catalogue.rows.size === 0;
+    this.lending.hidden = status.you.arrange !== true || boards.catalogue.rows.size === 0;
   }
 
   pick(names, on) {
