@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A request to its route: its rights, its parameters, what every response carries.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "asip/program/log.hpp"

@@ -2,6 +2,7 @@
 // A lesson with the real program: a teacher by token, pupils by code, over HTTP and WebSocket.
 #include <gmock/gmock.h>
 
+#include <set>
 #include <thread>
 
 #include "running_gateway.hpp"

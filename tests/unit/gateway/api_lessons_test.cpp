@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <functional>
+#include <map>
+
 #include "api_bench.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/auth/secret.hpp"

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "clock.hpp"
 
 namespace asip::gateway {
