@@ -196,12 +196,7 @@ void BusProbe::publish(const mqtt::Message& message) {
 }
 
 void BusProbe::publish(const std::string& topic, const std::string& payload, bool retain, int qos) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.retain = retain;
-    message.qos = qos;
-    publish(message);
+    publish(mqtt::Message{.topic = topic, .payload = payload, .qos = qos, .retain = retain});
 }
 
 bool BusProbe::all_acknowledged() {
@@ -271,10 +266,7 @@ std::optional<mqtt::Message> BusProbe::wait_for(const std::string& topic, const 
 std::optional<std::string> BusProbe::request(const std::string& topic, const std::string& payload,
                                              std::chrono::milliseconds limit) {
     const auto id = "request-" + std::to_string(++state_->requests);
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.qos = 1;
+    mqtt::Message message{.topic = topic, .payload = payload, .qos = 1};
     // ROOT/reply/USER/ASKED/CLIENT: programs with a user answer nowhere else.
     const auto root = topic.find('/');
     const auto asked = topic.substr(root + 1, topic.find('/', root + 1) - root - 1);

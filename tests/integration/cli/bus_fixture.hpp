@@ -34,11 +34,8 @@ class BusTest : public ::testing::Test {
     }
 
     void answer(const mqtt::Message& request, const std::string& reply) {
-        mqtt::Message message;
-        message.topic = request.response_topic;
-        message.correlation = request.correlation;
-        message.payload = reply;
-        probe_.publish(message);
+        probe_.publish(mqtt::Message{
+            .topic = request.response_topic, .payload = reply, .correlation = request.correlation});
     }
 
     // A reader that is not run for a moment loses nothing.

@@ -46,10 +46,7 @@ TEST_F(SessionTest, HandlesOfAFrameThatReturned_LateMessagesReachNobody) {
     };
     frame();
     probe_.publish("late/a", "x", false, 1);
-    mqtt::Message answer;
-    answer.topic = request.response_topic;
-    answer.correlation = request.correlation;
-    probe_.publish(answer);
+    probe_.publish(mqtt::Message{.topic = request.response_topic, .correlation = request.correlation});
     const auto mark = session_->mark_retained();
     EXPECT_TRUE(until([&] { return mark.passed(); }));
 }
@@ -66,10 +63,7 @@ TEST_F(SessionTest, Answers_ComeBelowTheUsersOwnTopic) {
     }
     ASSERT_TRUE(request);
     EXPECT_TRUE(request->response_topic.starts_with("asip/reply/ada/")) << request->response_topic;
-    mqtt::Message answer;
-    answer.topic = request->response_topic;
-    answer.correlation = request->correlation;
-    probe_.publish(answer);
+    probe_.publish(mqtt::Message{.topic = request->response_topic, .correlation = request->correlation});
     EXPECT_TRUE(until([&] { return answered; }));
 }
 

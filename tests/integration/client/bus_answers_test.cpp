@@ -44,12 +44,10 @@ class BusAnswers : public ::testing::Test {
         const auto command = agent_.wait_for(kCommands);
         if (command) {
             command_ = *command;
-            mqtt::Message answer;
-            answer.topic = command->response_topic;
-            answer.correlation = command->correlation;
-            answer.payload = reply;
-            answer.qos = 1;
-            agent_.publish(answer);
+            agent_.publish(mqtt::Message{.topic = command->response_topic,
+                                         .payload = reply,
+                                         .qos = 1,
+                                         .correlation = command->correlation});
         }
         const auto done = call.get();
         return done ? Error{Error::Kind::kClosed, -1, "succeeded"} : done.error();

@@ -109,13 +109,11 @@ TEST_F(AttackedBus, AnswersGoOnlyWhereAnswersMayGo) {
     auto ann = probe("ann", {});
     const auto ask = [](BusProbe& who, const std::string& topic, const std::string& payload,
                         const std::string& reply) {
-        mqtt::Message request;
-        request.topic = topic;
-        request.payload = payload;
-        request.response_topic = reply;
-        request.correlation = "attack-1";
-        request.qos = 1;
-        who.publish(request);
+        who.publish(mqtt::Message{.topic = topic,
+                                  .payload = payload,
+                                  .qos = 1,
+                                  .response_topic = reply,
+                                  .correlation = "attack-1"});
     };
     for (const char* reply : {"asip/uno/io/out", "asip/uno/out", "asip/uno/in", "asip/uno/io/in",
                               "asip/uno/$stop", "asip/servicebus/uno/$state", "asip/registry/hall/$state",
@@ -167,12 +165,11 @@ TEST_F(AttackedBus, Viewer_HasNoBoardForgotten) {
     for (const char* topic : {"asip/registry/query", "asip/registry/hall/query", "asip/registry/forget",
                               "asip/registry/hall/forget"}) {
         for (const char* board : {"uno2", "*"}) {
-            mqtt::Message forget;
-            forget.topic = topic;
-            forget.payload = std::string(R"({"forget":")") + board + "\"}";
-            forget.response_topic = "asip/reply/bob/registry/x";
-            forget.correlation = topic;
-            forget.qos = 1;
+            mqtt::Message forget{.topic = topic,
+                                 .payload = std::string(R"({"forget":")") + board + "\"}",
+                                 .qos = 1,
+                                 .response_topic = "asip/reply/bob/registry/x",
+                                 .correlation = topic};
             bob.publish(forget);
         }
     }

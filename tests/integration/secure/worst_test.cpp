@@ -73,11 +73,10 @@ class WorstOfEachKind : public RunningBus {
         do {
             const auto begin = std::chrono::steady_clock::now();
             const auto waited = waited_for_a_processor(*broker_) + waited_for_a_processor(*agent_);
-            mqtt::Message stop;
-            stop.topic = "asip/uno/$stop";
-            stop.response_topic = "asip/reply/ann/uno/stop";
-            stop.correlation = "stop-" + std::to_string(++stops);
-            stop.qos = 1;
+            mqtt::Message stop{.topic = "asip/uno/$stop",
+                               .qos = 1,
+                               .response_topic = "asip/reply/ann/uno/stop",
+                               .correlation = "stop-" + std::to_string(++stops)};
             ann.publish(stop);
             const auto answered = ann.wait_for(
                 [&](const mqtt::Message& message) { return message.correlation == stop.correlation; });
@@ -113,11 +112,7 @@ class WorstOfEachKind : public RunningBus {
         EXPECT_TRUE(wait_until([&] { return gateway_commands(); })) << gateway_->errors();
     }
     static mqtt::Message message(const std::string& topic, std::string payload = {}) {
-        mqtt::Message made;
-        made.topic = topic;
-        made.payload = std::move(payload);
-        made.qos = 1;
-        return made;
+        return mqtt::Message{.topic = topic, .payload = std::move(payload), .qos = 1};
     }
 
     static constexpr int kStops = 20, kAtOnce = 50;

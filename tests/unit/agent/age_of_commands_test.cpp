@@ -31,13 +31,11 @@ struct AgeOfCommands : OnlineBridge {
     }
     static mqtt::Message over_mqtt5(const std::string& payload,
                                     decltype(mqtt::Message::user_properties) properties) {
-        mqtt::Message message;
-        message.topic = "asip/uno1/servo/in";
-        message.payload = payload;
-        message.response_topic = "answers";
-        message.correlation = "c";
-        message.user_properties = std::move(properties);
-        return message;
+        return mqtt::Message{.topic = "asip/uno1/servo/in",
+                             .payload = payload,
+                             .response_topic = "answers",
+                             .correlation = "c",
+                             .user_properties = std::move(properties)};
     }
     std::string sent;  // what the agent's clock showed then
     int ids = 1;

@@ -49,8 +49,7 @@ TEST(Announcer, BoardAndBusThere_NameIsProbedThenAnnouncedInBothLayers) {
 TEST(Announcer, BusThatKnowsItsUsers_NothingGoesOutWhereNoRuleTiesItToTheSender) {
     auto options = BridgeBench::defaults();
     options.on_shared_topic = false;
-    BridgeBench bench(options);
-    bench.go_online();
+    OnlineBench bench(options);
     EXPECT_THAT(bench.on("asip/servicebus"), IsEmpty());
     EXPECT_THAT(bench.on("asip/servicebus/uno1"), ElementsAre("io", "servo", "distance"));
 }
@@ -66,8 +65,7 @@ TEST(Announcer, ItsRenewalsAndProbes_DoNotComeBackToIt) {
 }
 
 TEST(Announcer, StateAndDescription_AreRetainedAndTheDescriptionExpiresWithTheLease) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     for (const auto& publication : bench.published) {
         if (publication.message.topic == kState) {
             EXPECT_TRUE(publication.message.retain);
@@ -81,8 +79,7 @@ TEST(Announcer, StateAndDescription_AreRetainedAndTheDescriptionExpiresWithTheLe
 }
 
 TEST(Announcer, Lease_IsRenewedAtAThirdWithARisingSeq) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.pass(60s);
     const auto descriptions = bench.on(kDescription);
     ASSERT_GE(descriptions.size(), 3u);
@@ -92,8 +89,7 @@ TEST(Announcer, Lease_IsRenewedAtAThirdWithARisingSeq) {
 }
 
 TEST(Announcer, Renewal_IsTheDescriptionAlone) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.published.clear();
     bench.pass(60s);
     EXPECT_GE(bench.on(kDescription).size(), 2u);
@@ -103,8 +99,7 @@ TEST(Announcer, Renewal_IsTheDescriptionAlone) {
 }
 
 TEST(Announcer, Renewal_IsNotAcknowledgedAndTheAnnouncementIs) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     const auto all_of = [](int qos) {
         return testing::Each(testing::Truly([qos](const auto& publication) {
             return publication.message.topic != kDescription || publication.message.qos == qos;
@@ -121,8 +116,7 @@ TEST(Announcer, Renewal_IsNotAcknowledgedAndTheAnnouncementIs) {
 }
 
 TEST(Announcer, ProbeAndRenewalTogether_NamesAreAnnouncedToo) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.published.clear();
     bench.hear(kProbe, "");
     bench.pass(1s);
@@ -132,8 +126,7 @@ TEST(Announcer, ProbeAndRenewalTogether_NamesAreAnnouncedToo) {
 }
 
 TEST(Announcer, Probe_IsAnsweredWithinASecond) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     for (const char* payload : {"", "uno1"}) {
         bench.published.clear();
         bench.hear(kProbe, payload);
@@ -147,8 +140,7 @@ TEST(Announcer, Probe_IsAnsweredWithinASecond) {
 }
 
 TEST(Announcer, OwnStateWrittenBySomebody_IsPutRight) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.published.clear();
     bench.hear(kState, "online");
     EXPECT_THAT(bench.on(kState), IsEmpty());
@@ -159,8 +151,7 @@ TEST(Announcer, OwnStateWrittenBySomebody_IsPutRight) {
 }
 
 TEST(Announcer, OwnDescriptionEmptiedOrSpoilt_IsThereAgainAtOnce) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     for (const auto* text : {"", "{", R"({"services":7})"}) {
         bench.pass(1s);
         bench.published.clear();
@@ -174,8 +165,7 @@ TEST(Announcer, OwnDescriptionEmptiedOrSpoilt_IsThereAgainAtOnce) {
 
 // As by a program that empties all below a topic, which takes its time.
 TEST(Announcer, AllThatIsRetainedEmptied_IsThereAgainASecondLater) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     for (const auto& emptied : {kState, kDescription}) {
         bench.pass(5s);
         bench.published.clear();
@@ -242,8 +232,7 @@ TEST(Announcer, Takeover_AnnouncesALaterSessionThanTheHolders) {
 }
 
 TEST(Announcer, LaterSessionAnnouncesOurNameAndAnswersTheProbe_WeEnd) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.published.clear();
     bench.hear(kDescription, foreign_description("ffffffffffffffff"));
     EXPECT_FALSE(bench.fatal);
@@ -256,8 +245,7 @@ TEST(Announcer, LaterSessionAnnouncesOurNameAndAnswersTheProbe_WeEnd) {
 
 TEST(Announcer, LaterSessionAnnouncesOurNameAndSaysGoodbye_WeStayAsTheLaterOne) {
     for (const std::uint64_t goodbye : {1, 2}) {
-        BridgeBench bench;
-        bench.go_online();
+        OnlineBench bench;
         if (goodbye == 2) bench.hear(kDescription, foreign_description("ffffffffffffffff"));
         bench.hear(kDescription,
                    foreign_description("ffffffffffffffff", goodbye, model::BoardState::kOffline));
@@ -270,8 +258,7 @@ TEST(Announcer, LaterSessionAnnouncesOurNameAndSaysGoodbye_WeStayAsTheLaterOne) 
 }
 
 TEST(Announcer, BrokerLostWhileALaterSessionIsAsked_ItIsAskedAgainAndOursBecomesTheLaterOne) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.hear(kDescription, foreign_description("ffffffffffffffff"));
     bench.bridge.bus_disconnected();
     bench.pass(5s);
@@ -295,8 +282,7 @@ TEST(Announcer, HolderSaysGoodbyeDuringOurClaim_TheNameIsOursAsTheLaterOne) {
 }
 
 TEST(Announcer, OneForgedDescription_IsPutRightAndWeStay) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.published.clear();
     bench.hear(kDescription, foreign_description("ffffffffffffffff"));
     bench.hear(kDescription, foreign_description("ffffffffffffffff"));
@@ -309,8 +295,7 @@ TEST(Announcer, OneForgedDescription_IsPutRightAndWeStay) {
 }
 
 TEST(Announcer, FloodOfProbes_IsAnsweredTwiceASecondAtMost) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.published.clear();
     for (int i = 0; i < 1000; ++i) {
         bench.hear(kProbe, "");
@@ -335,8 +320,7 @@ TEST(Announcer, ControlSubscriptionNotGranted_IsNotOnline) {
 }
 
 TEST(Announcer, OlderSessionIsReplayed_WeAnnounceAgainAndStay) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.published.clear();
     bench.hear(kDescription, foreign_description("0000000001"));
     bench.pass(1s);
@@ -345,8 +329,7 @@ TEST(Announcer, OlderSessionIsReplayed_WeAnnounceAgainAndStay) {
 }
 
 TEST(Announcer, BoardLostAndBack_StateFollows) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.unplug();
     bench.plug();
     EXPECT_THAT(bench.on(kState), ElementsAre("online", "lost", "online"));
@@ -357,8 +340,7 @@ model::Description last_description(const BridgeBench& bench) {
 }
 
 TEST(Announcer, BoardUnplugged_EachDescriptionSaysForHowLongAndWhyUntilItIsBack) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.pass(100s);
     bench.published.clear();
     bench.unplug();
@@ -383,8 +365,7 @@ TEST(Announcer, BoardUnplugged_EachDescriptionSaysForHowLongAndWhyUntilItIsBack)
 }
 
 TEST(Announcer, BoardFallsSilent_TheDescriptionSaysSo) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.board.mute = true;
     bench.pass(20s);
     EXPECT_EQ(last_description(bench).state->reason, model::StateReason::kSilent);
@@ -393,8 +374,7 @@ TEST(Announcer, BoardFallsSilent_TheDescriptionSaysSo) {
 }
 
 TEST(Announcer, StateWrittenBySomebody_IsPutRightWithALaterDescription) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     const auto before = last_description(bench).seq;
     bench.hear(kState, "lost");
     EXPECT_EQ(last_description(bench).seq, before + 1);
@@ -430,8 +410,7 @@ TEST(Announcer, BrokerBack_AnnouncesAtOnceWithoutAnotherClaim) {
 }
 
 TEST(Announcer, Goodbye_PublishesOffline) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     Effects effects;
     bench.bridge.goodbye(bench.now, effects);
     ASSERT_FALSE(effects.publish.empty());

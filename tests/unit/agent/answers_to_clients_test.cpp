@@ -167,11 +167,10 @@ TEST_F(OnlineBridge, TwoServicesOfOneKind_BothAreReached) {
 }
 
 TEST_F(OnlineBridge, ResponseTopic_IsAnsweredWithTheCorrelationData) {
-    mqtt::Message command;
-    command.topic = "asip/uno1/servo/in";
-    command.payload = R"({"write":[0,90]})";
-    command.response_topic = "me";
-    command.correlation = std::string("\0\xff", 2);
+    mqtt::Message command{.topic = "asip/uno1/servo/in",
+                          .payload = R"({"write":[0,90]})",
+                          .response_topic = "me",
+                          .correlation = std::string("\0\xff", 2)};
     bench.hear(command);
     const auto at = std::find_if(bench.published.begin(), bench.published.end(),
                                  [](const auto& p) { return p.message.topic == "me"; });

@@ -74,11 +74,7 @@ class BridgeBench {
         run([&](Effects& out) { bridge.take(*inbound, now, out); });
     }
     void hear(const std::string& topic, const std::string& payload, bool retained = false) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = payload;
-        message.retain = retained;
-        hear(message);
+        hear(mqtt::Message{.topic = topic, .payload = payload, .retain = retained});
     }
     Bridge::ClientResult client_says(std::string_view line, session::ClientId client = 1,
                                      std::optional<Time> sent = {}) {
@@ -154,6 +150,13 @@ class BridgeBench {
         if (!answer.empty()) say(answer);
         if (effects.name_claimed && grants_subscriptions)
             run([&](Effects& out) { bridge.bus_subscribed(now, out); });
+    }
+};
+
+/// With the board on the bus, its name claimed.
+struct OnlineBench : BridgeBench {
+    explicit OnlineBench(BridgeOptions options = defaults()) : BridgeBench(std::move(options)) {
+        go_online();
     }
 };
 

@@ -147,8 +147,7 @@ TEST(Claim, NameNotYetOurs_NothingIsPublishedOrExecuted) {
 TEST(Context, TerminatorAndRetainWanted_AreUsed) {
     auto options = BridgeBench::defaults();
     options.context = {"\r\n", true};
-    BridgeBench bench(options);
-    bench.go_online();
+    OnlineBench bench(options);
     bench.say("@D,e,1,{42}\r\n");
     EXPECT_THAT(bench.on("asip/uno1/out"), ElementsAre("@D,e,1,{42}\r\n"));
     bool retained = false;

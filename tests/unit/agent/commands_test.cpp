@@ -111,11 +111,10 @@ TEST_F(OnlineBridge, BadCommands_AreRefusedWithAReasonAndNothingIsSent) {
 
 TEST_F(OnlineBridge, RequestThatIsNoJson_IsRefusedWhereItsAnswerIsWanted) {
     bench.hear("asip/uno1/io/in", R"({"write":[13,1],"deadline_ms":1e400,"id":"7","reply_to":"answers"})");
-    mqtt::Message message;
-    message.topic = "asip/uno1/io/in";
-    message.payload = "{\"write\":\"\xff\"";
-    message.response_topic = "answers";
-    message.correlation = "c";
+    mqtt::Message message{.topic = "asip/uno1/io/in",
+                          .payload = "{\"write\":\"\xff\"",
+                          .response_topic = "answers",
+                          .correlation = "c"};
     bench.hear(message);
     const auto answers = bench.on("answers");
     ASSERT_EQ(answers.size(), 2u);
@@ -219,22 +218,19 @@ TEST_F(OnlineBridge, BoardMute_EachCommandIsAnsweredAtItsDeadline) {
     bench.hear("asip/uno1/servo/in", R"({"write":[0,91],"id":"2","reply_to":"answers","deadline_ms":200})");
     bench.pass(200ms);
     EXPECT_EQ(bench.on("answers").size(), 2u);
-    mqtt::Message expiring;
-    expiring.topic = "asip/uno1/servo/in";
-    expiring.payload = R"({"write":[0,92],"id":"3","reply_to":"answers"})";
-    expiring.expiry_seconds = 1;
-    bench.hear(expiring);
+    bench.hear(mqtt::Message{.topic = "asip/uno1/servo/in",
+                             .payload = R"({"write":[0,92],"id":"3","reply_to":"answers"})",
+                             .expiry_seconds = 1});
     bench.pass(1s);
     EXPECT_EQ(bench.on("answers").size(), 3u);
 }
 
 TEST_F(OnlineBridge, LongOnItsWay_TheRestOfItsExpiryBoundsTheDeadline) {
     bench.board.mute = true;
-    mqtt::Message expiring;
-    expiring.topic = "asip/uno1/servo/in";
-    expiring.payload = R"({"write":[0,92],"id":"3","reply_to":"answers","deadline_ms":5000})";
-    expiring.expiry_seconds = 1;
-    bench.hear(expiring);
+    bench.hear(
+        mqtt::Message{.topic = "asip/uno1/servo/in",
+                      .payload = R"({"write":[0,92],"id":"3","reply_to":"answers","deadline_ms":5000})",
+                      .expiry_seconds = 1});
     bench.pass(1900ms);
     EXPECT_EQ(bench.on("answers").size(), 0u) << "a broker cuts off up to a second";
     bench.pass(100ms);

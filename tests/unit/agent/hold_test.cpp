@@ -88,9 +88,7 @@ TEST_F(HoldTest, RenewalThatWasDelayed_HoldsFromWhenItMayHaveCome) {
     hold();
     hear({{"renew", "h"}, {"hold_ms", 10'000}});
     bench.pass(7s);
-    mqtt::Message late;
-    late.topic = kIo;
-    late.payload = R"({"renew":"h","reply_to":"me"})";
+    mqtt::Message late{.topic = kIo, .payload = R"({"renew":"h","reply_to":"me"})"};
     bench.hear(late, bench.now - 6s);
     EXPECT_EQ(json::parse(bench.on("me").back())["proof"], "renewed");
     bench.pass(3999ms);
@@ -103,9 +101,7 @@ TEST_F(HoldTest, RenewalOfUnknownAge_ShortensNothing) {
     hold();
     bench.pass(400ms);
     renew();
-    mqtt::Message late;
-    late.topic = kIo;
-    late.payload = R"({"renew":"h","reply_to":"me"})";
+    mqtt::Message late{.topic = kIo, .payload = R"({"renew":"h","reply_to":"me"})"};
     bench.hear(late, bench.now - 1s);
     bench.pass(499ms);
     EXPECT_THAT(executed(), Not(Contains("I,d,13,0")));

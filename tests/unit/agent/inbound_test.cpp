@@ -32,10 +32,7 @@ struct InboundTest : testing::Test {
     }
     std::optional<Inbound> read(const std::string& topic, const std::string& payload,
                                 bool retained = false) const {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = payload;
-        message.retain = retained;
+        mqtt::Message message{.topic = topic, .payload = payload, .retain = retained};
         return read(message);
     }
     /// The message as the kind that it must be.
@@ -220,10 +217,9 @@ TEST_F(InboundTest, SizeBounds) {
 }
 
 TEST_F(InboundTest, Arrival_IsByClockDeliveryAndExpiry) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/servo/in";
-    message.payload = R"({"write":[0,90],"deadline_ms":4000})";
-    message.user_properties = {{"clock", age.clock(kReadAt - 3s)}};
+    mqtt::Message message{.topic = "asip/uno1/servo/in",
+                          .payload = R"({"write":[0,90],"deadline_ms":4000})",
+                          .user_properties = {{"clock", age.clock(kReadAt - 3s)}}};
     auto command = std::get<Command>(*read(message));
     EXPECT_EQ(command.arrival.received, kReadAt);
     EXPECT_LE(command.arrival.sent(), kReadAt - 3s + 1ms);

@@ -192,8 +192,7 @@ TEST_F(NoAsipTest, NameOfAFile_IsRefused) {
 }
 
 TEST(RunsAsip, IsNeverLoadedUnlessItIsAskedFor) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     const auto refused = bench.ask("asip/uno1/in", {{"port", "load"}, {"firmware", "AsipServices"}}, "1");
     EXPECT_EQ(refused["reason"], "speaks-asip") << refused;
     EXPECT_THAT(refused["error"].get<std::string>(), HasSubstr("--force"));

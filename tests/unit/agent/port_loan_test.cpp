@@ -135,12 +135,13 @@ TEST_F(ReleasedPortTest, Hold_IsUndoneBeforeThePortIsLetGo) {
 
 TEST_F(ReleasedPortTest, ReleaseThatWaitedLongerThanItsDeadline_IsNotDone) {
     const auto arrives = [&](const char* id, std::optional<std::uint32_t> expiry, Duration ago) {
-        mqtt::Message message;
-        message.topic = kIn;
-        message.expiry_seconds = expiry;
-        message.payload =
-            json{{"port", "release"}, {"seconds", 600}, {"by", "ann"}, {"id", id}, {"reply_to", "answers"}}
-                .dump();
+        mqtt::Message message{
+            .topic = kIn,
+            .payload =
+                json{
+                    {"port", "release"}, {"seconds", 600}, {"by", "ann"}, {"id", id}, {"reply_to", "answers"}}
+                    .dump(),
+            .expiry_seconds = expiry};
         Effects out;
         bench.bridge.take(bench.bridge.read(message, bench.now - ago).value(), bench.now, out);
         return out;

@@ -257,8 +257,7 @@ TEST_F(Shared, BoardThatRestarts_HasTheDemandedPeriodAgain) {
 }
 
 TEST(Always, AgentWithoutTheOption_LeavesPeriodsAlone) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.hear("asip/servicebus/uno1/$demand/ann/c1", R"({"services":{"*":5}})");
     bench.pass(5s);
     EXPECT_THAT(bench.board.executed, IsEmpty());

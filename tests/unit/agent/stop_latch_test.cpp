@@ -100,9 +100,8 @@ TEST_F(Latched, RetainedResumeOrStop_ChangesNothing) {
 
 TEST_F(Latched, ResumeThatCameLate_ChangesNothing) {
     stop();
-    mqtt::Message message;
-    message.topic = "asip/uno1/in";
-    message.payload = R"({"resume":true,"deadline_ms":1000,"id":"r","reply_to":"answers"})";
+    mqtt::Message message{.topic = "asip/uno1/in",
+                          .payload = R"({"resume":true,"deadline_ms":1000,"id":"r","reply_to":"answers"})"};
     const auto read_at = bench.now;
     bench.pass(2s);
     bench.hear(message, read_at);

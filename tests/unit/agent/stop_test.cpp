@@ -125,9 +125,7 @@ TEST(StopBehindThousands, IsWrittenBeforeOneOfThemIsRefused) {
                                               std::to_string(i) + "\"}");
     ASSERT_GE(bench.bridge.session().queued(), 4000u);
     bench.published.clear();
-    mqtt::Message stop;
-    stop.topic = kStop;
-    stop.payload = R"({"id":"s","reply_to":"stops"})";
+    mqtt::Message stop{.topic = kStop, .payload = R"({"id":"s","reply_to":"stops"})"};
     Effects written;
     bench.bridge.take(*bench.bridge.read(stop, bench.now), bench.now, written);
     ASSERT_EQ(written.link.size(), 1u);
@@ -145,9 +143,8 @@ TEST(StopBehindThousands, IsWrittenBeforeOneOfThemIsRefused) {
 }
 
 TEST_F(StoppedBoard, CommandNotHandledBeforeTheStop_IsRefused) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/motors/in";
-    message.payload = R"({"power":[0,255],"reply_to":"answers","id":"late"})";
+    mqtt::Message message{.topic = "asip/uno1/motors/in",
+                          .payload = R"({"power":[0,255],"reply_to":"answers","id":"late"})"};
     bench.hear(message, bench.now, true);
     ASSERT_EQ(bench.on("answers").size(), 1u);
     EXPECT_EQ(json::parse(bench.on("answers").front())["reason"], "stopped");
@@ -210,16 +207,14 @@ TEST_F(StoppedBoard, ManyStopsAtOnce_AreEachAnsweredAndBounded) {
 }
 
 TEST(StopWithoutActuators, BoardAnswersAQuestion_IsOk) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.hear(kStop, R"({"id":"s","reply_to":"stops"})");
     EXPECT_EQ(json::parse(bench.on("stops").at(0)), json::parse(R"({"id":"s","status":"ok","proof":"fence",
         "answer":{"executed":[],"refused":0}})"));
 }
 
 TEST(StopWithoutActuators, BoardThatIsGone_ConfirmsNothing) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.unplug();
     bench.hear(kStop, R"({"id":"s","reply_to":"stops"})");
     EXPECT_THAT(bench.on("stops"), IsEmpty());
@@ -231,8 +226,7 @@ TEST(StopWithoutActuators, BoardThatIsGone_ConfirmsNothing) {
 }
 
 TEST(StopWithoutActuators, BoardThatIsSilent_ConfirmsNothing) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.board.mute = true;
     bench.hear(kStop, R"({"id":"s","reply_to":"stops"})");
     bench.pass(6s);

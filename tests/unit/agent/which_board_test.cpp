@@ -100,8 +100,7 @@ TEST(WhichBoard, BoardIsElsewhereAndItsNameIsClaimed_AgentLetsGoOfTheName) {
 }
 
 TEST(WhichBoard, GivenNameAndAnotherSketch_IsAWarningUntilTheFirstBoardIsBack) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     EXPECT_THAT(warnings_of(bench, "uno1"), IsEmpty());
     for (const auto& change : std::vector<std::function<void(session::ScriptedBoard&)>>{
              [](auto& board) { board.sketch = "Other"; }, [](auto& board) { board.chip = "ATmega2560"; },
@@ -117,8 +116,7 @@ TEST(WhichBoard, GivenNameAndAnotherSketch_IsAWarningUntilTheFirstBoardIsBack) {
 }
 
 TEST(WhichBoard, RestartsAgainAndAgain_IsAWarningAndOneLineAMinute) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.logged = 0;
     for (int i = 0; i < 400; ++i) {  // 10 minutes
         bench.say(bench.board.reboot());
@@ -132,8 +130,7 @@ TEST(WhichBoard, RestartsAgainAndAgain_IsAWarningAndOneLineAMinute) {
 }
 
 TEST(WhichBoard, RestartsAgainAndAgain_TheWarningSaysHowOften) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     for (int i = 0; i < 15; ++i) {
         bench.say(bench.board.reboot());
         bench.pass(2s);
@@ -145,8 +142,7 @@ TEST(WhichBoard, RestartsAgainAndAgain_TheWarningSaysHowOften) {
 }
 
 TEST(WhichBoard, RestartsOnce_IsToldAsBefore) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.notices.clear();
     bench.say(bench.board.reboot());
     bench.pass(5s);
@@ -199,8 +195,7 @@ TEST(WhichBoard, PortInUseAtTheStart_IsAnnouncedWithItsReasonUntilTheBoardIsFoun
 }
 
 TEST(WhichBoard, PortInUseWhenItComesBack_IsTheReasonInPlaceOfTheCable) {
-    BridgeBench bench(of_a_service());
-    bench.go_online();
+    OnlineBench bench(of_a_service());
     bench.unplug();
     fail_to_open(bench, model::StateReason::kUnplugged);
     EXPECT_EQ(described(bench).state->reason, model::StateReason::kUnplugged);

@@ -40,11 +40,9 @@ TEST_F(OnlineBridge, SenderWithoutAName_IsNotedWhereItsCommandIsProven) {
 }
 
 TEST_F(OnlineBridge, NameInThePropertyOfTheMessage_IsTheOneThatCounts) {
-    mqtt::Message message;
-    message.topic = "asip/uno1/servo/in";
-    message.payload = R"({"write":[0,90],"by":"eve"})";
-    message.user_properties = {{"by", "anna"}};
-    bench.hear(message);
+    bench.hear(mqtt::Message{.topic = "asip/uno1/servo/in",
+                             .payload = R"({"write":[0,90],"by":"eve"})",
+                             .user_properties = {{"by", "anna"}}});
     bench.pass(5s);  // no client waits: it is over with the next sign of the board
     ASSERT_EQ(bench.on(kNotes).size(), 1u) << "also where nobody wants an answer";
     EXPECT_EQ(json::parse(bench.on(kNotes)[0])["by"], "anna");
