@@ -30,10 +30,9 @@ class Asker {
             io.run_one();
     }
     void ask(const bus::Query& query, std::function<void(const std::string& payload)> done) {
-        mqtt::Message message;
-        message.topic = topics_.registry_query(registry_);
-        message.payload = bus::encode(bus::RegistryRequest{query, {}, {}});
-        message.qos = 1;
+        mqtt::Message message{.topic = topics_.registry_query(registry_),
+                              .payload = bus::encode(bus::RegistryRequest{query, {}, {}}),
+                              .qos = 1};
         request_ = requester_.ask(message, client_.v5(),
                                   [done](const mqtt::Message& answer) { done(answer.payload); });
         client_.publish(std::move(message), mqtt::Priority::kReply);

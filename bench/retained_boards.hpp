@@ -20,13 +20,11 @@ inline mqtt::Options options_for(const test::MosquittoBroker& broker, std::size_
 
 inline mqtt::Message description(std::uint32_t board, std::uint64_t seq,
                                  const BoardTexts& texts = BoardTexts()) {
-    mqtt::Message message;
-    message.topic = "asip/servicebus/" + BoardTexts::name(board) + "/$description";
-    message.payload = texts.description(board, seq, 3600);
-    message.retain = true;
-    message.qos = 1;
-    message.expiry_seconds = 3600;
-    return message;
+    return mqtt::Message{.topic = "asip/servicebus/" + BoardTexts::name(board) + "/$description",
+                         .payload = texts.description(board, seq, 3600),
+                         .qos = 1,
+                         .retain = true,
+                         .expiry_seconds = 3600};
 }
 
 /// So many boards, each by its retained description; returns when the broker has them all.

@@ -69,12 +69,12 @@ void Commander::send() {
         const std::size_t token = history_.commands.size();
         const std::size_t board = next_++ % load_.boards;
         history_.commands.push_back({.board = board, .sent = now()});
-        asip::mqtt::Message message;
-        message.topic = topics_.board_in(history_.boards[board]);
-        message.payload =
-            nlohmann::json{{"raw", load_.request(board, token)}, {"deadline_ms", history_.deadline}}.dump();
-        message.qos = load_.qos;
-        message.expiry_seconds = static_cast<std::uint32_t>(history_.deadline / 1000);
+        asip::mqtt::Message message{.topic = topics_.board_in(history_.boards[board]),
+                                    .payload = nlohmann::json{{"raw", load_.request(board, token)},
+                                                              {"deadline_ms", history_.deadline}}
+                                                   .dump(),
+                                    .qos = load_.qos,
+                                    .expiry_seconds = static_cast<std::uint32_t>(history_.deadline / 1000)};
         auto request =
             requester_.ask(message, client_.v5(),
                            [this, token](const asip::mqtt::Message& answer) { answered(token, answer); });

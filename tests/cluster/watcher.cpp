@@ -64,12 +64,11 @@ void Watcher::ask() {
         if (!waits && client_.subscribed()) {
             asip::bus::Query query;
             query.limit = asip::bus::Query::kMaxPage;
-            asip::mqtt::Message message;
-            message.topic = topics_.registry_query(registry_);
-            message.payload =
-                asip::bus::encode(asip::bus::RegistryRequest{view_.next_query().value_or(query), {}, {}});
-            message.qos = 1;
-            message.expiry_seconds = 1;
+            asip::mqtt::Message message{.topic = topics_.registry_query(registry_),
+                                        .payload = asip::bus::encode(asip::bus::RegistryRequest{
+                                            view_.next_query().value_or(query), {}, {}}),
+                                        .qos = 1,
+                                        .expiry_seconds = 1};
             request_ = requester_.ask(message, client_.v5(), [this](const asip::mqtt::Message& payload) {
                 if (const auto answer = asip::bus::parse_answer(payload.payload)) answered(*answer);
             });

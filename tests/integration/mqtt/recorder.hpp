@@ -69,12 +69,8 @@ inline mqtt::Options options_for(const MosquittoBroker& broker) {
 }
 
 inline mqtt::Message make_message(std::string topic, std::string payload, int qos = 0, bool retain = false) {
-    mqtt::Message message;
-    message.topic = std::move(topic);
-    message.payload = std::move(payload);
-    message.qos = qos;
-    message.retain = retain;
-    return message;
+    return mqtt::Message{
+        .topic = std::move(topic), .payload = std::move(payload), .qos = qos, .retain = retain};
 }
 
 }  // namespace asip::test

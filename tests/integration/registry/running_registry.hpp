@@ -44,13 +44,11 @@ inline std::string description_text(const std::string& board, const std::string&
 
 inline mqtt::Message announcement(const std::string& board, const std::string& payload,
                                   std::optional<std::uint32_t> expiry = std::nullopt) {
-    mqtt::Message message;
-    message.topic = "asip/servicebus/" + board + "/$description";
-    message.payload = payload;
-    message.qos = 1;
-    message.retain = true;
-    message.expiry_seconds = expiry;
-    return message;
+    return mqtt::Message{.topic = "asip/servicebus/" + board + "/$description",
+                         .payload = payload,
+                         .qos = 1,
+                         .retain = true,
+                         .expiry_seconds = expiry};
 }
 
 /// The answer of whichever registry, or of one.

@@ -27,11 +27,7 @@ constexpr const char* kAnswers = "answers";
 constexpr unsigned kExports = 4;
 
 mqtt::Message message_of(const std::string& topic, const std::string& payload, bool stored) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.retain = stored;
-    return message;
+    return mqtt::Message{.topic = topic, .payload = payload, .retain = stored};
 }
 
 std::shared_ptr<const gateway::exports::Dialect> dialect_of(std::uint64_t seed) {

@@ -90,9 +90,7 @@ TEST_F(SharesTest, Run_EndsWithItsSlice_AndForgetsWhoIsDone) {
 class BoardSharesTest : public SharesTest {
   protected:
     void message(const std::string& board, const std::string& topic, std::string payload) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = std::move(payload);
+        mqtt::Message message{.topic = topic, .payload = std::move(payload)};
         boards.message(board, message, now);
     }
 

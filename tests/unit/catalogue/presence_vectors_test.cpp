@@ -37,10 +37,10 @@ std::string payload_of(const json& step) {
 void take(BusView& view, const json& step) {
     if (step.contains("heard")) return step.at("heard") ? view.connected(at(step)) : view.disconnected();
     if (!step.contains("state") && !step.contains("text") && !step.contains("say")) return;
-    mqtt::Message message;
-    message.topic = "asip/servicebus/" + kBoard + (step.contains("state") ? "/$state" : "/$description");
-    message.payload = payload_of(step);
-    message.retain = step.value("kept", false);
+    mqtt::Message message{
+        .topic = "asip/servicebus/" + kBoard + (step.contains("state") ? "/$state" : "/$description"),
+        .payload = payload_of(step),
+        .retain = step.value("kept", false)};
     if (step.contains("expiry")) message.expiry_seconds = step.at("expiry").get<std::uint32_t>();
     view.apply(message, at(step));
 }

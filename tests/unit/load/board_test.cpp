@@ -27,12 +27,11 @@ struct BoardTest : testing::Test {
         return payloads;
     }
     json command(const std::string& topic, const std::string& payload, bool retained = false) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = payload;
-        message.retain = retained;
-        message.response_topic = "answers";
-        message.correlation = "7";
+        mqtt::Message message{.topic = topic,
+                              .payload = payload,
+                              .retain = retained,
+                              .response_topic = "answers",
+                              .correlation = "7"};
         out = {};
         EXPECT_TRUE(board.on_message(message, now, out));
         const auto answers = on("answers");

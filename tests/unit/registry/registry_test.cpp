@@ -57,11 +57,7 @@ Random counting() {
 }
 
 mqtt::Message bus_message(const std::string& topic, const std::string& payload, bool retained = false) {
-    mqtt::Message message;
-    message.topic = topic;
-    message.payload = payload;
-    message.retain = retained;
-    return message;
+    return mqtt::Message{.topic = topic, .payload = payload, .retain = retained};
 }
 
 /// One run of a registry, with the history of the runs before.

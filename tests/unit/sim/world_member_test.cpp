@@ -83,10 +83,7 @@ class WorldMemberTest : public testing::Test {
     }
 
     mqtt::Message command(const std::string& topic) const {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = R"({"report":100,"reply_to":"me","id":"7"})";
-        return message;
+        return mqtt::Message{.topic = topic, .payload = R"({"report":100,"reply_to":"me","id":"7"})"};
     }
 
     std::shared_ptr<world::World> world_ = square();

@@ -140,11 +140,7 @@ class ExportWorld {
         home_assistant_reads(live);
     }
     void publish(const std::string& topic, const std::string& payload, bool retain = false) {
-        mqtt::Message message;
-        message.topic = topic;
-        message.payload = payload;
-        message.retain = retain;
-        publish(message);
+        publish(mqtt::Message{.topic = topic, .payload = payload, .retain = retain});
     }
 
     /// Messages are delivered, then a tenth of a second passes.
@@ -206,10 +202,7 @@ class ExportWorld {
     void restart_home_assistant() {
         devices.clear();
         for (const auto& [topic, payload] : retained) {
-            mqtt::Message message;
-            message.topic = topic;
-            message.payload = payload;
-            home_assistant_reads(message);
+            home_assistant_reads(mqtt::Message{.topic = topic, .payload = payload});
         }
         if (!dialect_->status().empty()) publish(dialect_->status(), "online");
     }
@@ -237,10 +230,7 @@ class ExportWorld {
     void replay(const std::string& filter, std::deque<mqtt::Message>& inbox) {
         for (const auto& [topic, payload] : retained) {
             if (!topic_matches(filter, topic)) continue;
-            mqtt::Message message;
-            message.topic = topic;
-            message.payload = payload;
-            message.retain = true;
+            mqtt::Message message{.topic = topic, .payload = payload, .retain = true};
             inbox.push_back(message);
         }
     }
