@@ -185,8 +185,7 @@ TEST(Announcer, AllThatIsRetainedEmptied_IsThereAgainASecondLater) {
 }
 
 TEST(Announcer, StateThatIsRetainedBehindOurs_IsPutRight) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.bridge.bus_disconnected();
     bench.connect();
     bench.published.clear();
@@ -393,8 +392,7 @@ TEST(Announcer, StoredDescriptionOfALaterSession_OursIsMadeTheLaterOne) {
 }
 
 TEST(Announcer, BrokerBack_AnnouncesAtOnceWithoutAnotherClaim) {
-    BridgeBench bench;
-    bench.go_online();
+    OnlineBench bench;
     bench.bridge.bus_disconnected();
     bench.unplug();
     bench.published.clear();
