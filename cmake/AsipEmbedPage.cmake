@@ -14,7 +14,7 @@ function(asip_embed_page folder output)
   list(JOIN names "," joined)
   add_custom_command(OUTPUT "${output}"
     COMMAND ${CMAKE_COMMAND} "-DFOLDER=${folder}" "-DNAMES=${joined}" "-DOUTPUT=${output}" -P "${ASIP_EMBED_PAGE_SCRIPT}"
-    DEPENDS ${paths} "${folder}/files.txt" "${ASIP_EMBED_PAGE_SCRIPT}" "${CMAKE_SOURCE_DIR}/cmake/shorten_script.awk" "${CMAKE_SOURCE_DIR}/cmake/shorten_style.sed"
+    DEPENDS ${paths} "${folder}/files.txt" "${ASIP_EMBED_PAGE_SCRIPT}" "${CMAKE_SOURCE_DIR}/cmake/name_texts.awk" "${CMAKE_SOURCE_DIR}/cmake/shorten_script.awk" "${CMAKE_SOURCE_DIR}/cmake/shorten_style.sed"
     COMMENT "Building the web page in" VERBATIM)
 endfunction()
 
@@ -36,8 +36,12 @@ foreach(name IN LISTS NAMES)
   elseif(name MATCHES "[.]css$")
     set(shorten sed -E -f "${CMAKE_CURRENT_LIST_DIR}/shorten_style.sed")
   endif()
+  set(name_texts cat)
+  if(name MATCHES "[.](js|html|json)$")
+    set(name_texts awk -f "${CMAKE_CURRENT_LIST_DIR}/name_texts.awk" "${FOLDER}/languages/en.json")
+  endif()
   # -n: without name and time, so that the same file gives the same bytes.
-  execute_process(COMMAND env LC_ALL=C ${shorten} "${FOLDER}/${name}" COMMAND gzip -9 -n -c OUTPUT_FILE "${OUTPUT}.gz" RESULT_VARIABLE failed)
+  execute_process(COMMAND env LC_ALL=C ${name_texts} "${FOLDER}/${name}" COMMAND env LC_ALL=C ${shorten} COMMAND gzip -9 -n -c OUTPUT_FILE "${OUTPUT}.gz" RESULT_VARIABLE failed)
   if(failed)
     message(FATAL_ERROR "cannot compress ${FOLDER}/${name}")
   endif()

@@ -17,9 +17,12 @@ DOCS = f"{HOMEPAGE}/blob/main/docs/".encode()  # followed by a person, never loa
 
 def served(name, content):
     """As cmake/AsipEmbedPage.cmake builds it into the program."""
+    run = lambda command: subprocess.run(command, input=content, capture_output=True, check=True, env={**os.environ, "LC_ALL": "C"}).stdout
+    if pathlib.Path(name).suffix in (".js", ".html", ".json"):
+        content = run(["awk", "-f", CMAKE / "name_texts.awk", PAGE / "languages" / "en.json", PAGE / name])
     shorten = {".js": ["awk", "-f", CMAKE / "shorten_script.awk"], ".css": ["sed", "-E", "-f", CMAKE / "shorten_style.sed"]}.get(pathlib.Path(name).suffix)
     if shorten:
-        content = subprocess.run(shorten, input=content, capture_output=True, check=True, env={**os.environ, "LC_ALL": "C"}).stdout
+        content = run(shorten)
     return gzip.compress(content, 9, mtime=0)
 
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which light of a board may blink, so that a person finds the board.
+import { t } from "./language.js";
 import { mode_names, pins_of } from "./pins.js";
 
 const own_light = [[/^ATmega/, 13], [/^RP2040/, 25]]; // of Uno, Nano, Mega, Leonardo; of a Pico
@@ -10,11 +11,11 @@ export function light_of(board, properties) {
   const named = properties.find((each) => on_pin(each) && each.kind === "switch" && each.meaning?.class === "light");
   const number = named ? Number(named.id.slice(3)) : own_light.find(([chip]) => chip.test(board?.chip ?? ""))?.[1];
   const pin = pins_of(board?.description).find((each) => each.number === number);
-  if (!pin) return { refused: "This board has no light that is known." };
+  if (!pin) return { refused: t("lesson-light-unknown") };
   const output = mode_names[pin.mode] === "output";
   const used = board.description.pin_modes?.[number] !== undefined || properties.some((each) => each.id === `io/${number}` && each.meaning?.class);
   if (pin.owner !== "" || !(pin.can & 1) || (!output && used))
-    return { refused: `The light of this board is at pin ${number}, which is in use for something else.` };
+    return { refused: t("lesson-light-in-use", { number }) };
   return { pin: number, output };
 }
 

@@ -142,7 +142,7 @@ export async function request_with_tag(path, { method = "GET", body, headers = {
   }
   const json = await response.json().catch(() => undefined);
   if (response.ok) return { body: json, tag: response.headers.get("ETag") ?? undefined };
-  throw new Problem(response.status, json?.detail ?? json?.title ?? t("gateway-answers", { status: response.status }));
+  throw Object.assign(new Problem(response.status, json?.detail ?? json?.title ?? t("gateway-answers", { status: response.status })), { reason: json?.reason });
 }
 
 export const path_of = (...parts) => "api/" + parts.map(encodeURIComponent).join("/");

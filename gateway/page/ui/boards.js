@@ -55,7 +55,8 @@ class Boards extends Part {
     this.value = h("select", { "aria-label": t("value-shown"), onchange: () => this.filtered({ value: this.value.value }) });
     this.group = h("select", { "aria-label": t("group-label"), onchange: () => this.filtered({ group: this.group.value }) });
     this.adding = h("a", { class: "button", href: "#/add" }, t("add-board"));
-    return this.tools = h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"), this.adding);
+    this.lending = class_link();
+    return this.tools = h("div", { class: "toolbar" }, search, this.kind, this.value, this.group, this.chips, this.found, document.createElement("asip-notify"), this.adding, this.lending);
   }
 
   /// Boards are selected by users who may do something with them.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A class: the teacher opens a lesson and sees its pupils, a pupil joins by a code and sees whose board this is.
 import { blinks, light_of } from "../core/identify.js";
+import { t } from "../core/language.js";
 import { qr_of } from "../core/qr.js";
 import { clock_text, time_of } from "../core/text.js";
 import { base, bus, path_of, request } from "../net/bus.js";
@@ -10,19 +11,6 @@ import { boards, status } from "./model.js";
 const kAgainMs = 2000;
 const kBlinkMs = 250;
 const kMinutes = [45, 60, 90, 180];
-
-const texts = {
-  title: "Class", join_title: "Join a class", not_yours: "Your token holds no lessons: that needs the right to command every board.",
-  intro: "Lend a board to each pupil. Whoever types the code gets one, and may command only that until the lesson ends.",
-  which: "Boards", all: (count) => `All that are there (${count})`, labelled: (label, count) => `${label} (${count})`,
-  how_long: "For", minutes: (count) => `${count} minutes`, open: "Open the lesson", no_board: "No board is there yet.",
-  type_at: (address) => `Pupils open ${address} and type`, local: "Phones do not reach this machine by this address: open this page by the address at which others reach it.",
-  until: (time, pupils, count) => `until ${time}: ${pupils} of ${count} boards have a pupil`,
-  stop: "Stop the class", resume: "Resume the class", end: "End the lesson", identify: "Identify", take: "Take over", free: "Set free",
-  since: (time) => `since ${time}`, is_free: "free", is_yours: "yours", blinking: "Its light blinks …", blinked: "Its light blinked.",
-  code: "Code of the class", join: "Join", over: "Leave the lesson", leave: "Leave",
-  pupil: (pupil, board, time) => `You are ${pupil}. Your board is ${board}, until ${time}.`,
-};
 
 const minute_text = (iso) => clock_text(time_of(iso)).slice(0, 5);
 const pause = (ms) => new Promise((done) => { setTimeout(done, ms); });
@@ -38,17 +26,17 @@ async function identify(name) {
     if (answer.status !== "ok") return answer.error ?? answer.reason ?? answer.status;
     await pause(kBlinkMs);
   }
-  return texts.blinked;
+  return t("lesson-blinked");
 }
 
 /// A button that identifies a board, and says in `output` what becomes of it.
 function identifier(board, output) {
-  const button = h("button", { "aria-label": `${texts.identify} ${board()}`, onclick: async () => {
+  const button = h("button", { "aria-label": `${t("lesson-identify")} ${board()}`, onclick: async () => {
     button.disabled = true;
-    set_text(output, texts.blinking);
+    set_text(output, t("lesson-blinking"));
     set_text(output, await identify(board()).catch((problem) => problem.message));
     button.disabled = false;
-  } }, texts.identify);
+  } }, t("lesson-identify"));
   return button;
 }
 
@@ -78,12 +66,12 @@ class Classes extends Part {
     this.list = h("div", {});
     this.answer = h("output", { class: "answer", "aria-live": "polite" });
     this.which = h("select", { id: fresh_id("boards") });
-    const minutes = h("select", { id: fresh_id("minutes") }, kMinutes.map((each) => h("option", { value: each }, texts.minutes(each))));
-    this.form = h("form", { class: "open-lesson", "aria-label": texts.open, onsubmit: (event) => { event.preventDefault(); this.open(this.which.value, Number(minutes.value)); } },
-      h("div", { class: "field" }, h("label", { for: this.which.id }, texts.which), this.which),
-      h("div", { class: "field" }, h("label", { for: minutes.id }, texts.how_long), minutes), this.button = h("button", { class: "main" }, texts.open));
+    const minutes = h("select", { id: fresh_id("minutes") }, kMinutes.map((each) => h("option", { value: each }, t("lesson-minutes", { n: each }))));
+    this.form = h("form", { class: "open-lesson", "aria-label": t("lesson-open"), onsubmit: (event) => { event.preventDefault(); this.open(this.which.value, Number(minutes.value)); } },
+      h("div", { class: "field" }, h("label", { for: this.which.id }, t("boards")), this.which),
+      h("div", { class: "field" }, h("label", { for: minutes.id }, t("lesson-how-long")), minutes), this.button = h("button", { class: "main" }, t("lesson-open")));
     this.note = h("p", { class: "muted" });
-    this.append(h("h1", { tabindex: "-1" }, texts.title), this.list, this.note, this.form, this.answer);
+    this.append(h("h1", { tabindex: "-1" }, t("lesson-class")), this.list, this.note, this.form, this.answer);
     this.listen(boards, "change", () => this.show());
     this.listen(status, "change", () => this.load());
     this.every(kAgainMs, () => { if (!document.hidden) this.load(); });
@@ -97,7 +85,7 @@ class Classes extends Part {
     const there = [...boards.catalogue.rows.values()].filter((row) => !["lost", "offline", "no-asip"].includes(row.state));
     const labels = new Map();
     for (const row of there) for (const [key, value] of Object.entries(row.tags)) if (key !== "name") labels.set(value === "" ? key : `${key}=${value}`, (labels.get(value === "" ? key : `${key}=${value}`) ?? 0) + 1);
-    const offers = [["", texts.all(there.length)], ...[...labels].sort().map(([label, count]) => [label, texts.labelled(label, count)])];
+    const offers = [["", t("lesson-all", { n: there.length })], ...[...labels].sort().map(([label, count]) => [label, `${label} (${count})`])];
     if (JSON.stringify(offers) !== this.offers) {
       const { value } = this.which;
       this.offers = JSON.stringify(offers);
@@ -106,7 +94,7 @@ class Classes extends Part {
     }
     this.form.hidden = !this.may;
     this.button.disabled = there.length === 0;
-    set_text(this.note, !this.may ? (status.now ? texts.not_yours : "") : there.length === 0 ? texts.no_board : texts.intro);
+    set_text(this.note, !this.may ? (status.now ? t("lesson-not-yours") : "") : there.length === 0 ? t("lesson-no-board") : t("lesson-intro"));
     for (const lesson of this.shown_lessons.values()) lesson.show();
   }
 
@@ -156,10 +144,10 @@ class LessonCard extends Part {
     this.seats = h("ul", { class: "link-list seats" });
     const local = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
     this.append(h("section", { class: "card lesson", "aria-label": code },
-      h("div", { class: "lesson-code" }, h("div", {}, h("p", {}, texts.type_at(`${base.host}${base.pathname}join`)), h("p", { class: "class-code" }, code), this.state, local && h("p", { class: "muted" }, texts.local)),
+      h("div", { class: "lesson-code" }, h("div", {}, h("p", {}, t("lesson-type-at", { address: `${base.host}${base.pathname}join` })), h("p", { class: "class-code" }, code), this.state, local && h("p", { class: "muted" }, t("lesson-local"))),
         picture_of(base.href + path)),
-      h("p", { class: "lesson-tools" }, h("button", { class: "stop", onclick: () => this.ask("api/stop", this.names) }, texts.stop), h("button", { onclick: () => this.ask("api/resume", this.names) }, texts.resume),
-        h("button", { onclick: () => this.ask(path_of("lessons", this.lesson.id), {}, "DELETE") }, texts.end), this.answer), this.seats));
+      h("p", { class: "lesson-tools" }, h("button", { class: "stop", onclick: () => this.ask("api/stop", this.names) }, t("lesson-stop")), h("button", { onclick: () => this.ask("api/resume", this.names) }, t("lesson-resume")),
+        h("button", { onclick: () => this.ask(path_of("lessons", this.lesson.id), {}, "DELETE") }, t("lesson-end")), this.answer), this.seats));
     this.show();
   }
 
@@ -178,7 +166,7 @@ class LessonCard extends Part {
   row_of(board) {
     const take = (keep) => () => this.ask(path_of("lessons", this.lesson.id, "take"), { board, keep });
     const row = { who: h("strong", {}), state: h("span", {}), since: h("small", { class: "muted" }), said: h("small", { role: "status" }),
-      take: h("button", { "aria-label": `${texts.take} ${board}`, onclick: take(true) }, texts.take), free: h("button", { "aria-label": `${texts.free} ${board}`, onclick: take(false) }, texts.free) };
+      take: h("button", { "aria-label": `${t("lesson-take")} ${board}`, onclick: take(true) }, t("lesson-take")), free: h("button", { "aria-label": `${t("lesson-free")} ${board}`, onclick: take(false) }, t("lesson-free")) };
     this.seats.append(h("li", {}, row.who, h("a", { href: `#/board/${encodeURIComponent(board)}` }, board), row.state, row.since,
       h("span", { class: "actions" }, identifier(() => board, row.said), row.take, row.free), row.said));
     return row;
@@ -186,13 +174,13 @@ class LessonCard extends Part {
 
   show() {
     const list = this.lesson.boards;
-    set_text(this.state, texts.until(minute_text(this.lesson.until), list.filter((each) => each.pupil).length, list.length));
+    set_text(this.state, t("lesson-until", { time: minute_text(this.lesson.until), pupils: list.filter((each) => each.pupil).length, count: list.length }));
     for (const { board, pupil, since, kept } of list) {
       if (!this.rows.has(board)) this.rows.set(board, this.row_of(board));
       const row = this.rows.get(board);
-      set_text(row.who, pupil ?? (kept ? texts.is_yours : texts.is_free));
+      set_text(row.who, pupil ?? (kept ? t("lesson-is-yours") : t("lesson-is-free")));
       row.who.className = pupil ? "" : "muted";
-      set_text(row.since, since ? texts.since(minute_text(since)) : "");
+      set_text(row.since, since ? t("lesson-since", { time: minute_text(since) }) : "");
       row.take.hidden = kept;
       row.free.hidden = !pupil && !kept;
       const catalogued = boards.catalogue.rows.get(board);
@@ -212,8 +200,8 @@ class Join extends Part {
   shown() {
     const code = h("input", { id: fresh_id("code"), type: "text", class: "class-code", autocomplete: "off", autocapitalize: "characters", spellcheck: "false", maxlength: 12, size: 8, required: true, value: this.code });
     this.answer = h("output", { class: "answer refused", "aria-live": "polite" });
-    this.append(h("form", { "aria-label": texts.join_title, onsubmit: (event) => { event.preventDefault(); this.join(code.value); } },
-      h("div", { class: "field" }, h("label", { for: code.id }, texts.code), code, " ", h("button", { class: "main" }, texts.join)), h("p", {}, this.answer)));
+    this.append(h("form", { "aria-label": t("lesson-join-class"), onsubmit: (event) => { event.preventDefault(); this.join(code.value); } },
+      h("div", { class: "field" }, h("label", { for: code.id }, t("lesson-code")), code, " ", h("button", { class: "main" }, t("lesson-join"))), h("p", {}, this.answer)));
   }
 
   async join(code) {
@@ -233,22 +221,22 @@ class Pupil extends Part {
     this.said = h("small", { role: "status" });
     const board = () => status.you.lesson?.board ?? "";
     this.hidden = true;
-    this.append(this.text, h("span", { class: "actions" }, identifier(board, this.said), h("button", { onclick: leave }, texts.leave)), this.said);
+    this.append(this.text, h("span", { class: "actions" }, identifier(board, this.said), h("button", { onclick: leave }, t("lesson-leave"))), this.said);
     this.listen(status, "change", () => {
       const { lesson } = status.you;
       this.hidden = !lesson;
-      if (lesson) set_text(this.text, texts.pupil(lesson.pupil, lesson.board, minute_text(lesson.until)));
+      if (lesson) set_text(this.text, t("lesson-pupil", { pupil: lesson.pupil, board: lesson.board, time: minute_text(lesson.until) }));
     });
   }
 }
 
 /// `problem`: why this browser has no rights; it may be that its lesson is over.
 export function join_screen(code, problem) {
-  const over = problem?.reason === "lesson-over" && h("p", { role: "alert" }, problem.message, " ", h("button", { onclick: leave }, texts.over));
-  return [texts.join_title, h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, texts.join_title), over, document.createElement("asip-join").begin(code))];
+  const over = problem?.reason === "lesson-over" && h("p", { role: "alert" }, problem.message, " ", h("button", { onclick: leave }, t("lesson-over")));
+  return [t("lesson-join-class"), h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, t("lesson-join-class")), over, document.createElement("asip-join").begin(code))];
 }
-export const class_screen = () => [texts.title, document.createElement("asip-class")];
-export const class_link = () => h("a", { class: "button", href: "#/class" }, texts.title);
+export const class_screen = () => [t("lesson-class"), document.createElement("asip-class")];
+export const class_link = () => h("a", { class: "button", href: "#/class" }, t("lesson-class"));
 
 customElements.define("asip-class", Classes);
 customElements.define("asip-lesson", LessonCard);

@@ -3,6 +3,7 @@
 import "./add_board.js";
 import "./board.js";
 import "./boards.js";
+import { class_screen, join_screen } from "./class.js";
 import { is_kiosk } from "./dashboard.js";
 import "./shell.js";
 import "./settings.js";
@@ -22,6 +23,8 @@ const screens = [
   [/^board\/([^/]+)$/, (name) => [name, document.createElement("asip-board").begin(name)], kPage],
   [/^dashboards$/, () => [t("dashboards"), document.createElement("asip-dashboards")], "dashboards.md"],
   [/^dashboard\/([^/?]+)(?:\?.*)?$/, (name) => [name, document.createElement("asip-dashboard").begin(name)], "dashboards.md"],
+  [/^class$/, class_screen, "start-in-class.md"],
+  [/^join(?:\/([^/]+))?$/, (code) => join_screen(code ?? ""), "start-in-class.md"],
   [/^history$/, () => [t("history"), h("div", {}, h("h1", { tabindex: "-1" }, t("history")), document.createElement("asip-history").begin("api/history", true))], "service-bus.md#who-did-what"],
   [/^(?:settings|bus)$/, () => [t("settings"), document.createElement("asip-settings")], "gateway.md#boards-in-other-systems"],
 ];
@@ -39,7 +42,7 @@ async function enter(token, answer) {
 function sign_in() {
   const token = h("input", { id: "token", type: "password", autocomplete: "current-password", required: true });
   const answer = h("output", { class: "answer refused", "aria-live": "polite" });
-  return [t("sign"), h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, t("sign")),
+  return [t("sign"), h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, t("sign")), document.createElement("asip-join").begin(""),
     h("p", {}, t("gateway-shows")),
     command_line("asip-gateway token ROLE NAME --tokens FILE"),
     h("form", { onsubmit: (event) => { event.preventDefault(); enter(token.value.trim(), answer); } },
@@ -58,6 +61,7 @@ function decoded(text) {
 }
 
 function screen_of(path) {
+  if (status.refused && status.problem.status === 401 && (path.startsWith("join") || status.problem.reason)) return [...join_screen(/^join\/(.+)$/.exec(path)?.[1] ?? "", status.problem), "start-in-class.md"];
   if (status.refused) return [...(status.problem.status === 401 ? sign_in() : link_is_over()), "gateway.md#who-may-do-what"];
   if (is_kiosk()) return [status.you.dashboard, document.createElement("asip-dashboard").begin(status.you.dashboard)];
   if (base.pathname.includes("/kiosk/") && !status.now) return ["", h("div", {})]; // what the link shows is not known yet

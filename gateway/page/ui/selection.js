@@ -35,7 +35,8 @@ class Selection extends Part {
   show() {
     this.hidden = this.picked.size === 0;
     set_text(this.count, t("n-boards-selected", { n: this.picked.size }));
-    for (const each of this.stops) each.hidden = !status.may_stop;
+    this.stops[0].hidden = !status.may_stop;
+    this.stops[1].hidden = status.you.resume !== true;
     this.send.hidden = !status.may_command;
     this.labels.hidden = !status.may_label;
     if (this.hidden) this.open(() => "");

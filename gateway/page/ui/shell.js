@@ -74,7 +74,7 @@ class Stop extends Part {
     const allow = () => {
       this.button.hidden = !status.may_stop;
       const stopped = board ? boards.catalogue.rows.get(board)?.reason === "latched" : attention_of(boards.catalogue.rows.values()).stopped.length > 0;
-      this.resume_button.hidden = !status.may_stop || !stopped;
+      this.resume_button.hidden = status.you.resume !== true || !stopped;
       set_text(this.resume_button, board ? t("resume-board", { board }) : t("resume-all"));
       set_text(this.button, board ? t("stop-board", { board }) : status.you.limited ? t("stop-my-boards") : t("stop-all"));
     };
@@ -122,7 +122,8 @@ const some = (names) => `${names.slice(0, 3).join(", ")}${names.length > 3 ? " â
 function stop_text(answer, ms) {
   const failed = unproven(answer);
   if (failed.length > 0) return t("stopped-but", { failed: some(failed) });
-  return t("stopped-time", { time: ms < 500 ? `${Math.round(ms)} ms` : duration_text(ms) });
+  const time = ms < 500 ? `${Math.round(ms)} ms` : duration_text(ms);
+  return status.you.resume ? t("stopped-time", { time }) : t("stopped-once", { time });
 }
 
 customElements.define("asip-link", LinkSign);
