@@ -58,10 +58,11 @@ inline constexpr std::string_view kComponents = R"json({
     "names": {"$ref": "#/components/schemas/Names"}, "conflict": {"type": "object"}, "description": {"type": "object"},
     "services": {"type": "array", "items": {"$ref": "#/components/schemas/ServiceItem"}}}},
   "Page": {"type": "object", "required": ["find", "items"], "properties": {
-    "find": {"type": "string", "enum": ["boards", "services", "history"]},
+    "find": {"type": "string", "enum": ["boards", "services", "history", "values"]},
     "epoch": {"type": "string"}, "seq": {"type": "integer"}, "registry": {"type": "string"},
     "settling": {"type": "boolean"}, "brief": {"type": "boolean"}, "total": {"type": "integer"},
-    "cursor": {"type": "string"}, "items": {"type": "array"}}},
+    "cursor": {"type": "string"}, "items": {"type": "array"},
+    "level": {"type": "string", "enum": ["changes", "minutes", "hours"], "description": "Of values: what the points are made of; missing: nothing is kept"}}},
   "Forgotten": {"type": "object", "required": ["forgotten"], "properties": {
     "forgotten": {"type": "array", "items": {"type": "string"}}}},
   "Service": {"type": "object", "required": ["name", "board", "state"], "properties": {

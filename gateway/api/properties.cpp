@@ -2,10 +2,12 @@
 // What can be read and set on a board, and how it stands.
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/registry/query.hpp"
 #include "asip/model/json.hpp"
 #include "asip/property/documents.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
+#include "asip/text/wall_time.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
 #include "gateway/api/streams.hpp"
@@ -115,6 +117,37 @@ void get_board_values_stream(Call& call) {
     if (!max_hz) return send_problem(call, 400, max_hz.error());
     start_sse(call, std::make_unique<PropertyFeed>(call.gateway.mirror(),
                                                    feed_options(call, call.board(), "*", *max_hz)));
+}
+
+void get_board_values_kept(Call& call) {
+    const auto* id = call.request.parameter("property");
+    if (id == nullptr || id->empty())
+        return send_problem(call, 400, "property: is missing; an id such as distance/0");
+    const auto points = whole_parameter(call, "points", 500, 1, 1000);
+    if (!points) return send_problem(call, 400, points.error());
+    const auto* from = call.request.parameter("from");
+    const auto* to = call.request.parameter("to");
+    const auto end = to == nullptr ? call.now().wall : text::parse_iso_time(*to).value_or(text::WallTime{});
+    nlohmann::json query{{"find", "values"},
+                         {"board", call.board()},
+                         {"property", *id},
+                         {"from", from == nullptr ? text::iso_time(end - std::chrono::hours(24)) : *from},
+                         {"to", to == nullptr ? text::iso_time(end) : *to},
+                         {"points", static_cast<std::uint64_t>(*points)}};
+    // The registry's words for what is wrong with them.
+    if (const auto valid = bus::read_registry_request(query); !valid)
+        return send_problem(call, 400, valid.error());
+    if (!asked(call, *id) || !bus_is_there(call)) return;
+    const auto answered = [reply = call.reply](const bus::Answer* answer) {
+        if (answer == nullptr) return reply.send(problem(503, "no registry answers; values are kept by one"));
+        if (!answer->refused.empty())
+            return reply.send(problem(answer->refused == "no-history" ? 404 : 503, answer->error));
+        auto page = *answer;
+        page.id.clear();
+        reply.send(text_response(bus::encode(page)));
+    };
+    if (!call.gateway.ask_registry(model::dump_json(query), call.client(), answered))
+        send_problem(call, 429, "too many questions of yours are under way");
 }
 
 }  // namespace asip::gateway::api

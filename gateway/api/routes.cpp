@@ -115,6 +115,13 @@ std::vector<Parameter> history_parameters() {
             {"cursor", kText, "Of the page before", ""}};
 }
 
+std::vector<Parameter> kept_parameters() {
+    return {{"property", kText, "Its id", "distance/0"},
+            {"from", kText, "A time; a day before `to` where it is missing", ""},
+            {"to", kText, "A time; now", ""},
+            {"points", R"({"type":"integer","minimum":1,"maximum":1000})", "At most so many", "10"}};
+}
+
 // A row: method, path, id, what it does, what it needs; its parameters, the schema of its body; its answers;
 // the function that serves it.
 // clang-format off
@@ -127,6 +134,7 @@ std::vector<Route> make_routes() {
         {"GET", "/api/boards/{board}/values", "getBoardValues", "How its properties stand", Need::kRead, {kIds, {"past", R"({"type":"integer","minimum":0,"maximum":600,"default":0})", "So many of the last numbers of each, too", "20"}}, "", {{200, "By id", "PropertyValues"}, kNotFound}, get_board_values},
         {"PUT", "/api/boards/{board}/values", "putBoardValue", "Set one property and wait until the board did", Need::kCommand, {kDeadline}, "PropertyByIdValue", setting_answers(), put_board_values},
         {"GET", "/api/boards/{board}/values/stream", "streamBoardValues", "How its properties stand, then each change, as Server-Sent Events", Need::kRead, {{"max_hz", R"({"type":"number","minimum":0,"maximum":1000})", "The newest values of a service at most so often; 0: each", "20"}}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady, kTooMany}, get_board_values_stream},
+        {"GET", "/api/boards/{board}/values/kept", "getKeptValues", "How a property was: what a registry keeps of its values", Need::kRead, kept_parameters(), "", {{200, "Points, the oldest first: [time, mean, min, max], [time, value], or [time, null] where a gap begins", "Page"}, kNotFound, kNotReady, kTooMany}, get_board_values_kept},
         {"GET", "/api/boards/{board}/history", "getBoardHistory", "What a registry keeps of its changes", Need::kRead, history_parameters(), "", {{200, "One page, the newest first", "Page"}, kNotFound, kNotReady, kTooMany}, get_board_history},
         {"GET", "/api/history", "getHistory", "Changes of all boards that a registry keeps", Need::kRead, history_parameters(), "", {{200, "One page, the newest first", "Page"}, kNotFound, kNotReady, kTooMany}, get_history},
         {"GET", "/api/services", "listServices", "Services that match, page by page", Need::kRead, query_parameters(false), "", {{200, "One page", "Page"}, kUnchanged}, get_services},

@@ -64,6 +64,7 @@ void get_board_properties(Call& call);
 void get_board_values(Call& call);
 void put_board_values(Call& call);
 void get_board_values_stream(Call& call);
+void get_board_values_kept(Call& call);
 void get_history(Call& call);
 void get_services(Call& call);
 void get_service(Call& call);

@@ -109,6 +109,7 @@ RESOURCES = {
     "GET /api/boards/{board}/values": ("viewer", "?past=600", ""),
     "PUT /api/boards/{board}/values": ("operator", "?deadline_ms=60000", '{"io/13":true}'),
     "GET /api/boards/{board}/values/stream": ("viewer", "?max_hz=1000", ""),
+    "GET /api/boards/{board}/values/kept": ("viewer", "?property=distance/0&points=1000", ""),
     "GET /api/boards/{board}/history": ("viewer", "?limit=1000", ""),
     "GET /api/history": ("viewer", "?limit=1000", ""),
     "GET /api/services": ("viewer", "?limit=1000&sort=-last_seen&unit=cm&count=true&board=*o*d*", ""),

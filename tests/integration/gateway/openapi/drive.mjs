@@ -101,6 +101,7 @@ const calmed = async () => {
 };
 const make = (name, dashboard) => send("PUT", `/api/dashboards/${name}`, { body: dashboard, headers: { "If-Match": "*" } });
 
+const kept = "/api/boards/uno1/values/kept?property=distance/0";
 const links = "/api/boards/uno1/links";
 const rule = (name) => ({ set: { name, from: "uno1/distance/0", when: "follows", to: "servo/0/angle" } });
 
@@ -118,6 +119,7 @@ const cases = {
     listBoards: { 200: get("/api/boards?limit=1&full=true"), 304: () => etag("/api/boards") },
     getBoard: { 200: get("/api/boards/uno1"), 304: () => etag("/api/boards/uno1"), 404: get("/api/boards/none") },
     forgetBoard: { 200: () => send("DELETE", "/api/boards/gone"), 404: () => send("DELETE", "/api/boards/none"), 409: () => send("DELETE", "/api/boards/uno1") },
+    getKeptValues: { 200: get(`${kept}&points=10`), 400: get(`${kept}&from=x`), 404: get("/api/boards/none/values/kept?property=distance/0") },
     getBoardHistory: { 200: get("/api/boards/uno1/history?limit=10"), 404: get("/api/boards/none/history") },
     getHistory: { 200: get("/api/history?limit=10") },
     listServices: { 200: get("/api/services?kind=servo"), 304: () => etag("/api/services") },
@@ -236,6 +238,7 @@ const cases = {
   // The registry is stopped, and one client may keep 256 kB.
   stalled: {
     forgetBoard: { 429: () => crowd(() => send("DELETE", "/api/boards/lost")) },
+    getKeptValues: { 429: () => crowd(get(kept)) },
     getBoardHistory: { 429: () => crowd(get("/api/boards/uno1/history")) },
     getHistory: { 429: () => crowd(get("/api/history")) },
     getValue: { 429: () => crowd(get("/api/boards/uno1/services/servo/value?wait=2")) },
@@ -249,6 +252,7 @@ const cases = {
   quiet: { stopAll: { 200: post("/api/stop?once=true") }, resumeAll: { 200: post("/api/resume") } },
   down: {
     forgetBoard: { 503: () => send("DELETE", "/api/boards/uno1") },
+    getKeptValues: { 503: get(kept) },
     getBoardHistory: { 503: get("/api/boards/uno1/history") },
     getHistory: { 503: get("/api/history") },
     getValue: { 503: get("/api/boards/uno1/services/distance/value?wait=1") },
@@ -273,7 +277,7 @@ const cases = {
     streamThings: { 503: get("/events") },
     streamThingsOfType: { 503: get("/events/thing_created") },
   },
-  nohistory: { getBoardHistory: { 404: get("/api/boards/uno1/history") }, getHistory: { 404: get("/api/history") } },
+  nohistory: { getKeptValues: { 404: get(kept) }, getBoardHistory: { 404: get("/api/boards/uno1/history") }, getHistory: { 404: get("/api/history") } },
 };
 
 // What no board here does: api_things_test.cpp and tests/box bring it about. What a second editor or a gateway that has just begun
