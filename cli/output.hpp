@@ -12,7 +12,8 @@
 
 namespace asip::cli {
 
-/// kTable, kWide, kText, kName and kCsv are what a verb writes itself; each verb with data knows kJson and kJsonLines.
+/// kTable, kWide, kText, kName and kCsv are what a verb writes itself; each verb with data knows kJson and
+/// kJsonLines.
 enum class Output { kTable, kWide, kText, kName, kCsv, kJson, kJsonLines };
 
 std::string_view name_of(Output output);

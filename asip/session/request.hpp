@@ -15,8 +15,8 @@ struct Request {
     bool prove = true;
     bool urgent = false;
     bool more_follow = false;  ///< see RequestOptions
-    char answer_tag = 0;     ///< tag of the event that answers it, of the same service; 0: none
-    Duration answer_time{};  ///< how long after its fence that event may come
+    char answer_tag = 0;       ///< tag of the event that answers it, of the same service; 0: none
+    Duration answer_time{};    ///< how long after its fence that event may come
     AnswerCheck is_answer{};
     /// Alone between its fences: its error would not name it, or it changes how the line works.
     bool alone = false;

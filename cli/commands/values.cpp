@@ -42,6 +42,9 @@ class KeptValues {
         query_.board = options_.target.substr(0, slash);
         if (const auto valid = check_board_pattern(query_.board, "values"); !valid)
             return environment_.fail_with(valid.error());
+        if (slash != std::string::npos && query_.board.find_first_of("*?") != std::string::npos)
+            return environment_.fail_with(
+                {program::kExitUsage, "values: a property is of one board; a pattern lists what is kept"});
         const auto now = text::wall_now();
         const auto from = moment_of("--since", options_.since, now);
         if (!from) return environment_.fail_with(from.error());

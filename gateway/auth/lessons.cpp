@@ -188,7 +188,7 @@ bool Lessons::end(std::string_view id) {
 
 void Lessons::expire(const Instant& now, const std::function<bool(const Rights& pupil)>& may) {
     std::erase_if(lessons_, [&](const Lesson& each) {
-        return each.end <= now.time || !may(rights_on(each, Lesson::Seat()));
+        return each.end <= now.time || each.until <= now.wall || !may(rights_on(each, Lesson::Seat()));
     });
 }
 

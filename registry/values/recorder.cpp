@@ -9,6 +9,10 @@ namespace {
 
 /// An hour that is not over is written again so often, and each minute whenever something is new in it.
 constexpr Tick kHourAgain = 5 * kMinuteTicks;
+/// Means of larger ones may have no number.
+constexpr double kLargest = 1e200;
+/// Of changes that come quicker the newest is kept. Agents report ten times a second at most.
+constexpr Tick kLeast = 50;
 
 constexpr Tick floor_to(Tick tick, Tick length) {
     return tick - tick % length;
@@ -115,12 +119,13 @@ void Recorder::hold(Entry& entry, Tick to) {
 void Recorder::put(Entry& entry, double value, Tick at) {
     hold(entry, at);
     entry.value = value;
-    if (waiting_++ == 0) oldest_ = at;
     auto& changes = entry.rows.changes;
-    if (!changes.empty() && changes.back().at == at)
+    if (!changes.empty() && at < changes.back().at + kLeast) {
         changes.back().value = value;
-    else
+    } else {
+        if (waiting_++ == 0) oldest_ = at;
         changes.push_back({at, value});
+    }
     entry.minutes.change(value);
     entry.hours.change(value);
 }
@@ -136,7 +141,7 @@ void Recorder::check_clock(Instant now) {
 }
 
 void Recorder::set(const PropertyKey& key, double value, Instant now) {
-    if (!std::isfinite(value)) value = kGap;
+    if (!(std::abs(value) <= kLargest)) value = kGap;
     auto found = entries_.find(key);
     if (found == entries_.end()) {
         if (entries_.size() >= options_.max_properties) {

@@ -2,6 +2,7 @@
 #include "registry/values/value_file.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "registry/values/value_blocks.hpp"
 
@@ -77,6 +78,15 @@ std::optional<Tick> ValueFile::last() {
     return row.integer(0);
 }
 
+/// No board takes the places of others.
+bool ValueFile::has_room(const std::string& board) {
+    if (count_ < 0) count_ = number("SELECT count(*) FROM properties");
+    if (count_ >= static_cast<std::int64_t>(kMaxNames)) return false;
+    Statement own(database_, "SELECT count(*) FROM properties WHERE board=?");
+    own.bind(board);
+    return own.step() && own.integer(0) < static_cast<std::int64_t>(kMaxNamesOfBoard);
+}
+
 std::optional<std::int64_t> ValueFile::id_of(const PropertyKey& key, Tick at) {
     const Tick part = at - at % kPartTicks[0];
     auto& name = names_[key];
@@ -85,10 +95,11 @@ std::optional<std::int64_t> ValueFile::id_of(const PropertyKey& key, Tick at) {
         found.bind(key.board).bind(key.property);
         if (found.step()) {
             name.id = found.integer(0);
-        } else if (number("SELECT count(*) FROM properties") >= static_cast<std::int64_t>(kMaxNames)) {
+        } else if (!has_room(key.board)) {
             names_.erase(key);
             return std::nullopt;
         } else {
+            ++count_;
             Statement(database_, "INSERT INTO properties(board,property,written) VALUES(?,?,?)")
                 .bind(key.board)
                 .bind(key.property)
@@ -118,32 +129,38 @@ bool ValueFile::write(const ValueRows& rows) {
                 .bind(each.offset)
                 .step();
         if (!rows.stretches.empty()) {
-            write_properties(rows.properties, rows.stretches.back().end, all);
+            write_properties(rows, all);
             drop_old(rows.stretches.back().end);
         }
         execute("COMMIT");
     } catch (const std::exception&) {
         sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
-        names_.clear();
+        forget_names();
         throw;
     }
     return all;
 }
 
-void ValueFile::write_properties(const std::vector<PropertyRows>& properties, Tick now, bool& all) {
+void ValueFile::write_properties(const ValueRows& given, bool& all) {
+    // A block ends where a part or a stretch does.
+    const auto next_stretch = [&](Tick at) {
+        for (const auto& stretch : given.stretches)
+            if (stretch.start > at) return stretch.start;
+        return std::numeric_limits<Tick>::max();
+    };
     Statement changes(database_, "INSERT OR REPLACE INTO changes(part,property,at,block) VALUES(?,?,?,?)");
     const std::string into = "(part,property,at,min,mean,max,last,known) VALUES(?,?,?,?,?,?,?,?)";
     Statement minutes(database_, "INSERT OR REPLACE INTO minutes" + into);
     Statement hours(database_, "INSERT OR REPLACE INTO hours" + into);
-    for (const auto& rows : properties) {
-        const auto id = id_of(rows.key, now);
+    for (const auto& rows : given.properties) {
+        const auto id = id_of(rows.key, given.stretches.back().end);
         all = all && id;
         if (!id) continue;
         for (std::size_t begin = 0, end = 0; begin < rows.changes.size(); begin = end) {
             constexpr Tick kPart = kPartTicks[0];
             const Tick at = rows.changes[begin].at;
-            for (end = begin; end < rows.changes.size() && rows.changes[end].at / kPart == at / kPart;
-                 ++end) {
+            const Tick until = std::min((at / kPart + 1) * kPart, next_stretch(at));
+            for (end = begin; end < rows.changes.size() && rows.changes[end].at < until; ++end) {
             }
             const auto block = std::span(rows.changes).subspan(begin, end - begin);
             changes.reset()
@@ -182,8 +199,8 @@ void ValueFile::drop_old(Tick now) {
                                         number("PRAGMA page_size"));
     };
     // Where there is no room, what is fine goes first: of the oldest there is something coarser.
-    for (const bool also_last : {false, true})
-        for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours})
+    for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours})
+        for (const bool also_last : {false, true})
             while (used() > options_.max_bytes && drop_part(level, also_last)) {
             }
     if (now < dropped_at_ + kDropEach) return;
@@ -197,7 +214,7 @@ void ValueFile::drop_old(Tick now) {
     Statement(database_, "DELETE FROM stretches WHERE until<?").bind(oldest).step();
     Statement gone(database_, "DELETE FROM properties WHERE written<?");
     gone.bind(oldest).step();
-    if (sqlite3_changes(database_) > 0) names_.clear();
+    if (sqlite3_changes(database_) > 0) forget_names();
 }
 
 }  // namespace asip::registry

@@ -26,6 +26,7 @@ class ValueFile {
         std::size_t max_bytes = std::size_t{1} << 30;
     };
     static constexpr std::size_t kMaxNames = 100'000;  ///< of properties that ever had a value
+    static constexpr std::size_t kMaxNamesOfBoard = 2'000;
 
     explicit ValueFile(Options options);
     ~ValueFile();
@@ -51,8 +52,13 @@ class ValueFile {
     void open();
     void execute(const char* sql);
     std::int64_t number(const char* sql);
+    bool has_room(const std::string& board);
     std::optional<std::int64_t> id_of(const PropertyKey& key, Tick at);
-    void write_properties(const std::vector<PropertyRows>& properties, Tick now, bool& all);
+    void write_properties(const ValueRows& rows, bool& all);
+    void forget_names() {
+        names_.clear();
+        count_ = -1;
+    }
     void drop_old(Tick now);
     bool drop_part(Level level, bool also_last);
     std::vector<Stretch> stretches(const Stretch& present);
@@ -62,6 +68,7 @@ class ValueFile {
     Options options_;
     sqlite3* database_ = nullptr;
     std::map<PropertyKey, Name> names_;  // those that were written
+    std::int64_t count_ = -1;            // of all names; negative: not known yet
     Tick dropped_at_ = 0;
 };
 

@@ -59,7 +59,8 @@ class Bmp085 final : public I2cChip {
             const auto word = static_cast<unsigned>(kWords[(number - kFirstWord) / 2u]);
             return static_cast<std::uint8_t>((number - kFirstWord) % 2 == 0 ? word >> 8 : word);
         }
-        if (number < kResult || number > kResult + 2) return number == kChip ? 0x55 : number == kChip + 1 ? 2 : 0;
+        if (number < kResult || number > kResult + 2)
+            return number == kChip ? 0x55 : number == kChip + 1 ? 2 : 0;
         return static_cast<std::uint8_t>(result_ >> (8 * (kResult + 2 - number)));
     }
     void write_register(std::uint8_t number, std::uint8_t value) override {

@@ -185,7 +185,10 @@ class LessonCard extends Part {
       row.free.hidden = !pupil && !kept;
       const catalogued = boards.catalogue.rows.get(board);
       const state = catalogued?.reason === "latched" ? "latched" : catalogued?.state;
-      if (state !== row.shown) row.state.replaceChildren(state ? state_mark(row.shown = state) : "");
+      if (state !== row.shown) {
+        row.shown = state;
+        row.state.replaceChildren(state ? state_mark(state) : "");
+      }
     }
   }
 }
