@@ -61,7 +61,10 @@ Expected<std::vector<Control::Line>> Control::read(const Command& command, Execu
     if (!raw) {
         const auto list = envelope.object.find("commands");
         const bool own = service->model && service->model->command("commands") != nullptr;
-        if (list != envelope.object.end() && !own) return read_list(*list, execution, *service);
+        if (list != envelope.object.end() && !own) {
+            if (envelope.object.size() > 1) return fail("commands: stands beside another command");
+            return read_list(*list, execution, *service);
+        }
     }
     auto line = read_one(raw ? nlohmann::json(envelope.text) : envelope.object, execution, *service);
     if (!line) return fail(line.error());

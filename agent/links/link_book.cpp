@@ -63,9 +63,7 @@ bool LinkBook::something_to_show() const {
 // --- sources
 
 std::set<std::string> LinkBook::filters() const {
-    auto filters = sources_.filters();
-    filters.erase(world_.board.topics.description(world_.board.name));
-    return filters;
+    return sources_.filters();
 }
 
 void LinkBook::connected(Time now) {

@@ -299,7 +299,8 @@ void BoardAgent::finish(int status) {
     check_timer_.cancel();
     stops_timer_.cancel();
     stops_.reset();
-    boost::asio::post(io_, [line = std::move(stop_line_)] {});  // this may be a call of its own
+    // These may be calls of their own.
+    boost::asio::post(io_, [line = std::move(stop_line_), sources = std::move(source_bus_)] {});
     clients_.close();
     loader_.reset();
     link_.stop();

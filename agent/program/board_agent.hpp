@@ -185,6 +185,7 @@ class BoardAgent {
     Life life_ = Life::kRunning;
     Presence presence_ = Presence::kAway;
     std::string why_no_broker_;
+    std::string why_no_sources_;
     std::shared_ptr<const void> alive_ = std::make_shared<char>();  // posted calls hold it weakly
 };
 

@@ -33,8 +33,12 @@ void BoardAgent::keep_links(std::vector<LinkToKeep> links) {
 void BoardAgent::subscribe_to_sources() {
     if (std::exchange(sources_of_, bridge_.source_changes()) == bridge_.source_changes()) return;
     auto wanted = bridge_.source_subscriptions();
+    if (wanted.empty()) {
+        sources_.clear();
+        boost::asio::post(io_, [bus = std::move(source_bus_)] {});  // this may be a call of its own
+        return;
+    }
     if (!source_bus_) {
-        if (wanted.empty()) return;
         auto options = options_.mqtt;
         options.client_id += options.client_id.empty() ? "" : "-sources";
         options.own_topics.clear();
@@ -52,8 +56,20 @@ void BoardAgent::subscribe_to_sources() {
 
 mqtt::Client::Handlers BoardAgent::source_handlers() {
     mqtt::Client::Handlers handlers;
-    handlers.on_connected = [this](const mqtt::Connected&) { sources_heard(true); };
-    handlers.on_disconnected = [this](const mqtt::ConnectionFailure&) { sources_heard(false); };
+    const auto failed = [this](const mqtt::ConnectionFailure& failure) {
+        // Where the whole broker is away, the board's own connection says it.
+        if (bus_ && why_no_broker_.empty() && std::exchange(why_no_sources_, failure.text) != failure.text)
+            log_.warning("sources of links are not heard", {{"why", failure.text}});
+    };
+    handlers.on_connected = [this](const mqtt::Connected&) {
+        why_no_sources_.clear();
+        sources_heard(true);
+    };
+    handlers.on_connect_failed = failed;
+    handlers.on_disconnected = [this, failed](const mqtt::ConnectionFailure& failure) {
+        failed(failure);
+        sources_heard(false);
+    };
     handlers.on_message = [this](const mqtt::Message& message) {
         note_running();
         if (const auto topic = topics_.parse(message.topic); topic && !ended())
@@ -67,7 +83,11 @@ mqtt::Client::Handlers BoardAgent::source_handlers() {
 
 void BoardAgent::sources_heard(bool heard) {
     if (ended()) return;
-    if (!heard) source_shares_.disconnected();
+    if (!heard) {
+        source_shares_.disconnected();
+        for (const auto& neighbour : heard_)  // those need no broker
+            hear_neighbour(neighbour);
+    }
     bridge_.sources_heard(heard, Clock::now());
     arm_timer();
 }
@@ -75,7 +95,7 @@ void BoardAgent::sources_heard(bool heard) {
 void BoardAgent::hear_source(const mqtt::Message& message) {
     const auto topic = topics_.parse(message.topic);
     for (auto* other : host_.agents)
-        if (topic && other->bridge_.name() == topic->board)
+        if (topic && topic->kind != bus::TopicKind::kDescription && other->bridge_.name() == topic->board)
             return with_bridge([&](Time now, Effects& out) {
                 bridge_.source_stands(other->bridge_.standing(now), now, out);
             });

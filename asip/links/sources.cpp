@@ -54,7 +54,10 @@ Sources::Tolds Sources::want(const std::set<Id>& sources, Time now) {
 std::set<std::string> Sources::filters() const {
     std::set<std::string> filters;
     for (const auto& [name, board] : boards_) {
-        filters.insert(topics_.description(name));  // its demands
+        const bool demands = std::any_of(board.known.begin(), board.known.end(), [](const auto& each) {
+            return static_cast<bool>(each.second.want);
+        });
+        if (demands || !board.is_local) filters.insert(topics_.description(name));
         if (board.is_local) continue;
         filters.insert({topics_.state(name), topics_.properties(name), topics_.values(name)});
         for (const auto& [id, known] : board.known)
@@ -67,10 +70,12 @@ void Sources::use(const std::string& name, Board& board, std::vector<Property> p
     board.properties = std::move(properties);
     for (auto& [id, known] : board.known) {
         known.property = find(board.properties, id);
+        const bool wanted = static_cast<bool>(known.want);
         if (known.property == nullptr || !flows(*known.property))
             known.want.reset();
         else if (!known.want)
             known.want = demander_.want(name, known.property->read->service);
+        if (static_cast<bool>(known.want) != wanted) ++changes_;
     }
 }
 

@@ -60,10 +60,12 @@ Request WaitingRequests::pop() {
     const auto queue = queues_.find(client);
     Request request = std::move(queue->second.front());
     queue->second.pop_front();
+    row_went_ = in_row(client);
+    const auto row = rows_.find(request.service());
     if (request.more_follow)
-        row_ = Row{client, request.service(), request.deadline};
-    else if (row_ && row_->client == client)
-        row_.reset();
+        rows_[request.service()] = {client, request.deadline};
+    else if (row != rows_.end() && row->second.client == client)
+        rows_.erase(row);
     turns_.pop_front();
     if (queue->second.empty()) {
         queues_.erase(queue);
@@ -74,9 +76,16 @@ Request WaitingRequests::pop() {
     return request;
 }
 
+Time WaitingRequests::earliest_deadline() const {
+    Time earliest = earliest_;
+    for (const auto& [service, row] : rows_)
+        earliest = std::min(earliest, row.until);
+    return earliest;
+}
+
 std::vector<Request> WaitingRequests::take_expired(Time now) {
     std::vector<Request> expired;
-    if (row_ && now >= row_->until) row_.reset();
+    std::erase_if(rows_, [&](const auto& row) { return now >= row.second.until; });
     if (now < earliest_) return expired;
     earliest_ = Time::max();
     const auto sort_out = [&](std::deque<Request>& queue) {
@@ -108,7 +117,7 @@ std::vector<Request> WaitingRequests::take_queued() {
             queued.push_back(std::move(request));
     queues_.clear();
     turns_.clear();
-    row_.reset();
+    rows_.clear();
     size_ = 0;
     return queued;
 }

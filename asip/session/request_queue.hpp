@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <deque>
-#include <optional>
+#include <map>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -34,10 +34,16 @@ class WaitingRequests {
     template <class MayGo>
     bool turn_to(MayGo&& may_go) {
         if (!urgent_.empty() || !own_.empty()) return true;
-        const auto turn = std::find_if(turns_.begin(), turns_.end(), [&](ClientId client) {
+        const auto may = [&](ClientId client) {
             const Request& next = queues_.find(client)->second.front();
             return !waits_for_others(next) && may_go(next);
-        });
+        };
+        // What belongs together has each second turn: a board does not wait long for the rest.
+        auto turn = turns_.end();
+        if (!row_went_ && !rows_.empty())
+            turn = std::find_if(turns_.begin(), turns_.end(),
+                                [&](ClientId client) { return in_row(client) && may(client); });
+        if (turn == turns_.end()) turn = std::find_if(turns_.begin(), turns_.end(), may);
         if (turn == turns_.end()) return false;
         std::rotate(turns_.begin(), turn, turn + 1);
         return true;
@@ -47,7 +53,7 @@ class WaitingRequests {
     Request pop();
 
     /// Not later than the earliest deadline; Time::max(): there is none.
-    Time earliest_deadline() const { return row_ ? std::min(earliest_, row_->until) : earliest_; }
+    Time earliest_deadline() const;
     std::vector<Request> take_expired(Time now);
     /// Takes out all requests of clients, and forgets the session's own.
     std::vector<Request> take_all();
@@ -59,11 +65,15 @@ class WaitingRequests {
     /// Requests for one service that belong together, of which more follow.
     struct Row {
         ClientId client;
-        char service;
         Time until;
     };
     bool waits_for_others(const Request& next) const {
-        return row_ && row_->client != next.client && row_->service == next.service();
+        const auto row = rows_.find(next.service());
+        return row != rows_.end() && row->second.client != next.client;
+    }
+    bool in_row(ClientId client) const {
+        return std::any_of(rows_.begin(), rows_.end(),
+                           [&](const auto& row) { return row.second.client == client; });
     }
 
     std::deque<Request> urgent_;
@@ -71,7 +81,8 @@ class WaitingRequests {
     std::unordered_map<ClientId, std::deque<Request>> queues_;  // none of them empty
     std::deque<ClientId> turns_;                                // each client of queues_ once
     std::size_t size_ = 0;                                      // of queues_
-    std::optional<Row> row_;
+    std::map<char, Row> rows_;                                  // by service
+    bool row_went_ = false;                                     // in the last turn
     Time earliest_ = Time::max();
 };
 

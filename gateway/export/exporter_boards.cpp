@@ -268,10 +268,11 @@ void Exporter::all_values(Record& record, Time now) {
         }
 }
 
-/// What is not known any more is said where something else was said before.
+/// What is not known any more is said where something else was said before, or waits to be said.
 void Exporter::show(Record& record, std::size_t index, const std::optional<json>& value, Time now) {
     const auto& property = record.board->properties[index];
-    if ((value && !value->is_null()) || !record.states[index].sent().empty())
+    const auto& state = record.states[index];
+    if ((value && !value->is_null()) || !state.sent().empty() || state.waits())
         offer(record, index, dialect().state_text(property, value.value_or(nullptr)), now);
 }
 

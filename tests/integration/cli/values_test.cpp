@@ -33,7 +33,7 @@ TEST_F(ValuesTest, Subscribe_ShowsUnitsAndOneField) {
     announce("uno1");
     ChildProcess whole(program({"subscribe", "uno1", "-n", "1"}), environment());
     report_until_ended(whole, {R"({"distance":[42,118]})"});
-    EXPECT_EQ(whole.output(), "uno1/distance  distance 42, 118 cm\n");
+    EXPECT_EQ(whole.output(), "uno1/distance  distance 42 cm, 118 cm\n");
     ChildProcess field(program({"subscribe", "uno*", "--field", "1", "-n", "1", "-o", "jsonl"}),
                        environment());
     report_until_ended(field, {R"({"distance":[42,118]})"});

@@ -128,6 +128,12 @@ TEST_F(LessonsTest, End_ComesByTimeByTheTeacherAndWithTheTeachersRights) {
     EXPECT_FALSE(lessons_.end(id));
     EXPECT_FALSE(lessons_.rights_of(next.cookie, at(20min)));
 
+    open({"uno1"}, 10min, 21min);
+    auto clock_was_set = at(22min);
+    clock_was_set.wall += 10min;  // its pupils have no rights any more
+    lessons_.expire(clock_was_set, everybody);
+    EXPECT_TRUE(lessons_.all().empty());
+
     open({"uno1"}, 10min, 30min);
     lessons_.expire(at(31min), [&](const Rights& pupil_rights) {
         EXPECT_EQ(pupil_rights.maker, "miss");

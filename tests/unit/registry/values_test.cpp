@@ -331,6 +331,83 @@ TEST(Values, TooMuch_OldestChangesGoFirst) {
     EXPECT_LT(size.tellg(), 800'000);
 }
 
+TEST(Values, OnePartOfChangesIsTooMuch_HoursOfBeforeStay) {
+    Machine machine;
+    machine.set(1);
+    machine.pass(hours(48));
+    machine.write();
+    machine.max_bytes = 60'000;
+    machine.cut_power(seconds(1));
+    for (int i = 0; i < 2 * 36'000; ++i) {
+        machine.set(i);
+        machine.pass(milliseconds(100));
+        if (i % 100 == 0) machine.write();
+    }
+    machine.write();
+    const auto before = value_at(machine.ask(hours(60), 10), kMonday + 24 * 3'600'000);
+    ASSERT_TRUE(before);
+    EXPECT_EQ(before->mean, 1);
+}
+
+TEST(Values, OneBoard_DoesNotTakeTheNamesOfOthers) {
+    Machine machine;
+    machine.memory.max_properties = 2 * ValueFile::kMaxNamesOfBoard;
+    machine.start();
+    for (std::size_t i = 0; i < ValueFile::kMaxNamesOfBoard + 1; ++i)
+        machine.set(1, {"flood", "x/" + std::to_string(i)});
+    machine.pass(seconds(1));
+    EXPECT_FALSE(machine.file->write(machine.recorder->take(machine.now())));
+    machine.set(20);
+    machine.pass(seconds(1));
+    machine.write();
+    EXPECT_EQ(machine.ask(hours(1), 10).values.size(), 1u);
+}
+
+TEST(Values, FloodOfOneBoard_IsNoGapOfOthers) {
+    Machine machine;
+    machine.memory.max_waiting = 1000;
+    machine.start();
+    machine.set(20);
+    for (int i = 0; i < 10'000; ++i) {
+        machine.set(i, {"flood", "x"});
+        machine.pass(milliseconds(1));
+    }
+    EXPECT_EQ(machine.recorder->dropped(), 0u);
+    machine.write();
+    EXPECT_EQ(machine.ask(hours(1), 10).values.size(), 1u);
+}
+
+TEST(Values, NumbersBeyondAllMeasure_AreNone) {
+    Machine machine;
+    for (const double value : {1.7e308, -1.7e308, 1.7e308}) {
+        machine.set(value);
+        machine.pass(seconds(1));
+    }
+    machine.set(20);
+    machine.pass(minutes(2));
+    machine.write();
+    for (const auto& point : machine.ask(hours(1), 1).values)
+        EXPECT_TRUE(!point.known || point.mean == 20);
+}
+
+TEST(Values, ClockIsSetJustBehindAChange_WhatStaysIsKnown) {
+    Machine machine;
+    machine.set(1);
+    machine.pass(hours(1));
+    machine.write();
+    machine.set(2);
+    machine.pass(seconds(2));
+    machine.wall_clock += 600'000;
+    machine.recorder->tick(machine.now());
+    machine.pass(seconds(2));
+    machine.write();
+    machine.pass(minutes(30));
+    machine.write();
+    const auto now = value_at(machine.ask(hours(2), 1000), machine.wall_clock - 60'000);
+    ASSERT_TRUE(now);
+    EXPECT_EQ(now->mean, 2);
+}
+
 TEST(Values, Block_SaysWhatWasPacked_CutAnywhereItEnds) {
     const std::vector<Change> changes{{1000, 1.5}, {1000, 0.1}, {99'999'999, kGap}, {100'000'000, -1e300}};
     const auto block = pack_changes(changes, 1000);

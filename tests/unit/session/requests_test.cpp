@@ -136,6 +136,30 @@ TEST_P(EachGeneration, RequestsThatBelongTogether_AnotherClientsForTheServiceWai
     EXPECT_GT(std::count(first, last, "I,d,12,1"), 0) << "other services go on";
 }
 
+TEST_P(EachGeneration, RowsForTwoServices_KeepTogetherEach) {
+    bench.plug();
+    ASSERT_TRUE(bench.ready_within());
+    bench.hold();
+    for (int i = 0; i < 10; ++i) {
+        bench.request("S,W,0," + std::to_string(i), {.client = 1, .more_follow = i < 9});
+        bench.request("I,d,11," + std::to_string(i % 2), {.client = 4, .more_follow = i < 9});
+        bench.request("S,W,9,9", {.client = 2});
+        bench.request("I,d,12,1", {.client = 3});
+    }
+    bench.release();
+    bench.pass(5s);
+    const auto& all = bench.board.executed;
+    ASSERT_EQ(all.size(), 40u);
+    const auto ends = [&](const std::string& first, const std::string& last) {
+        return std::pair(std::find(all.begin(), all.end(), first),
+                         std::find(all.rbegin(), all.rend(), last).base());
+    };
+    const auto servo = ends("S,W,0,0", "S,W,0,9");
+    EXPECT_EQ(std::count(servo.first, servo.second, "S,W,9,9"), 0);
+    const auto pins = ends("I,d,11,0", "I,d,11,1");
+    EXPECT_EQ(std::count(pins.first, pins.second, "I,d,12,1"), 0);
+}
+
 TEST_P(EachGeneration, RequestThatWasToFollow_NeverComes_OthersGoOnAtTheDeadline) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within());

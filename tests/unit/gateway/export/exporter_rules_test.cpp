@@ -55,6 +55,21 @@ class ExporterRules : public testing::TestWithParam<DialectRow> {
     ExportWorld world{1, dialect_};
 };
 
+TEST_P(ExporterRules, ValueThatIsNotKnownAnyMoreBeforeItWasSaid_IsNotSaid) {
+    world.put("uno1", exported(1));
+    world.start();
+    world.pass(60s);
+    world.room = 0;
+    world.known("uno1", "servo/0/angle", 90);
+    world.pass(1s);
+    world.known("uno1", "servo/0/angle", std::nullopt);
+    world.pass(1s);
+    world.room = 1000000;
+    world.pass(60s);
+    for (const auto& each : world.sent)
+        EXPECT_FALSE(each.topic == servo() && each.payload == "90");
+}
+
 TEST_P(ExporterRules, OfTwoGateways_OneExports_AndTheOtherTakesOverWithinTenSeconds_NothingIsSentTwice) {
     show_one_board();
     auto& a = world.start();
