@@ -74,6 +74,7 @@ class ClassRoom {
         std::string sketch, chip;
         std::string progress;
         bool force = false;
+        bool only_name = false;  // it speaks ASIP already
         bool loaded = false;
         Step step = Step::kWaiting;
         Time began{}, until{};
@@ -93,9 +94,9 @@ class ClassRoom {
             if (found != seats_.end() && is_over(*found->second)) seats_.erase(found);
             return;
         }
+        used_.insert(board);
         const auto description = model::parse_description(message.payload);
         if (!description) return;
-        used_.insert(board);
         const auto state = description->state ? description->state->state : model::BoardState::kLost;
         if (state == model::BoardState::kOnline) {
             online_[board] = *description;
@@ -135,9 +136,7 @@ class ClassRoom {
         const bool old = online && description.firmware.extensions.empty();
         seat->force = old || (online && options_.load.force);
         if (online && !seat->force && lacks_name(board, description)) {
-            seat->began = Clock::now();
-            seat->name = next_name();
-            give_name(board, *seat);
+            seat->only_name = true;  // once all names of the bus are known
         } else if (online && !seat->force) {
             seat->step = Step::kDone;
             row(board, board, "passed over", *seat, "it runs " + seat->sketch + " already");
@@ -156,9 +155,13 @@ class ClassRoom {
         const auto now = Clock::now();
         switch (seat.step) {
             case Step::kWaiting: {
+                seat.began = now;
+                if (seat.only_name) {
+                    seat.name = next_name();
+                    return give_name(port, seat);
+                }
                 auto load = options_.load;
                 load.force = seat.force;
-                seat.began = now;
                 seat.until = now + kLoadTime;
                 seat.step = Step::kLoading;
                 seat.load = std::make_unique<Load>(environment_, session_, port, load);
