@@ -173,24 +173,39 @@ class LineCarrier:
     def __init__(self, stream: BinaryIO):
         self._stream = stream
         self._lock = threading.Lock()
+        self._fences = itertools.count(random.randrange(1000))
+        self._owes = False  # the board may still send what it was asked for before
 
     def scan(self) -> list[int]:
         with self._lock:
+            self._catch_up()
             body = self._ask("J,s", "@J,s,")
         return [int(one) for one in body[body.index("{") + 1:-1].split(",") if one]
 
     def commands(self, commands: Sequence[Command]) -> list[str]:
         with self._lock:
+            self._catch_up()
             return [answer for name, args in commands if (answer := self._one(self._TAGS[name], args)) is not None]
 
     def _one(self, tag: str, args: list[Any]) -> str | None:
         line = ",".join(["J", tag, *map(str, args)])
         if tag in "ow":  # the board says nothing of these: the fence behind one shows that it was read
-            self._ask(f"{line}\n#,E,i2c", "@#,E,i2c")
+            fence = self._fence()
+            self._ask(f"{line}\n{fence}", f"@{fence}")
             return None
         return self._ask(line, f"@J,{tag},")
 
-    def _ask(self, lines: str, answer: str) -> str:
+    def _fence(self) -> str:
+        return f"#,E,i2c{next(self._fences) % 1000:03}"
+
+    def _catch_up(self) -> None:
+        """Past late answers and errors, so that none is taken for the next one."""
+        if self._owes:
+            fence = self._fence()
+            self._ask(fence, f"@{fence}", errors_count=False)
+
+    def _ask(self, lines: str, answer: str, errors_count: bool = True) -> str:
+        self._owes = True
         self._stream.write(lines.encode() + b"\n")
         self._stream.flush()
         while True:
@@ -199,7 +214,8 @@ class LineCarrier:
                 raise OSError(errno.ETIMEDOUT, "the board did not answer in time")
             line = got.decode("ascii", "replace").strip()
             if line.startswith(answer):
+                self._owes = False
                 return line[len(answer):]
-            if line.startswith("~J,"):
+            if errors_count and line.startswith("~J,"):
                 number, _, text = line[len("~J,t,"):].partition("{")
                 raise error_of(errors.BoardError(text.rstrip("}"), code=int(number) if number.isdigit() else 0))

@@ -184,6 +184,35 @@ class Line(io.BytesIO):
         return len(data)
 
 
+class Board(io.RawIOBase):
+    """The line of a board that answers each request by the next answer of its tag, None by nothing, and echoes."""
+
+    def __init__(self, silent=0, **answers):
+        super().__init__()
+        self.asked, self._silent = [], silent
+        self._answers = {tag: list(texts) for tag, texts in answers.items()}
+        self._said = []
+
+    def write(self, data):
+        for line in data.decode().splitlines():
+            self.asked.append(line)
+            if len(self.asked) <= self._silent:
+                continue
+            answer = f"@{line}" if line.startswith("#") else self._answers[line[2]].pop(0)
+            if answer:
+                self.say(answer)
+        return len(data)
+
+    def say(self, line):
+        self._said.append(line)
+
+    def readline(self):
+        return f"{self._said.pop(0)}\r\n".encode() if self._said else b""
+
+    def unread(self):
+        return self._said
+
+
 class PointToPoint(unittest.TestCase):
     def test_requests_are_lines_and_reports_of_others_pass(self):
         line = Line("@I,a,1,{0:5}", "@J,t,60", "@J,s,2,{60,118}", "@J,s,0,{}")
@@ -194,17 +223,51 @@ class PointToPoint(unittest.TestCase):
         self.assertEqual(line.asked, b"J,t,118,1,D0\nJ,s\nJ,s\n")
 
     def test_parts_of_a_long_transfer_are_fenced(self):
-        line = Line("@#,E,i2c", "@J,e,")
-        over(line).writeto(60, bytes(range(20)))
-        opened, fence, ended, _ = line.asked.decode().split("\n")
+        board = Board(o=[""], e=["@J,e,"])
+        over(board).writeto(60, bytes(range(20)))
+        opened, fence, ended = board.asked
         number = opened.split(",")[2]
-        self.assertEqual((opened, fence, ended), (f"J,o,{number},60,{bytes(range(18)).hex().upper()}", "#,E,i2c", f"J,e,{number},0,1213"))
+        self.assertEqual((opened, fence[:4], ended), (f"J,o,{number},60,{bytes(range(18)).hex().upper()}", "#,E,", f"J,e,{number},0,1213"))
 
     def test_fault_of_the_board_and_its_silence_are_oserrors(self):
         for answers, number in ((["~J,t,12{ADDRESS_NOT_ACKNOWLEDGED 60}"], errno.EREMOTEIO), ([], errno.ETIMEDOUT), (["~J,?,1{INVALID_SERVICE}"], errno.EIO)):
             with self.assertRaises(OSError) as caught:
                 over(Line(*answers)).writeto(60, b"\x00")
             self.assertEqual(caught.exception.errno, number)
+
+    def test_echo_behind_an_error_is_no_echo_of_the_next_transfer(self):
+        board = Board(o=["~J,o,8{DEVICE_NOT_AVAILABLE}"] * 2 + [""], e=["@J,e,"], s=["@J,s,1,{60}"])
+        i2c = over(board)
+        for _ in range(2):
+            with self.assertRaises(OSError) as caught:
+                i2c.writeto(60, bytes(20))
+            self.assertEqual(caught.exception.errno, errno.EBUSY)
+        i2c.writeto(60, bytes(20))
+        self.assertEqual(i2c.scan(), [60])
+        self.assertEqual(board.unread(), [])
+
+    def test_late_answer_is_not_that_of_the_next_transfer(self):
+        for late in ("@J,t,5800", "~J,t,12{ADDRESS_NOT_ACKNOWLEDGED 118}"):
+            board = Board(t=[None, "@J,t,0102", "@J,t,0304"], s=["@J,s,1,{60}"])
+            i2c, into = over(board), bytearray(2)
+            with self.assertRaises(OSError) as caught:
+                i2c.writeto_then_readfrom(118, b"\xd0", into)
+            self.assertEqual(caught.exception.errno, errno.ETIMEDOUT)
+            board.say(late)
+            for expected in (b"\x01\x02", b"\x03\x04"):
+                i2c.writeto_then_readfrom(60, b"\xd0", into)
+                self.assertEqual(into, expected)
+            self.assertEqual(i2c.scan(), [60])
+            self.assertEqual([line for line in board.asked if line.startswith("#")], board.asked[1:2], "one fence, before the next transfer")
+
+    def test_board_that_stays_silent_is_asked_for_nothing_more(self):
+        board = Board(t=[None], silent=2)
+        i2c = over(board)
+        for _ in range(2):
+            with self.assertRaises(OSError) as caught:
+                i2c.writeto(60, b"\x00")
+            self.assertEqual(caught.exception.errno, errno.ETIMEDOUT)
+        self.assertEqual([line[:4] for line in board.asked], ["J,t,", "#,E,"])
 
 
 if __name__ == "__main__":
