@@ -9,7 +9,6 @@
 namespace asip::test {
 namespace {
 
-using nlohmann::json;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
@@ -17,7 +16,7 @@ class NamesOfAClass : public BusTest {
   protected:
     /// A board that speaks ASIP, at a port of its own.
     void plug(const std::string& board, const std::string& port) {
-        auto description = json::parse(cli::kUno1);
+        auto description = nlohmann::json::parse(cli::kUno1);
         description["board"] = board;
         description["link"]["path"] = "/dev/" + port;
         description["state"] = {{"is", "online"}};
@@ -28,7 +27,7 @@ class NamesOfAClass : public BusTest {
     std::string take_name(const std::string& port) {
         const auto told = probe_.wait_for("asip/" + port + "/in");
         if (!told) return "none";
-        const auto request = json::parse(told->payload, nullptr, false);
+        const auto request = nlohmann::json::parse(told->payload, nullptr, false);
         const std::string line = request.is_object() ? request.value("raw", "") : told->payload;
         if (!line.starts_with("#,I,")) return line;
         answer(*told, R"({"status":"ok","proof":"fence"})");
