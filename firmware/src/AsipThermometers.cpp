@@ -11,6 +11,8 @@ static constexpr uint8_t kMeasure = 0x44, kReadAll = 0xBE, kWriteAll = 0x4E, kHa
 static constexpr uint8_t kTwelveBits = 0x7F;
 static constexpr uint16_t kMeasureMs = 750;
 static constexpr uint8_t kFamilyB20 = 0x28, kFamilyS20 = 0x10, kFamily22 = 0x22, kFamily25 = 0x3B;
+// In a row. A line that rises too late shows a branch at each bit, and a search would find ids without end.
+static constexpr uint8_t kMaxDamagedIds = 3;
 static constexpr int16_t kNoValue = -32768;
 
 FlashText Thermometers::name() const {
@@ -77,7 +79,7 @@ void Thermometers::turnTo(Task task) {
     task_ = task;
     isStarted_ = false;
     waitedMs_ = 0;
-    branch_ = 0;
+    branch_ = damagedIds_ = 0;
 }
 
 void Thermometers::poll() {
@@ -143,7 +145,7 @@ void Thermometers::finishTask(OneWireBus::Result result) {
         case kSearch:
             branch_ = bus_.branch();
             if (done) found();
-            if (!done || branch_ == 0) turnTo(kAskPower);
+            if (!done || branch_ == 0 || damagedIds_ == kMaxDamagedIds) turnTo(kAskPower);
             return;
         case kAskPower:
             hasParasite_ = done && bytes_[0] != 0xFF;
@@ -160,10 +162,13 @@ void Thermometers::finishTask(OneWireBus::Result result) {
 
 // Keeps the id that a search found, behind those that are known.
 void Thermometers::found() {
-    const uint8_t family = bytes_[0];
-    if (OneWireBus::checksum(bytes_, kIdBytes + 1) != 0 ||
-        (family != kFamilyB20 && family != kFamilyS20 && family != kFamily22 && family != kFamily25))
+    if (OneWireBus::checksum(bytes_, kIdBytes + 1) != 0) {
+        ++damagedIds_;
         return;
+    }
+    damagedIds_ = 0;
+    const uint8_t family = bytes_[0];
+    if (family != kFamilyB20 && family != kFamilyS20 && family != kFamily22 && family != kFamily25) return;
     for (uint8_t at = 0; at < known_; ++at) {
         uint8_t same = 0;
         while (same < kIdBytes && all_[at].id[same] == bytes_[same])

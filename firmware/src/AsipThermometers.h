@@ -61,6 +61,7 @@ class Thermometers : public Service {
     uint8_t index_;  // of the thermometer that is read
     uint8_t round_;  // is written into each before it measures
     uint8_t branch_;
+    uint8_t damagedIds_;  // that a search found, one behind another
     uint8_t lastMs_;
     uint16_t waitedMs_;
     bool isStarted_;  // the task has the bus

@@ -178,6 +178,8 @@ void I2cBus::finish_read() {
 }
 
 void I2cBus::finish_stop() {
+    // Behind a byte that was acknowledged the device sends the next one: its 0 keeps SDA low.
+    if (device_ != nullptr && reading_ && device_->read() < 0x80) hold_data(true);
     device_ = nullptr;
     owned_ = reading_ = false;
     auto& control = data(port_->r_twcr);

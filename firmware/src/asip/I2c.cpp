@@ -17,6 +17,7 @@ static constexpr uint8_t kGo = (1 << TWINT) | (1 << TWEN) | (1 << TWIE);
 static constexpr uint8_t kStop = (1 << TWINT) | (1 << TWEN) | (1 << TWSTO);
 static constexpr uint8_t kKeep = 1 << TWEN;  // the clock stays low
 static constexpr uint8_t kNothing = 0xF8;    // a status: nothing happened yet
+static constexpr uint8_t kReadMore = 0x50;   // a byte was read and acknowledged
 
 // The transfer under way.
 static volatile uint8_t result;
@@ -122,10 +123,14 @@ bool I2c::startPart(uint8_t way, uint8_t chip, uint8_t* bytes, uint8_t count) {
     return true;
 }
 
+// Only finish() looks at the result, as the interrupt may end the part at any time; it marks the bus as free.
 I2c::Result I2c::finishPart() {
-    if (result == kKept) return kKept;
     const Result now = finish();
-    if (now != kBusy) part = 0;
+    if (now == kKept) {
+        result = kKept;
+    } else if (now != kBusy) {
+        part = 0;
+    }
     return now;
 }
 
@@ -143,9 +148,11 @@ I2c::Fault I2c::fault() {
     }
 }
 
+// A chip whose byte was acknowledged sends its next one already: a 0 in it leaves no way to a STOP.
 void I2c::endParts() {
     part = 0;
     if (result != kKept) return;
+    if (status == kReadMore) return freeBus();
     TWCR = asip::kStop;
     result = kFree;
 }
@@ -181,7 +188,7 @@ static inline uint8_t next(uint8_t now) {
             if (outLeft != 0) return writeOn();
             if (part) return endPart();
             return inLeft != 0 ? kGo | (1 << TWSTA) : end(I2c::kDone);
-        case 0x50:  // a byte was read, one more comes
+        case kReadMore:
             *inNext++ = TWDR;
             --inLeft;
             if (part && inLeft == 0) return endPart();

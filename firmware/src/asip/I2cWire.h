@@ -35,16 +35,6 @@ static_assert(sizeof(isBus(&Wire)) == sizeof(bool),
 
 namespace wire {
 
-// A Wire that runs ignores another begin().
-inline void begin() {
-#ifdef WIRE_HAS_END
-    static bool runs;
-    if (runs) Wire.end();
-    runs = true;
-#endif
-    Wire.begin();
-}
-
 inline bool transfer(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                      uint8_t inCount) {
     Wire.beginTransmission(address);
@@ -74,34 +64,77 @@ inline I2c::Fault faultOf(uint8_t result) {
     }
 }
 
+// What the part before left behind.
+struct Open {
+    bool isWriting;  // Wire has bytes that are not sent yet
+    bool isKept;     // the bus waits for a STOP
+    uint8_t chip;
+};
+
+inline Open& open() {
+    static Open one;
+    return one;
+}
+
+// A Wire that runs ignores another begin().
+inline void begin() {
+#ifdef WIRE_HAS_END
+    static bool runs;
+    if (runs) Wire.end();
+    runs = true;
+#endif
+    Wire.begin();
+    open() = Open();
+}
+
+inline I2c::Fault read(uint8_t way, uint8_t address, uint8_t* bytes, uint8_t count) {
+    const bool stops = way & I2c::kStop;
+    open().isKept = !stops;
+    if (Wire.requestFrom(static_cast<int>(address), static_cast<int>(count), static_cast<int>(stops)) !=
+        count)
+        return I2c::kNoAddress;
+    for (; count > 0; --count)
+        *bytes++ = static_cast<uint8_t>(Wire.read());
+    return I2c::kNoFault;
+}
+
+inline I2c::Fault write(uint8_t way, uint8_t address, const uint8_t* bytes, uint8_t count) {
+    if (!(way & I2c::kGoOn)) Wire.beginTransmission(address);
+    for (; count > 0; --count) {
+        if (Wire.write(*bytes++) == 1) continue;
+        open().isWriting = false;
+        return I2c::kTooLong;
+    }
+    open().isWriting = (way & I2c::kStop) == 0;
+    if (open().isWriting) return I2c::kNoFault;
+    open().isKept = false;
+    return faultOf(Wire.endTransmission(true));
+}
+
 // Wire sends what it was given when the transfer ends or turns, so only then it tells a fault; and it takes
 // as many bytes as its buffer holds. It reads no part that another one goes on with.
 inline I2c::Fault part(uint8_t way, uint8_t address, uint8_t* bytes, uint8_t count) {
-    static bool isWriting;
-    const bool goesOn = way & I2c::kGoOn;
-    if (isWriting && !goesOn) {
-        isWriting = false;
-        const I2c::Fault fault = faultOf(Wire.endTransmission(way == 0));
-        if (fault != I2c::kNoFault) return fault;
+    Open& left = open();
+    const bool reads = way & I2c::kRead, goesOn = way & I2c::kGoOn;
+    const bool isTooLong = reads && (goesOn || (way & I2c::kMore));
+    I2c::Fault fault = I2c::kNoFault;
+    if (left.isWriting && !goesOn) {
+        left.isWriting = false;
+        left.isKept = way != 0 && !isTooLong;
+        fault = faultOf(Wire.endTransmission(!left.isKept));
     }
-    if (way == 0) return I2c::kNoFault;
-    if (way & I2c::kRead) {
-        if (goesOn || (way & I2c::kMore)) return I2c::kTooLong;
-        if (Wire.requestFrom(static_cast<int>(address), static_cast<int>(count),
-                             static_cast<int>((way & I2c::kStop) != 0)) != count)
-            return I2c::kNoAddress;
-        for (; count > 0; --count)
-            *bytes++ = static_cast<uint8_t>(Wire.read());
-        return I2c::kNoFault;
+    if (fault == I2c::kNoFault && isTooLong) fault = I2c::kTooLong;
+    if (fault == I2c::kNoFault && way != 0) {
+        left.chip = address;
+        fault = reads ? read(way, address, bytes, count) : write(way, address, bytes, count);
     }
-    if (!goesOn) Wire.beginTransmission(address);
-    isWriting = (way & I2c::kStop) == 0;
-    for (; count > 0; --count) {
-        if (Wire.write(*bytes++) == 1) continue;
-        isWriting = false;
-        return I2c::kTooLong;
+    if (left.isKept && (fault != I2c::kNoFault || way == 0)) {
+        // Wire makes a STOP behind an address only.
+        left.isKept = false;
+        Wire.beginTransmission(left.chip);
+        Wire.endTransmission(true);
     }
-    return isWriting ? I2c::kNoFault : faultOf(Wire.endTransmission(true));
+    return fault;
 }
 
 __attribute__((unused)) static const bool isUsed = I2c::use(begin, transfer, part, ASIP_SDA, ASIP_SCL);

@@ -82,7 +82,7 @@ bool OneWireBus::start(uint8_t* bytes, uint8_t outCount, uint8_t inCount, bool r
     if (!isFree()) return false;
     bytes_ = bytes;
     outBits_ = static_cast<uint8_t>(8 * outCount);
-    allBits_ = static_cast<uint8_t>(outBits_ + 8 * inCount);
+    inBits_ = static_cast<uint8_t>(8 * inCount);
     if (reset) return begin(kBits);
     bit_ = 0;
     phase_ = kBits;
@@ -154,15 +154,16 @@ OneWireBus::Result OneWireBus::finish() {
 
 // What is written stands at the beginning of the bytes, and what is read is put there.
 OneWireBus::Result OneWireBus::doBit() {
-    const uint8_t bit = bit_;
-    if (bit == allBits_) return kDone;
-    bit_ = static_cast<uint8_t>(bit + 1);
-    if (bit < outBits_) {
-        write(bytes_[bit / 8] >> bit % 8 & 1);
-    } else {
-        uint8_t& byte = bytes_[static_cast<uint8_t>(bit - outBits_) / 8];
-        byte = static_cast<uint8_t>(byte >> 1 | (read() ? 0x80 : 0));
+    uint8_t& byte = bytes_[bit_ / 8];
+    if (outBits_ != 0) {
+        write(byte >> bit_ % 8 & 1);
+        bit_ = static_cast<uint8_t>(bit_ + 1);
+        if (bit_ == outBits_) outBits_ = bit_ = 0;
+        return kBusy;
     }
+    if (bit_ == inBits_) return kDone;
+    bit_ = static_cast<uint8_t>(bit_ + 1);
+    byte = static_cast<uint8_t>(byte >> 1 | (read() ? 0x80 : 0));
     return kBusy;
 }
 

@@ -67,7 +67,7 @@ class OneWireBus {
     uint8_t phase_;
     uint8_t next_;  // phase behind the reset
     uint8_t bit_;
-    uint8_t outBits_, allBits_;
+    uint8_t outBits_, inBits_;           // outBits_ is 0 once they are written
     uint8_t step_, branch_, newBranch_;  // of a search
 #ifdef __AVR__
     volatile uint8_t* input_;  // the register of the pin's direction is the next one

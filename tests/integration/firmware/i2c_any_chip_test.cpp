@@ -143,6 +143,18 @@ TEST(AnyChipTest, TransferThatNobodyGoesOnWith_IsGivenUpAfterATenthOfASecond) {
     EXPECT_EQ(board.later("J,t,104,1,75"), "@J,t,68") << "a restart frees it";
 }
 
+// The chip sends the 0 that its next byte begins with: SDA does not rise for a STOP.
+TEST(AnyChipTest, LongReadThatIsGivenUp_LeavesTheBusFree) {
+    ChipsBoard board;
+    for (int count = 1; count <= 16; ++count) {
+        board.ask("J,o,7,119,AA");
+        EXPECT_EQ(board.later("J,r,7," + std::to_string(count) + ",1"),
+                  "@J,r," + std::string(kCalibration).substr(0, 2 * static_cast<std::size_t>(count)));
+        board->run_for(110ms);
+        EXPECT_EQ(board.later("J,t,104,1,75"), "@J,t,68") << count;
+    }
+}
+
 TEST(AnyChipTest, BadRequests_AreErrorsAndTheNextWorks) {
     ChipsBoard board;
     for (const char* request : {"t",
@@ -273,6 +285,23 @@ TEST(AnyChipTest, ServiceWithAChipThatIsKeptWaiting_GoesOnWhenTheBusIsFree) {
     EXPECT_EQ(board.ask("A,M"), "");
     EXPECT_TRUE(board.lines_within(60ms).empty()) << "the bus is kept";
     EXPECT_EQ(board.next_line(100ms), "@A,e,3,{12,-340,16384}") << "given up";
+}
+
+// The interrupt that ends a part comes at every place of the loop.
+TEST(AnyChipTest, BusThatIsKept_IsNeverAnothers) {
+    ChipsBoard board(kAnyChips, "asip_uno_i2c_beside");
+    board.step_up(500000);
+    board->run_for(200ms);  // the display is clear
+    for (int i = 0; i < 2000; ++i) {
+        board->send("J,o,5,119,AA\n");
+        board->run_for(280us + 117ns * i);
+        board->send("A,M\n");
+        const auto early = board.lines_within(2ms);
+        ASSERT_TRUE(early.empty()) << i << ": " << early.front();
+        board->send("J,e,5,2,\n");
+        ASSERT_EQ(board.next_line(), "@J,e,0198") << i;
+        ASSERT_EQ(board.next_line(), "@A,e,3,{12,-340,16384}") << i;
+    }
 }
 
 TEST(AnyChipTest, Mega_ReachesThemOnItsOwnPins) {

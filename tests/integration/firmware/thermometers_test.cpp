@@ -191,6 +191,33 @@ TEST(ThermometersTest, WireThatIsShorted_IsAnErrorAndTheBoardGoesOn) {
     EXPECT_EQ(board.later("K,M"), "@K,e,3,{-10.12,21.50,25.06}");
 }
 
+// The line rises after the board looked at each bit, and before its next one.
+TEST(ThermometersTest, LineThatRisesTooLate_EndsTheSearchAndFreesTheWire) {
+    ThermometerBoard board;
+    bool weak = true, held = false;
+    sim::SimTime fell{};
+    board->on_pin(2, [&](sim::Level level) {
+        if (!weak || held || level == sim::Level::kHigh) return;
+        held = true;
+        fell = board->now();
+        board->drive(2, sim::Level::kLow);
+    });
+    const auto rises = [&] {
+        if (held && board->now() - fell > 20us) {
+            board->drive(2, sim::Level::kHigh);
+            held = false;
+        }
+        return false;
+    };
+    board->send("K,S\n");
+    board->run_until(rises, 500ms);
+    EXPECT_EQ(board.next_line(0ms), "@K,I,3,{" + id_of(2) + "," + id_of(1) + "," + id_of(3) + "}");
+    weak = false;
+    board->drive(2, sim::Level::kHigh);
+    EXPECT_EQ(board.later("O,R"), "@O,R,1");
+    EXPECT_EQ(board.later("K,M"), "@K,e,3,{-10.12,21.50,25.06}");
+}
+
 TEST(ThermometersTest, ParasitePower_IsSaid) {
     ThermometerBoard board({wire(kThree, true)});
     EXPECT_EQ(board.ask("K,A,1000"), "");
@@ -261,6 +288,16 @@ TEST(OneWireTest, Transfer_WritesAndReads) {
     EXPECT_EQ(board.later("O,R"), "@O,R,0");
     EXPECT_EQ(board.later("O,T,8,33"), "~O,T,8{DEVICE_NOT_AVAILABLE}");
     EXPECT_EQ(board.later("O,S,0"), "@O,S,");
+}
+
+TEST(OneWireTest, MostBytesBothWays_AreWrittenAndRead) {
+    ThermometerBoard board({wire({{7, 19}})});
+    const auto read = "55" + id_of(7) + "BE";
+    const auto scratchpad = board.later("O,T,9," + read).substr(5);
+    ASSERT_EQ(scratchpad.size(), 18u);
+    // What is read during the last six bytes that are written is not kept, and nobody sends behind the nine.
+    EXPECT_EQ(board.later("O,T,16," + read + std::string(12, 'F')),
+              "@O,T," + scratchpad.substr(12) + std::string(26, 'F'));
 }
 
 TEST(OneWireTest, RequestsOfTwoPrograms_AreAnsweredInTurn) {
