@@ -116,7 +116,7 @@ std::vector<Parameter> history_parameters() {
 }
 
 std::vector<Parameter> kept_parameters() {
-    return {{"property", kText, "Its id", "distance/0"},
+    return {{"property", kText, "Its id", R"("distance/0")"},
             {"from", kText, "A time; a day before `to` where it is missing", ""},
             {"to", kText, "A time; now", ""},
             {"points", R"({"type":"integer","minimum":1,"maximum":1000})", "At most so many", "10"}};

@@ -60,6 +60,7 @@ TEST_P(ExporterRules, ValueThatIsNotKnownAnyMoreBeforeItWasSaid_IsNotSaid) {
     world.start();
     world.pass(60s);
     world.room = 0;
+    world.pass(1s);
     world.known("uno1", "servo/0/angle", 90);
     world.pass(1s);
     world.known("uno1", "servo/0/angle", std::nullopt);
