@@ -61,8 +61,7 @@ TEST_F(OnlineBridge, ListOfCommands_IsOneCommandWithTheAnswersOfAll) {
         json::parse(R"({"id":"1","status":"ok","proof":"fence"})"));
     EXPECT_THAT(bench.board.executed, ElementsAre("S,W,0,1", "S,W,0,2"));
     EXPECT_EQ(bench.ask("asip/uno1/distance/in",
-                        json::parse(R"({"commands":[{"measure":null},{"measure":null}]})"),
-                        "2")["answer"],
+                        json::parse(R"({"commands":[{"measure":null},{"measure":null}]})"), "2")["answer"],
               json::parse(R"([{"distance":[42,118]},{"distance":[42,118]}])"));
 }
 
