@@ -19,6 +19,7 @@
 #include "agent/reports/report_periods.hpp"
 #include "agent/safety/safety.hpp"
 #include "agent/safety/stop_latch.hpp"
+#include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/time.hpp"
@@ -112,8 +113,7 @@ class Control {
     /// The same for a command that is a list of commands.
     Expected<std::vector<Line>> read_list(const nlohmann::json& list, Execution& execution,
                                           const session::ServiceTable::Entry& service) const;
-    Expected<Line> read_one(const nlohmann::json& command, Execution& execution,
-                            const session::ServiceTable::Entry& service) const;
+    static Expected<Line> line_of(Expected<model::EncodedCommand> encoded, Execution& execution);
     /// The first raw line for which the client has no room, else empty. It reads none: a flood must cost
     /// little.
     std::string_view first_of_too_many(const Command& command, const Execution& execution) const;

@@ -66,18 +66,16 @@ Expected<std::vector<Control::Line>> Control::read(const Command& command, Execu
             return read_list(*list, execution, *service);
         }
     }
-    auto line = read_one(raw ? nlohmann::json(envelope.text) : envelope.object, execution, *service);
+    const auto* model = service->model.get();
+    auto line = line_of(raw ? model::encode_control_text(model, service->letter, envelope.text)
+                            : model::encode_control_json(model, service->letter, envelope.object),
+                        execution);
     if (!line) return fail(line.error());
     result.push_back(std::move(*line));
     return result;
 }
 
-Expected<Control::Line> Control::read_one(const nlohmann::json& command, Execution& execution,
-                                          const session::ServiceTable::Entry& service) const {
-    const auto* model = service.model.get();
-    auto encoded = command.is_string() ? model::encode_control_text(model, service.letter,
-                                                                    command.get_ref<const std::string&>())
-                                       : model::encode_control_json(model, service.letter, command);
+Expected<Control::Line> Control::line_of(Expected<model::EncodedCommand> encoded, Execution& execution) {
     if (!encoded) return fail(encoded.error());
     execution.encoded.push_back(std::move(encoded->line));
     const auto request = protocol::parse_request(execution.encoded.back());
@@ -93,12 +91,17 @@ Expected<std::vector<Control::Line>> Control::read_list(const nlohmann::json& li
     if (!list.is_array() || list.empty() || list.size() > protocol::kMaxRequestsPerPayload)
         return fail("commands: is not a list of 1 to " + std::to_string(protocol::kMaxRequestsPerPayload) +
                     " commands");
+    const auto* model = service.model.get();
     std::vector<Line> result;
     execution.is_list = true;
     execution.answers.resize(list.size());
     execution.encoded.reserve(list.size());  // lines are views into it
     for (const auto& command : list) {
-        auto line = read_one(command, execution, service);
+        auto line = line_of(
+            command.is_string()
+                ? model::encode_control_text(model, service.letter, command.get_ref<const std::string&>())
+                : model::encode_control_json(model, service.letter, command),
+            execution);
         if (!line) return fail("commands: number " + std::to_string(result.size() + 1) + ": " + line.error());
         result.push_back(std::move(*line));
     }

@@ -5,22 +5,28 @@ from __future__ import annotations
 import datetime
 import importlib
 import math
-from typing import NamedTuple
 
 from . import errors
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
+    from typing import Any, NamedTuple
+
+    class _Point(NamedTuple):
+        at: datetime.datetime
+        mean: float | None
+        min: float | None
+        max: float | None
+else:
+    from collections import namedtuple
+
+    _Point = namedtuple("_Point", "at mean min max")
 
 
-class Point(NamedTuple):
+class Point(_Point):
     """From `at` until the next point. A mean of None begins a gap: nothing is known, or the board was not there."""
 
-    at: datetime.datetime
-    mean: float | None
-    min: float | None
-    max: float | None
+    __slots__ = ()
 
 
 class History(list[Point]):

@@ -84,7 +84,7 @@ class SideBySide(unittest.TestCase):
         self.assertEqual(self.asipctl("get", "pico2/acceleration").splitlines(), ["x 12", "y 0", "z 16384"])
         self.imu.do("set motion ax=-7,az=1")
         eventually(lambda: self.asipctl("get", "pico2/acceleration").splitlines() == ["x -7", "y 0", "z 1"], "what it measures now")
-        eventually(lambda: "pressure 990.0" in self.asipctl("get", "pico2/pressure"), "a pressure")
+        eventually(lambda: "990" in self.asipctl("get", "pico2/pressure"), "a pressure")
 
     def test_a_button_of_the_uno_lights_the_led_of_the_pico(self):
         self.switch("uno1", "pico1", "2", "25")
