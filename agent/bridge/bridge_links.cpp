@@ -61,6 +61,8 @@ void Bridge::run_links(Time now, Effects& out) {
         perform(actions, now, out);
     }
     links_.tell(may_publish(), now, out);
+    for (const auto& demand : links_.take_own_demands())
+        if (const auto inbound = read(demand, now)) take(*inbound, now, out);
 }
 
 }  // namespace asip::agent

@@ -246,8 +246,13 @@ void LinkBook::tell(bool may_publish, Time now, Effects& out) {
         each = write_at_.erase(each);
     }
     if (!may_publish) return;
-    for (auto& demand : sources_.demands(now))
-        out.publish.push_back({std::move(demand), mqtt::Priority::kContext});
+    for (auto& demand : sources_.demands(now)) {
+        const auto topic = world_.board.topics.parse(demand.topic);
+        if (topic && topic->board == world_.board.name)
+            own_demands_.push_back(std::move(demand));
+        else
+            out.publish.push_back({std::move(demand), mqtt::Priority::kContext});
+    }
     if (!show_at_ || now < *show_at_) return;
     show_at_.reset();
     shown_at_ = now;

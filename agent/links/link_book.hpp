@@ -91,6 +91,8 @@ class LinkBook {
     }
     /// Writes and publishes what changed. `may_publish`: the bus is there, and the name ours.
     void tell(bool may_publish, Time now, Effects& out);
+    /// Demands for values of this board, which the broker would not bring back.
+    std::vector<mqtt::Message> take_own_demands() { return std::exchange(own_demands_, {}); }
     std::optional<Time> next_deadline(bool may_publish) const;
 
   private:
@@ -138,6 +140,7 @@ class LinkBook {
     Allowance refusals_{20, 1};  // that are logged
     std::optional<Time> show_at_, shown_at_;
     std::optional<Time> old_until_;  // what is heard was done while the process did not run
+    std::vector<mqtt::Message> own_demands_;
 };
 
 }  // namespace asip::agent

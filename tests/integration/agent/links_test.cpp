@@ -21,11 +21,11 @@ using testing::HasSubstr;
 /// An Uno with one part.
 class Board {
   public:
-    Board(const std::string& name, const std::string& part) : name_(name), port_(folder_.file(name)) {
-        const auto file = folder_.write(name + ".json", R"({"name":")" + name +
-                                                            R"(","board":"uno","image":")" ASIP_IMAGES
-                                                            R"(/asip_uno.elf","link":")" +
-                                                            port_ + R"(","parts":[)" + part + "]}");
+    Board(const std::string& name, const std::string& part, const std::string& image = "asip_uno")
+        : name_(name), port_(folder_.file(name)) {
+        const auto file = folder_.write(
+            name + ".json", R"({"name":")" + name + R"(","board":"uno","image":")" ASIP_IMAGES "/" + image +
+                                R"(.elf","link":")" + port_ + R"(","parts":[)" + part + "]}");
         process_ = std::make_unique<ChildProcess>(
             std::vector<std::string>{ASIP_PROGRAMS "/asip-sim", file, "--no-socket"});
         if (!process_->wait_for_output(" port ")) throw std::runtime_error(process_->errors());
@@ -202,6 +202,31 @@ TEST_F(Links, TwoBoardsOfOneAgent_NeedNoBroker) {
     desk.command("press part");
     EXPECT_TRUE(is(true));
     desk.command("release part");
+}
+
+TEST_F(Links, SensorOfTheSameAgent_IsDemandedForItsOwnBoardAndForANeighbour) {
+    Board near("near",
+               R"({"kind":"ultrasonic","name":"sonar","pin":7,"distance":20},)"
+               R"({"kind":"led","name":"part","pin":13})",
+               "asip_uno_services");
+    std::ofstream(state.file("boards.conf"))
+        << "broker = " << broker.url() << "\nstate-dir = " << state.file("state")
+        << "\nreports = on-demand\n[board near]\nserial = " << near.port()
+        << "\n[board lamp]\nserial = " << lamp.port() << "\n";
+    ChildProcess agent({ASIP_PROGRAMS "/asip-agent", "--config", state.file("boards.conf")});
+    for (const auto* board : {"near", "lamp"}) {
+        ASSERT_TRUE(wait_state(probe, "online", kDeadline, board)) << agent.errors();
+        ASSERT_EQ(asipctl({"send", std::string(board) + "/io", "mode", "13", "output"}).status, 0);
+    }
+    const auto own = asipctl({"link", "near/distance/0", "near/io/13", "--above", "50"});
+    ASSERT_EQ(own.status, 0) << own.errors;
+    near.command("set sonar 80");
+    EXPECT_TRUE(wait_until([&] { return !near.changes().empty() && near.changes().back() == "on"; }));
+    ASSERT_EQ(asipctl({"link", "remove", "near/near-distance-0-io-13"}).status, 0);
+    const auto neighbour = asipctl({"link", "near/distance/0", "lamp/io/13", "--below", "50"});
+    ASSERT_EQ(neighbour.status, 0) << neighbour.errors;
+    near.command("set sonar 20");
+    EXPECT_TRUE(is(true));
 }
 
 TEST_F(Links, DamagedFile_IsPutAsideAndNamed) {
