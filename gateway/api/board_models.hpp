@@ -55,7 +55,7 @@ class BoardTexts {
 
     /// A JSON object: what bus::to_json() gives, in another order.
     std::string text(const bus::BoardItem& board);
-    /// Of what is kept, about.
+    /// The bytes that are kept, about.
     std::size_t bytes() const { return bytes_; }
 
   private:

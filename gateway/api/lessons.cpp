@@ -21,7 +21,7 @@ namespace log = program::log;
 constexpr std::int64_t kLessonMinutes = 60;
 constexpr const char* kLessonForm =
     R"(the body must be {"boards":["uno*"],"minutes":45} or {"labels":"class=4b","minutes":45})";
-// Of a cookie whose lesson is over: its browser is told so, and not that a token is needed.
+// A browser whose lesson is over is told so, and not that a token is needed.
 constexpr std::int64_t kCookieSeconds = 12 * 3600;
 
 Lessons& lessons_of(const Call& call) {

@@ -36,7 +36,7 @@ struct Rights {
     /// The hash of the token that gives them; empty: none does. Another token with the same name and the same
     /// rights gives other rights.
     std::string token_hash;
-    /// Of a dashboard's link, and of a pupil: who made it, or the teacher, and mark() of those rights.
+    /// A dashboard's link has its maker, a pupil the teacher; and mark() of those rights.
     std::string maker, maker_mark;
     std::string lesson;  ///< of a pupil: which one; what a pupil does ends with it
 

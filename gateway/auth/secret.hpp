@@ -10,7 +10,7 @@ namespace asip::gateway {
 /// so that tests can say what is drawn.
 using Secrets = std::function<std::string(std::size_t bytes)>;
 
-/// Of the operating system's cryptographic generator. Throws std::runtime_error when it fails.
+/// From the operating system's cryptographic generator. Throws std::runtime_error when it fails.
 std::string random_secret(std::size_t bytes);
 
 /// SHA-256 as 64 hexadecimal digits. Enough for secrets of 256 random bits, which no attacker can guess.

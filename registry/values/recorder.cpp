@@ -11,7 +11,7 @@ namespace {
 constexpr Tick kHourAgain = 5 * kMinuteTicks;
 /// Means of larger ones may have no number.
 constexpr double kLargest = 1e200;
-/// Of changes that come quicker the newest is kept. Agents report ten times a second at most.
+/// Changes that come quicker are one: the newest is kept. Agents report ten times a second at most.
 constexpr Tick kLeast = 50;
 
 constexpr Tick floor_to(Tick tick, Tick length) {

@@ -12,7 +12,7 @@ namespace {
 constexpr Tick kDropEach = kHourTicks;
 constexpr int kFileVersion = 1;
 
-// Of a row, `part` counts the parts of its level, and `at` is within its part.
+// In a row, `part` counts the parts of its level, and `at` is within its part.
 constexpr const char* kTables =
     "PRAGMA journal_mode=WAL;"
     "PRAGMA synchronous=FULL;"  // one transaction in ten seconds

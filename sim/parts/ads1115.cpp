@@ -15,7 +15,7 @@ constexpr double kLow = -0.3, kHigh = 5.5;
 constexpr std::array kQuantities{Quantity{"a0", 0, kLow, kHigh}, Quantity{"a1", 0, kLow, kHigh},
                                  Quantity{"a2", 0, kLow, kHigh}, Quantity{"a3", 0, kLow, kHigh}};
 
-// Of the data sheet of the ADS1115.
+// From the data sheet of the ADS1115.
 constexpr std::uint8_t kAddress = 0x48;
 constexpr std::uint8_t kConversion = 0, kConfig = 1;
 constexpr std::uint16_t kDefault = 0x8583, kStart = 0x8000, kSingleShot = 0x0100;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array kQuantities{Quantity{"pressure", 1013.25, 300, 1100},
                                  Quantity{"temperature", 20, -40, 85}};
 
-// Of the data sheet of the BMP085, whose example of calibration words this chip has.
+// From the data sheet of the BMP085, whose example of calibration words this chip has.
 constexpr std::uint8_t kAddress = 0x77;
 constexpr std::uint8_t kChip = 0xd0;  // and its version
 constexpr std::uint8_t kFirstWord = 0xaa, kControl = 0xf4, kResult = 0xf6;

@@ -22,7 +22,7 @@ namespace {
 constexpr double kMinDegrees = -55, kMaxDegrees = 125;
 constexpr std::size_t kMaxDevices = 16;
 
-// Of the data sheet, in microseconds: a low of the board that is a reset, that is a 0, and that is a 1; for
+// From the data sheet, in microseconds: a low of the board that is a reset, that is a 0, and that is a 1; for
 // how long what a device sends is to be seen; when it says that it is there, and for how long; and a bit,
 // with the pause behind it.
 constexpr double kReset = 480, kZero = 60, kLongestZero = 120, kOne = 15;

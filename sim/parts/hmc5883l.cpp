@@ -10,7 +10,7 @@ namespace {
 constexpr std::array kQuantities{Quantity{"x", 100, -2048, 2047}, Quantity{"y", 0, -2048, 2047},
                                  Quantity{"z", 0, -2048, 2047}};
 
-// Of the data sheet of the HMC5883L.
+// From the data sheet of the HMC5883L.
 constexpr std::uint8_t kAddress = 0x1e;
 constexpr std::uint8_t kMode = 2, kFirstData = 3, kIdentity = 10;
 constexpr std::uint8_t kContinuous = 0, kIdle = 3, kModeBits = 3;

@@ -15,7 +15,7 @@ constexpr std::array kQuantities{Quantity{"ax", 0, kMin, kMax},     Quantity{"ay
                                  Quantity{"az", 16384, kMin, kMax}, Quantity{"gx", 0, kMin, kMax},
                                  Quantity{"gy", 0, kMin, kMax},     Quantity{"gz", 0, kMin, kMax}};
 
-// Of the register map of the MPU-6000 and MPU-6050.
+// From the register map of the MPU-6000 and MPU-6050.
 constexpr std::uint8_t kAddress = 0x68;
 constexpr std::uint8_t kAccelerometer = 0x3b, kGyroscope = 0x43;
 constexpr std::uint8_t kPower = 0x6b, kWhoAmI = 0x75;

@@ -12,7 +12,7 @@ const PartKind& pca9685_part();
 
 namespace {
 
-// Of the data sheet of the PCA9685.
+// From the data sheet of the PCA9685.
 constexpr std::uint8_t kAddress = 0x40;
 constexpr std::uint8_t kMode1 = 0x00, kFirstOutput = 0x06, kAllOutputs = 0xfa, kPrescale = 0xfe;
 constexpr std::uint8_t kAsleep = 0x10, kSteps = 0x20, kRestart = 0x80;

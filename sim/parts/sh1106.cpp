@@ -7,7 +7,7 @@ const PartKind& sh1106_part();
 
 namespace {
 
-// Of its data sheet: 132 columns of memory, of which the usual glass shows 128, and no page but the one it
+// From its data sheet: 132 columns of memory, of which the usual glass shows 128, and no page but the one it
 // was told.
 constexpr OledController kController{132, 2, false};
 

@@ -7,7 +7,7 @@ const PartKind& ssd1306_part();
 
 namespace {
 
-// Of its data sheet: 128 columns of memory, and steps from page to page.
+// From its data sheet: 128 columns of memory, and steps from page to page.
 constexpr OledController kController{128, 0, true};
 
 PartPlan read_ssd1306(PartReader& reader) {

@@ -30,7 +30,7 @@ struct Answer {
     std::vector<ServiceItem> services;
     std::vector<HistoryItem> history;
     std::vector<ValuePoint> values;  ///< of one property, in their order
-    /// Of these: what they were made of, "changes", "minutes" or "hours"; empty: nothing is kept of it.
+    /// What these were made of: "changes", "minutes" or "hours"; empty: nothing is kept of it.
     std::string level;
     std::vector<KeptProperty> kept;      ///< properties of which values are kept
     std::vector<std::string> models;     ///< service models, each a JSON object as text

@@ -41,7 +41,7 @@ struct Query {
     bool count = false;  ///< give `total` even where it costs a scan
     bool full = false;   ///< boards with their whole description
     bool brief = false;  ///< boards only with what a table shows: Answer::brief instead of Answer::boards
-    // Of values, beside `board` and `limit`, which is "points" there:
+    // A query of values has, beside `board` and `limit`, which is "points" there:
     std::string property{};  ///< its id; empty: the properties are listed of which values are kept
     text::WallTime from{};   ///< before `to`
     text::WallTime to{};

@@ -87,7 +87,7 @@ bool Board::nextRequest() {
     return false;
 }
 
-// Of the service of the request that is complete.
+// Whether the service that the complete request is for is busy.
 bool Board::isBusy() {
     return busy_ & busyBit(line()[0]);
 }

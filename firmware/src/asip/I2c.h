@@ -31,7 +31,7 @@ class I2c {
     static bool start(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                       uint8_t inCount);
 
-    // Of the transfer that the caller started. Once it is over it is kDone or kFailed once, and the bus is
+    // How the transfer of the caller stands. Once it is over it is kDone or kFailed once, and the bus is
     // free.
     static Result finish();
 

@@ -39,7 +39,7 @@ class OneWireBus {
     bool search(uint8_t* id, uint8_t branch);
     uint8_t branch() const { return newBranch_; }
 
-    // Of the transfer that the caller started. Once it is over it is kDone, kNobody or kShorted once, and the
+    // How the transfer of the caller stands. Once it is over it is kDone, kNobody or kShorted once, and the
     // bus is free.
     Result finish();
 

@@ -129,7 +129,7 @@ TEST_F(GatewayLesson, Restart_EndsLessons_AndPupilsAreToldSo) {
     EXPECT_EQ(join(lesson["code"]).status, 404);
 }
 
-// Of a proxy each client counts for itself, whatever it writes into the header ahead of that.
+// Behind a proxy each client counts for itself, whatever it writes into the header ahead of that.
 TEST_F(GatewayLesson, WrongCodes_AreCountedByClient_AndStandInNoLog) {
     const auto lesson = open();
     const auto code = lesson["code"].get<std::string>();
