@@ -80,8 +80,7 @@ class FromTheBox(Evening):
         self.assertNotIn("does not answer", page.text(".add-board"), "loading takes longer than other requests")
         beside = time.monotonic() - loading
         self.name_and_show("Left window", "Kitchen", "42", beside)
-        labels = bus.get("/api/boards/usb-3")["labels"]
-        self.assertEqual((labels["name"], labels["room"]), ("Left window", "Kitchen"))
+        eventually(lambda: bus.get("/api/boards/usb-3").get("labels") == {"name": "Left window", "room": "Kitchen"}, "the announced labels")
         self.open()
         eventually(lambda: "room=Kitchen" in page.table().get("Left window", ""), "its place in the list")
 
