@@ -31,7 +31,7 @@ function(asip_add_chip_image name)
   set(chip ${arg_CHIP})
   set(tool ${asip_chip_${chip}_tool})
   set(folder "${PROJECT_BINARY_DIR}/firmware/${name}")
-  file(MAKE_DIRECTORY "${folder}/asip" "${folder}/core" "${folder}/${chip}" "${ASIP_IMAGES}")
+  file(MAKE_DIRECTORY "${folder}/asip/parts" "${folder}/asip/services" "${folder}/core" "${folder}/${chip}" "${ASIP_IMAGES}")
   list(TRANSFORM arg_DEFINES PREPEND -D)
   set(flags ${asip_chip_${chip}_flags} ${asip_chip_common} ${asip_chip_${chip}_defines} ${arg_DEFINES}
     -I${ASIP_CHIPS} -I${ASIP_CHIPS}/core -I${ASIP_CHIPS}/${chip} -I${ASIP_LIBRARY_DIR})

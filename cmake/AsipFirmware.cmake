@@ -22,26 +22,7 @@ if(ASIP_WERROR)
 endif()
 
 set(asip_library_sources
-  AsipBump.cpp
-  AsipDht.cpp
-  AsipDistance.cpp
-  AsipEncoders.cpp
-  AsipI2cChips.cpp
-  AsipLcd.cpp
-  AsipMotion.cpp
-  AsipMotors.cpp
-  AsipNeoPixels.cpp
-  AsipOneWire.cpp
-  AsipPixels.cpp
-  AsipPressure.cpp
-  AsipReflectance.cpp
-  AsipServos.cpp
-  AsipThermometers.cpp
-  AsipTone.cpp
-  AsipWeather.cpp
   asip/Board.cpp
-  asip/DhtPulses.cpp
-  asip/EchoTimer.cpp
   asip/Error.cpp
   asip/Extensions.cpp
   asip/Hex.cpp
@@ -51,14 +32,33 @@ set(asip_library_sources
   asip/OneWireBus.cpp
   asip/Out.cpp
   asip/PinInterrupts.cpp
-  asip/PixelStrip.cpp
   asip/Request.cpp
   asip/Service.cpp
-  asip/ServoPulses.cpp
   asip/Sizes.cpp
   asip/System.cpp
   asip/Timers.cpp
-  asip/ToneTimer.cpp)
+  asip/parts/DhtPulses.cpp
+  asip/parts/EchoTimer.cpp
+  asip/parts/PixelStrip.cpp
+  asip/parts/ServoPulses.cpp
+  asip/parts/ToneTimer.cpp
+  asip/services/AsipBump.cpp
+  asip/services/AsipDht.cpp
+  asip/services/AsipDistance.cpp
+  asip/services/AsipEncoders.cpp
+  asip/services/AsipI2cChips.cpp
+  asip/services/AsipLcd.cpp
+  asip/services/AsipMotion.cpp
+  asip/services/AsipMotors.cpp
+  asip/services/AsipNeoPixels.cpp
+  asip/services/AsipOneWire.cpp
+  asip/services/AsipPixels.cpp
+  asip/services/AsipPressure.cpp
+  asip/services/AsipReflectance.cpp
+  asip/services/AsipServos.cpp
+  asip/services/AsipThermometers.cpp
+  asip/services/AsipTone.cpp
+  asip/services/AsipWeather.cpp)
 
 # A Pro Mini at 16 MHz is a nano. Chip, clock, folder of pins_arduino.h and name of each board, as in the boards.txt of its core. The two at the end
 # belong to cores that Debian has not: their pins are ours (tests/integration/firmware/variants).
@@ -149,7 +149,7 @@ function(asip_add_library board defines flags out)
   if(TARGET avr_library_${key})
     return()
   endif()
-  file(MAKE_DIRECTORY "${folder}/asip")
+  file(MAKE_DIRECTORY "${folder}/asip/parts" "${folder}/asip/services")
   set(objects)
   foreach(source ${asip_library_sources})
     asip_avr_object("${ASIP_LIBRARY_DIR}/${source}" "${folder}/${source}.o" ${flags})

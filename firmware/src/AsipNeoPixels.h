@@ -13,7 +13,7 @@
 #endif
 
 #include "Asip.h"
-#include "asip/PixelStrip.h"
+#include "asip/parts/PixelStrip.h"
 
 namespace asip {
 

@@ -14,7 +14,7 @@
 #endif
 
 #include "Asip.h"
-#include "asip/PixelStrip.h"
+#include "asip/parts/PixelStrip.h"
 
 namespace asip {
 

@@ -14,7 +14,7 @@
 #endif
 
 #include "Asip.h"
-#include "asip/ServoPulses.h"
+#include "asip/parts/ServoPulses.h"
 
 namespace asip {
 

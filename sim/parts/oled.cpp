@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "firmware/src/asip/Font.h"
+#include "firmware/src/asip/parts/Font.h"
 
 namespace asip::sim {
 

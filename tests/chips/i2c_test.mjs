@@ -136,7 +136,7 @@ function makeDisplay() {
   }
   return display
 }
-const font = [...readFileSync(new URL('../../firmware/src/asip/Font.h', import.meta.url), 'utf8').matchAll(/\{(0x\w\w(?:, 0x\w\w){4})\}/g)].map(
+const font = [...readFileSync(new URL('../../firmware/src/asip/parts/Font.h', import.meta.url), 'utf8').matchAll(/\{(0x\w\w(?:, 0x\w\w){4})\}/g)].map(
   ([, columns]) => columns.split(', ').map(Number))
 const columnsOf = (text) => [...text].flatMap((character) => [...font[character.charCodeAt(0) - 32], 0])
 

@@ -4,7 +4,7 @@
 #ifdef ARDUINO
 
 #include "asip/Hardware.h"
-#include "asip/ToneTimer.h"
+#include "asip/parts/ToneTimer.h"
 
 namespace asip {
 

@@ -4,7 +4,7 @@
 
 #include "AsipLcd.h"
 
-#include "asip/Font.h"
+#include "asip/parts/Font.h"
 
 namespace asip {
 

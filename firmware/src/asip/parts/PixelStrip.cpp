@@ -4,7 +4,7 @@
 #ifdef __AVR__
 #include <Arduino.h>
 
-#include "Board.h"
+#include "asip/Board.h"
 
 namespace asip {
 

@@ -4,8 +4,8 @@
 #ifdef ARDUINO
 #include <Arduino.h>
 
-#include "PinInterrupts.h"
-#include "QuickPin.h"
+#include "asip/PinInterrupts.h"
+#include "asip/QuickPin.h"
 
 namespace asip {
 

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "Hardware.h"
+#include "asip/Hardware.h"
 
 namespace asip {
 

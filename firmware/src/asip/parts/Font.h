@@ -3,7 +3,7 @@
 // this library.
 #pragma once
 
-#include "Flash.h"
+#include "../Flash.h"
 
 namespace asip {
 

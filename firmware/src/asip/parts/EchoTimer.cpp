@@ -4,7 +4,7 @@
 #ifdef ARDUINO
 #include <Arduino.h>
 
-#include "PinInterrupts.h"
+#include "asip/PinInterrupts.h"
 
 namespace asip {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "AsipDistance.h"
 
-#include "asip/EchoTimer.h"
+#include "asip/parts/EchoTimer.h"
 
 namespace asip {
 

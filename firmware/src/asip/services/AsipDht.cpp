@@ -3,7 +3,7 @@
 
 #ifdef ARDUINO
 
-#include "asip/DhtPulses.h"
+#include "asip/parts/DhtPulses.h"
 
 namespace asip {
 
