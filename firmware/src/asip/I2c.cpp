@@ -68,7 +68,7 @@ bool I2c::isEnabled() {
 bool I2c::start(uint8_t chip, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                 uint8_t inCount) {
     if (result != kFree || !isEnabled()) return false;
-    address = static_cast<uint8_t>(chip << 1);
+    address = static_cast<uint8_t>(chip << 1 | chip >> 7);
     firstByte = first;
     outNext = out;
     outLeft = outCount;
@@ -149,12 +149,16 @@ I2c::Fault I2c::fault() {
 }
 
 // A chip whose byte was acknowledged sends its next one already: a 0 in it leaves no way to a STOP.
-void I2c::endParts() {
+I2c::Fault I2c::endParts() {
     part = 0;
-    if (result != kKept) return;
-    if (status == kReadMore) return freeBus();
+    if (result != kKept) return kNoFault;
+    if (status == kReadMore) {
+        freeBus();
+        return kNoFault;
+    }
     TWCR = asip::kStop;
     result = kFree;
+    return kNoFault;
 }
 
 static uint8_t end(I2c::Result how) {
@@ -299,9 +303,10 @@ I2c::Fault I2c::fault() {
     return lastFault;
 }
 
-void I2c::endParts() {
-    if (result == kKept) partByWire(0, 0, nullptr, 0);
+I2c::Fault I2c::endParts() {
+    const Fault fault = result == kKept ? partByWire(0, 0, nullptr, 0) : kNoFault;
     result = kFree;
+    return fault;
 }
 
 }  // namespace asip

@@ -27,7 +27,8 @@ class I2c {
 
     // Writes `first` and the `outCount` bytes of `out` to the chip at `address` (seven bits), then, if
     // `inCount` is not 0, reads as many into `in`. Both last until the end of the transfer. False if the bus
-    // is busy.
+    // is busy. With kNoFirst added to the address it only reads.
+    static constexpr uint8_t kNoFirst = 0x80;
     static bool start(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                       uint8_t inCount);
 
@@ -53,8 +54,8 @@ class I2c {
     static Result finishPart();
     static Fault fault();
 
-    // Frees the bus, where it is kept.
-    static void endParts();
+    // Frees the bus, where it is kept. On chips that are not AVR only this tells the fault of a last write.
+    static Fault endParts();
 
 #ifndef __AVR__
     typedef void (*Begin)();

@@ -37,11 +37,14 @@ namespace wire {
 
 inline bool transfer(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                      uint8_t inCount) {
-    Wire.beginTransmission(address);
-    Wire.write(first);
-    for (; outCount > 0; --outCount)
-        Wire.write(*out++);
-    if (Wire.endTransmission(inCount == 0) != 0) return false;
+    if (!(address & I2c::kNoFirst)) {
+        Wire.beginTransmission(address);
+        Wire.write(first);
+        for (; outCount > 0; --outCount)
+            Wire.write(*out++);
+        if (Wire.endTransmission(inCount == 0) != 0) return false;
+    }
+    address &= static_cast<uint8_t>(~I2c::kNoFirst);
     if (inCount == 0) return true;
     if (Wire.requestFrom(address, inCount) != inCount) return false;
     for (; inCount > 0; --inCount)

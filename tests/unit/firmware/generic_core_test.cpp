@@ -9,6 +9,9 @@
 #include "AsipBump.h"
 #include "AsipDistance.h"
 #include "AsipEncoders.h"
+#define ASIP_SDA 6
+#define ASIP_SCL 7
+#include "AsipI2cChips.h"
 #include "AsipMotors.h"
 #include "AsipReflectance.h"
 #include "AsipSerial.h"
@@ -23,14 +26,16 @@ Bump bump(10);
 Reflectance reflectance(11, A0, A1);
 Tone buzzer(12);
 Distance distance(13);
+I2cChips chips;
 
 class GenericCoreTest : public testing::Test {
   protected:
     // There is one board, as on a chip: begun once, then restarted.
     static void SetUpTestSuite() {
-        for (Service* service : {static_cast<Service*>(&motors), static_cast<Service*>(&encoders),
-                                 static_cast<Service*>(&bump), static_cast<Service*>(&reflectance),
-                                 static_cast<Service*>(&buzzer), static_cast<Service*>(&distance)})
+        for (Service* service :
+             {static_cast<Service*>(&motors), static_cast<Service*>(&encoders), static_cast<Service*>(&bump),
+              static_cast<Service*>(&reflectance), static_cast<Service*>(&buzzer),
+              static_cast<Service*>(&distance), static_cast<Service*>(&chips)})
             board.add(*service);
         board.begin(F("Generic"));
         banner_ = std::exchange(arduino.from_board, {});
@@ -65,7 +70,7 @@ class GenericCoreTest : public testing::Test {
 std::string GenericCoreTest::banner_;
 
 TEST_F(GenericCoreTest, Start_OpensTheLineAndNamesTheServices) {
-    EXPECT_EQ(banner_, "!Generic running on Arduino with Services: I M E B R T D \n");
+    EXPECT_EQ(banner_, "!Generic running on Arduino with Services: I M E B R T D J \n");
     EXPECT_EQ(arduino.baud, 57600u);
     EXPECT_EQ(ask("#,?"), "@#,?,0,4,Arduino,22,Generic\n");
 }
@@ -101,6 +106,16 @@ TEST_F(GenericCoreTest, AnalogEvents_HaveTheFreeChannels) {
 
 TEST_F(GenericCoreTest, Name_IsNotKeptAndTheAnswerShowsIt) {
     EXPECT_EQ(ask("#,I,desk"), "@#,I,\n");
+}
+
+// Wire sends what it was given when the transfer ends.
+TEST_F(GenericCoreTest, LastI2cWriteThatNobodyTakes_IsTheFaultOfTheEnd) {
+    EXPECT_EQ(ask("J,o,7,61,4000"), "");
+    EXPECT_EQ(ask("J,e,7,0,"), "~J,e,12{ADDRESS_NOT_ACKNOWLEDGED 61}\n");
+    EXPECT_EQ(ask("J,o,8,60,4000"), "");
+    EXPECT_EQ(ask("J,w,8,00"), "");
+    EXPECT_EQ(ask("J,e,8,0,"), "@J,e,\n") << "the next one works";
+    EXPECT_FALSE(Wire.owned) << Wire.seen;
 }
 
 TEST_F(GenericCoreTest, Motors_Run) {

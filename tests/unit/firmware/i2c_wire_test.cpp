@@ -5,8 +5,8 @@
 
 #include <array>
 
-#define ASIP_SDA 16
-#define ASIP_SCL 17
+#define ASIP_SDA 6
+#define ASIP_SCL 7
 #include "Arduino.h"
 #include "asip/I2cWire.h"
 

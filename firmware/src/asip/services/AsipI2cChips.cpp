@@ -121,6 +121,9 @@ void I2cChips::settle() {
 }
 
 void I2cChips::answer() {
+#ifndef __AVR__
+    if (fault_ == 0 && ends()) fault_ = I2c::endParts();  // Wire sends a last write only now
+#endif
     const uint8_t fault = fault_;
     if (fault != 0) {
         sendFault();
