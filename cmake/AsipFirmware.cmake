@@ -41,12 +41,15 @@ set(asip_library_sources
   asip/parts/EchoTimer.cpp
   asip/parts/PixelStrip.cpp
   asip/parts/ServoPulses.cpp
+  asip/parts/Stepper.cpp
   asip/parts/ToneTimer.cpp
   asip/services/AsipBump.cpp
   asip/services/AsipDht.cpp
   asip/services/AsipDistance.cpp
   asip/services/AsipEncoders.cpp
+  asip/services/AsipHygrometer.cpp
   asip/services/AsipI2cChips.cpp
+  asip/services/AsipIlluminance.cpp
   asip/services/AsipLcd.cpp
   asip/services/AsipMotion.cpp
   asip/services/AsipMotors.cpp
@@ -56,6 +59,7 @@ set(asip_library_sources
   asip/services/AsipPressure.cpp
   asip/services/AsipReflectance.cpp
   asip/services/AsipServos.cpp
+  asip/services/AsipSteppers.cpp
   asip/services/AsipThermometers.cpp
   asip/services/AsipTone.cpp
   asip/services/AsipWeather.cpp)

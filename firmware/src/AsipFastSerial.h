@@ -105,13 +105,12 @@ void write(uint8_t byte) {
     while (next == txTail) {
     }
     tx[head] = byte;
-    uint8_t sending = 0xB8;  // the same bits as in begin(), and the interrupt that sends
-    // In a register before the two stores, which must be neighbours: two interrupts that sent two bytes in
-    // between would leave the ring empty and this one on, and all of the ring would be sent once more. Found
-    // by a robot.
-    asm volatile("" : "+r"(sending));
+    // Interrupts that sent all of the ring in between would leave it empty and this one on, and all of the
+    // ring would be sent once more. Found by a robot.
+    cli();
     txHead = next;
-    ASIP_UCSRB = sending;
+    ASIP_UCSRB = 0xB8;  // the same bits as in begin(), and the interrupt that sends
+    sei();
 }
 
 // The flag of a finished byte is cleared when the ring is first seen empty, while the last byte is still on

@@ -157,6 +157,7 @@ void I2cBus::finish_address() {
     addressing_ = false;
     reading_ = (byte & 1) != 0;
     device_ = find(byte >> 1);
+    if (reading_ && device_ != nullptr && !device_->is_ready_to_read()) device_ = nullptr;
     if (device_ != nullptr) device_->started(reading_);
     if (reading_)
         report(device_ != nullptr ? kAddressedToRead : kNobodyToRead);

@@ -17,6 +17,8 @@ class I2cDevice {
     /// Seven bits. A detached one acknowledges nothing.
     virtual std::uint8_t address() const = 0;
     virtual bool is_there() const = 0;
+    /// False: its address is not acknowledged for a read.
+    virtual bool is_ready_to_read() const { return true; }
     /// A transfer begins or goes on the other way.
     virtual void started(bool reading) = 0;
     /// False: not acknowledged.

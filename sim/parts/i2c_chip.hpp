@@ -54,9 +54,9 @@ class I2cChip : public Part, public I2cDevice {
     /// As two bytes, the higher first: byte 0 or 1.
     std::uint8_t byte_of(std::size_t index, unsigned byte) const;
     PartContext& context() { return context_; }
+    Expected<void> perform(std::string_view verb, std::string_view argument) override;
 
   private:
-    Expected<void> perform(std::string_view verb, std::string_view argument) override;
     Expected<void> set(std::string_view argument);
 
     PartContext& context_;

@@ -31,9 +31,9 @@ class ModelSetTest : public testing::Test {
 TEST_F(ModelSetTest, Standard_HasEveryServiceOfTheProtocol) {
     EXPECT_THAT(models_.names(),
                 testing::ElementsAre("acceleration", "bump", "climate", "distance", "encoders", "gyroscope",
-                                     "heading", "humidity", "i2c", "io", "lcd", "motors", "neopixels",
-                                     "onewire", "pixels", "pressure", "reflectance", "servo", "thermometers",
-                                     "tone", "weather"));
+                                     "heading", "humidity", "hygrometer", "i2c", "illuminance", "io", "lcd",
+                                     "motors", "neopixels", "onewire", "pixels", "pressure", "reflectance",
+                                     "servo", "steppers", "thermometers", "tone", "weather"));
     EXPECT_TRUE(models_.find_ref("distance@1"));
     EXPECT_FALSE(models_.find_ref("distance@2"));
     EXPECT_FALSE(models_.find_ref("distance"));

@@ -64,6 +64,11 @@ TEST(ServiceProperties, EachOtherSensor_HasOneForEachFieldOrElement) {
                 ElementsAre("weather/temperature sensor 'Weather temperature' C temperature",
                             "weather/humidity sensor 'Weather humidity' % humidity",
                             "weather/pressure sensor 'Weather pressure' hPa pressure"));
+    EXPECT_THAT(seen_of("illuminance"), ElementsAre("illuminance sensor 'Illuminance' lx illuminance"));
+    EXPECT_THAT(seen_of("hygrometer"),
+                ElementsAre("-hygrometer/damaged sensor 'Hygrometer damaged'",
+                            "hygrometer/temperature sensor 'Hygrometer temperature' C temperature",
+                            "hygrometer/humidity sensor 'Hygrometer humidity' % humidity"));
     EXPECT_THAT(seen_of("heading"),
                 ElementsAre("-heading/x sensor 'Heading x'", "-heading/y sensor 'Heading y'",
                             "-heading/z sensor 'Heading z'", "heading sensor 'Heading' degrees angle"));
@@ -95,6 +100,17 @@ TEST(ServiceProperties, Servo_IsANumberForEachPinThatTheServiceHas) {
                                        "servo/1/angle number 'Servo 1 angle' degrees angle"));
     EXPECT_EQ(all[1].max, 180);
     EXPECT_EQ(requests_for(all[1], 90), (std::vector<Request>{{"servo", R"({"write":[1,90]})"}}));
+}
+
+TEST(ServiceProperties, StepperIsANumberThatIsReportedBesideWhatItDoes) {
+    const auto all = properties_of(board_of("steppers", 1), standard);
+    EXPECT_THAT(seen(all), testing::IsSupersetOf({"steppers/0/moving binary-sensor 'Steppers moving'",
+                                                  "steppers/0/homed binary-sensor 'Steppers homed'",
+                                                  "steppers/0/position number 'Steppers position' steps",
+                                                  "-steppers/0/speed number 'Steppers speed'",
+                                                  "-steppers/0/power switch 'Steppers power'",
+                                                  "steppers/stop button 'Steppers stop'"}));
+    EXPECT_EQ(requests_for(all.back(), {}), (std::vector<Request>{{"steppers", R"({"stop-all":[]})"}}));
 }
 
 TEST(ServiceProperties, MotorsAreHidden_WithOneStopForAll) {
