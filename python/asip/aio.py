@@ -21,6 +21,7 @@ from . import errors
 from ._twin import Twin, in_loop, readings, run, same, waits
 from .board import Board as _Board
 from .i2c import I2C, SMBus
+from .onewire import OneWire
 from .pin import Pin as _Pin
 from .property import Property as _Property
 from .service import Element as _Element
@@ -111,6 +112,10 @@ class Board(Twin):
     def smbus(self, *, timeout: float | None = None) -> SMBus:
         """As `i2c()`."""
         return self._one.smbus(timeout=timeout)
+
+    def onewire(self, *, timeout: float | None = None) -> OneWire:
+        """As `i2c()`."""
+        return self._one.onewire(timeout=timeout)
 
     def pin(self, which: int | str) -> Pin:
         return Pin(self, self._one.pin(which))

@@ -12,6 +12,7 @@ from ._chips import BusCarrier, Transfers
 from ._followed import Followed
 from ._topics import valid_name
 from .i2c import I2C, SMBus
+from .onewire import OneWire
 from .pin import Pin
 from .property import Property
 from .service import Service, class_of
@@ -218,6 +219,11 @@ class Board(Followed):
     def smbus(self, *, timeout: float | None = None) -> SMBus:
         """The same, as programs of `smbus2` expect it."""
         return SMBus(self._transfers(timeout))
+
+    def onewire(self, *, timeout: float | None = None) -> OneWire:
+        """The board's 1-Wire bus, as drivers for CircuitPython expect it (`OneWireBus` of `adafruit_onewire.bus`). Needs the service
+        `onewire` on the board."""
+        return OneWire(self["onewire"], timeout)
 
     def _transfers(self, timeout: float | None) -> Transfers:
         transfers = Transfers(BusCarrier(self["i2c"], timeout))

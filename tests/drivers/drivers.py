@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drivers as their authors published them on PyPI, unmodified, on the I2C bus of a simulated board, over a real broker and agent.
+"""Drivers as their authors published them on PyPI, unmodified, on the I2C and 1-Wire buses of simulated boards, over a real broker and agent.
 Each reads what its simulated chip was told to measure, or shows on it what is then read back."""
 
 import errno
@@ -35,13 +35,18 @@ CHIPS = [{"kind": "mpu6050", "name": "motion", "ax": 8192, "ay": -4096, "az": 16
          {"kind": "hmc5883l", "name": "compass", "x": 100, "y": -20, "z": 30},
          {"kind": "ads1115", "name": "voltages", "a0": 1.25, "a1": 3.3, "a2": -0.1, "a3": 0.02},
          {"kind": "pca9685", "name": "outputs"}]
+AIR = [{"kind": "bme280", "name": "weather", "temperature": 21.5, "humidity": 45, "pressure": 987.6},
+       {"kind": "sht31", "name": "air", "temperature": -3.25, "humidity": 80}, {"kind": "bh1750", "name": "light", "lux": 347.5}]
+WIRE = {"name": "wire", "board": "uno", "image": str(bus_module.IMAGES / "asip_uno_onewire.elf"), "link": "wire.port",
+        "parts": [{"kind": "ds18b20", "name": "wires", "pin": 2,
+                   "devices": [{"number": 1, "temperature": 21.5}, {"number": 2, "temperature": -3.0625}, {"number": 3, "temperature": 85}]}]}
 SECONDS = 20
 
 
 class Drivers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.real = Bus((board("desk", "ssd1306", *CHIPS), board("wall", "sh1106")))
+        cls.real = Bus((board("desk", "ssd1306", *CHIPS), board("wall", "sh1106", *AIR), WIRE))
         cls.addClassCleanup(cls.real.close)
 
     def setUp(self):
@@ -104,6 +109,54 @@ class Drivers(unittest.TestCase):
         register, words = i2c_msg.write(0x77, [0xAA]), i2c_msg.read(0x77, 22)
         self.smbus.i2c_rdwr(register, words)
         self.assertEqual(bytes(words).hex(), "0198ffb8c7d17fe57ff55a71182e00048000ddf90b34")
+
+    def test_adafruit_bme280(self):
+        from adafruit_bme280 import advanced, basic
+        i2c = self.wall.i2c(timeout=SECONDS)
+        sensor = basic.Adafruit_BME280_I2C(i2c, 0x76)
+        self.assertAlmostEqual(sensor.temperature, 21.5, delta=0.02)
+        self.assertAlmostEqual(sensor.relative_humidity, 45, delta=0.1)
+        self.assertAlmostEqual(sensor.pressure, 987.6, delta=0.1)
+        sensor = advanced.Adafruit_BME280_I2C(i2c, 0x76)
+        sensor.overscan_pressure = advanced.OVERSCAN_X16
+        self.assertAlmostEqual(sensor.pressure, 987.6, delta=0.1)
+
+    def test_adafruit_sht31d(self):
+        import adafruit_sht31d
+        sensor = adafruit_sht31d.SHT31D(self.wall.i2c(timeout=SECONDS))
+        self.assertEqual(sensor.serial_number, 0x0A51B731)
+        self.assertAlmostEqual(sensor.temperature, -3.25, delta=0.01)
+        self.assertAlmostEqual(sensor.relative_humidity, 80, delta=0.01)
+        sensor.heater = True
+        self.assertTrue(sensor.heater)
+        sensor.heater = False
+        self.real.sim("damage", "wall/air", "1")
+        with self.assertRaisesRegex(RuntimeError, "CRC"):
+            sensor.temperature  # noqa: B018 - reading it is the test
+        self.assertAlmostEqual(sensor.temperature, -3.25, delta=0.01)
+
+    def test_adafruit_bh1750(self):
+        import adafruit_bh1750
+        sensor = adafruit_bh1750.BH1750(self.wall.i2c(timeout=SECONDS))
+        self.assertAlmostEqual(sensor.lux, 347.5, delta=0.9)
+        sensor.resolution = adafruit_bh1750.Resolution.LOW
+        self.assertAlmostEqual(sensor.lux, 347.5, delta=4)
+
+    def test_adafruit_ds18x20(self):
+        from adafruit_ds18x20 import DS18X20
+        wire = self.bus.board("wire", timeout=SECONDS).onewire(timeout=SECONDS)
+        found = wire.scan()
+        self.assertEqual([wire.crc8(one.rom) for one in found], [0, 0, 0])
+        sensors = [DS18X20(wire, one) for one in found]
+        self.assertEqual(sorted(one.temperature for one in sensors), [-3.0625, 21.5, 85])
+        sensors[0].resolution = 9
+        self.assertEqual([one.resolution for one in sensors], [9, 12, 12])
+        self.real.sim("short", "wire/wires")
+        with self.assertRaises(OSError) as caught:
+            sensors[1].read_temperature()
+        self.assertEqual(caught.exception.errno, errno.ENODEV)
+        self.real.sim("unshort", "wire/wires")
+        self.assertAlmostEqual(sensors[1].temperature, sensors[1].read_temperature())
 
     def test_adafruit_ads1x15(self):
         from adafruit_ads1x15 import ads1x15
