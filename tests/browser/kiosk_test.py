@@ -11,7 +11,7 @@ import unittest
 import urllib.error
 import urllib.request
 
-from rig import DESK, PageTest, eventually, free_port, program_path
+from rig import DESK, PageTest, can_connect, eventually, free_port, program_path
 
 
 class Frames(http.server.BaseHTTPRequestHandler):
@@ -47,6 +47,7 @@ class Kiosk(PageTest):
         cls.url = f"http://127.0.0.1:{cls.gateway}/"
         cls.link = f"{cls.url}kiosk/{cls.make('kiosk', 'hall', '--boards', 'desk', '--frames', f'http://localhost:{cls.frames}')}/#/board/desk"
         cls.bus.start("kiosk", "asip-gateway", "--http", f"127.0.0.1:{cls.gateway}", "--tokens", str(tokens))
+        eventually(lambda: can_connect(cls.gateway), "the gateway with tokens")
         server = http.server.ThreadingHTTPServer(("127.0.0.1", cls.frames), functools.partial(Frames, cls.link))
         threading.Thread(target=server.serve_forever, daemon=True).start()
         cls.addClassCleanup(server.server_close)

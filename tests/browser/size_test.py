@@ -6,6 +6,7 @@ import os
 import pathlib
 import re
 import subprocess
+import tempfile
 import unittest
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "gateway" / "page"
@@ -15,36 +16,61 @@ HOMEPAGE = re.search(r"^Homepage: (.*)$", (PAGE.parents[1] / "debian" / "control
 DOCS = f"{HOMEPAGE}/blob/main/docs/".encode()  # followed by a person, never loaded
 
 
-def served(name, content):
-    """As cmake/AsipEmbedPage.cmake builds it into the program."""
-    run = lambda command: subprocess.run(command, input=content, capture_output=True, check=True, env={**os.environ, "LC_ALL": "C"}).stdout
-    if pathlib.Path(name).suffix in (".js", ".html", ".json"):
-        content = run(["awk", "-f", CMAKE / "name_texts.awk", PAGE / "languages" / "en.json", PAGE / name])
-    shorten = {".js": ["awk", "-f", CMAKE / "shorten_script.awk"], ".css": ["sed", "-E", "-f", CMAKE / "shorten_style.sed"]}.get(pathlib.Path(name).suffix)
-    if shorten:
-        content = run(shorten)
-    return gzip.compress(content, 9, mtime=0)
+def make_page(page, folder):
+    """{path: compressed}, as a program has it built in; or what is wrong."""
+    made = subprocess.run([CMAKE / "make_page", page, folder], capture_output=True, text=True)
+    if made.returncode != 0:
+        raise ValueError(made.stderr)
+    return {name: pathlib.Path(folder, f"{name}.gz").read_bytes() for name in pathlib.Path(folder, "files").read_text().splitlines()}
 
 
 class Size(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.served = make_page(PAGE, f"{folder.name}/page")
+
     def files(self):
         names = [line for line in (PAGE / "files.txt").read_text().splitlines() if line and not line.startswith("#")]
         return {name: (PAGE / name).read_bytes() for name in names}
 
     def test_WholePage_IsSmallWhenCompressed(self):
-        sizes = {name: len(served(name, content)) for name, content in self.files().items()}
+        sizes = {name: len(content) for name, content in self.served.items()}
         languages = {name: size for name, size in sizes.items() if name.startswith("languages/")}
         total = sum(sizes.values()) - sum(languages.values()) + max(languages.values())
         print(f"the page with its longest language is {total} bytes, compressed")
         self.assertLess(total, LIMIT)
 
-    def test_ShortenedScripts_KeepTheirLinesAndCanBeRead(self):
-        for name, content in self.files().items():
+    def test_ServedScripts_CanBeReadAndImportWhatIsServed(self):
+        for name, content in self.served.items():
             if name.endswith(".js"):
-                short = gzip.decompress(served(name, content))
-                self.assertEqual(short.count(b"\n"), content.count(b"\n"), f"{name}: lines stay where they are")
-                checked = subprocess.run(["node", "--input-type=module", "--check"], input=short, capture_output=True)
+                script = gzip.decompress(content)
+                checked = subprocess.run(["node", "--input-type=module", "--check"], input=script, capture_output=True)
                 self.assertEqual(checked.stderr, b"", name)
+                imported = re.findall(r'(?:^import[^"\n]*|import\()"([^"]*)"', script.decode(), re.M)
+                paths = {os.path.normpath(os.path.join(os.path.dirname(name), each)) for each in imported}
+                self.assertEqual(paths - set(self.served), set(), name)
+
+    def test_JoinedScript_HasEachFunctionAndElementOfItsParts(self):
+        joined = gzip.decompress(self.served["ui/screens.js"])
+        parts = [content for name, content in self.files().items() if name.endswith(".js") and name not in self.served]
+        self.assertGreater(len(parts), 30)
+        for content in parts:
+            for name in re.findall(rb"^(?:export )?(?:async )?(?:function|class) \w+|^customElements.define\(.*\);", content, re.M):
+                name = name.removeprefix(b"export ").replace(b", ", b",")
+                self.assertEqual(len(re.findall(rb"^" + re.escape(name) + rb"(?!\w)", joined, re.M)) > 0, True, name)
+
+    def test_ScriptsThatImportEachOther_AreRefused(self):
+        files = {"main.js": "", "net/worker.js": "", "ui/screens.js": 'import { f } from "../core/a.js";\nf();', "languages/en.json": "{}",
+                 "core/a.js": 'import { g } from "./b.js";\nexport function f() { g(); }', "core/b.js": 'import { f } from "./a.js";\nexport function g() { f(); }'}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in {**files, "files.txt": "\n".join(files)}.items():
+                path = pathlib.Path(folder, "page", name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(f"// A script.\n{content}\n" if name.endswith(".js") else content + "\n")
+            with self.assertRaisesRegex(ValueError, "core/b.js and core/a.js import each other"):
+                make_page(f"{folder}/page", f"{folder}/made")
 
     def test_EveryFile_IsListed(self):
         there = {str(path.relative_to(PAGE)) for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg", ".webmanifest") or path.parent.name == "languages"}
