@@ -2,7 +2,7 @@
 // What can stand on a dashboard, and what a widget shows. A widget is as the gateway keeps it:
 // {id, kind, title, size, board, property}; in place of `board` it may have `labels`: the gateway makes one of each board then.
 import { t } from "./language.js";
-import { range_of } from "./properties.js";
+import { is_number, range_of } from "./properties.js";
 import { state_text, unit_text } from "./text.js";
 
 export const kSizes = ["small", "wide", "large"];
@@ -27,7 +27,7 @@ function kinds_of(property) {
   if (property.access !== "read" && property.advanced && property.service !== "io") return [];
   const slider = range_of(property) ? ["slider"] : [];
   switch (property.kind) {
-    case "sensor": return property.type === "integer" || property.type === "number" ? ["value", "plot", ...(property.max > property.min ? ["gauge"] : []), "lamp"] : ["value"];
+    case "sensor": return is_number(property) ? ["value", "plot", ...(property.max > property.min ? ["gauge"] : []), "lamp"] : ["value"];
     case "binary": return ["lamp", "value"];
     case "switch": return ["switch", "lamp"];
     case "light": return ["switch", ...slider, "lamp"];

@@ -55,6 +55,8 @@ export function elements_of(properties) {
 /// An analog pin without a name and a class: nothing says that something is connected to it, so its value floats.
 export const floats = (property) => property?.service === "io" && property.kind === "sensor" && property.advanced === true;
 
+export const is_number = (property) => property.type === "integer" || property.type === "number";
+
 /// Whether something on the board moves: its stop and its controls come first.
 export const moves = (properties) => properties.some((each) => each.advanced && each.kind === "number" && each.service !== "io");
 

@@ -127,6 +127,26 @@ export function thinned(series, values, from, to, width) {
   return points;
 }
 
+const kDayMs = 86_400_000;
+const time_steps = [100, 200, 500, ...[1, 2, 5, 10, 15, 30].flatMap((each) => [each * 1000, each * 60_000]), ...[1, 2, 3, 6, 12, 24, 48, 168].map((each) => each * 3_600_000)].sort((a, b) => a - b);
+
+/// Round times where the reader is, about `count` of them within [from, to]; days begin at midnight, weeks on Mondays.
+export function time_ticks(from, to, count) {
+  const step = time_steps.find((each) => each >= (to - from) / count) ?? time_steps.at(-1);
+  const at = new Date(from);
+  at.setHours(0, 0, 0, 0);
+  const result = [];
+  if (step < kDayMs) {
+    for (let tick = at.getTime() + Math.ceil((from - at.getTime()) / step) * step; tick <= to; tick += step) result.push(tick);
+    return result;
+  }
+  const days = step / kDayMs;
+  const day = (date) => Date.UTC(date.getFullYear(), date.getMonth(), date.getDate()) / kDayMs + 3;
+  at.setDate(at.getDate() - (day(at) % days));
+  for (; at.getTime() <= to; at.setDate(at.getDate() + days)) if (at.getTime() >= from) result.push(at.getTime());
+  return result;
+}
+
 /// Round numbers for an axis: at most `count` + 1 of them within [low, high].
 export function ticks(low, high, count) {
   const rough = (high - low) / Math.max(1, count);

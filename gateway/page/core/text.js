@@ -25,15 +25,27 @@ export const state_text = (state) => known_text(`state.${state}`) ?? state;
 
 const clock = new Intl.DateTimeFormat(locale, { hour: "2-digit", minute: "2-digit", second: "2-digit" });
 const date = new Intl.DateTimeFormat(locale, { day: "numeric", month: "short", year: "numeric" });
+const day = new Intl.DateTimeFormat(locale, { day: "numeric", month: "short" });
+const minute = new Intl.DateTimeFormat(locale, { hour: "2-digit", minute: "2-digit" });
 const measured = new Intl.NumberFormat(locale, { maximumFractionDigits: 4, useGrouping: false, signDisplay: "negative" });
 
 export function clock_text(ms) { return clock.format(ms); }
 
+/// At an axis of time; `far`: of hours or days.
+export function tick_text(ms, far) {
+  if (!far) return clock.format(ms);
+  const at = new Date(ms);
+  return (at.getHours() + at.getMinutes() === 0 ? day : minute).format(at);
+}
+
+/// The time alone for today, the day alone for others.
+export const day_text = (ms) => (date.format(ms) === date.format(Date.now()) ? clock : date).format(ms);
+
 /// The time alone for today, otherwise with its day.
 export function moment_text(ms, now = Date.now()) {
   if (!Number.isFinite(ms)) return "";
-  const day = date.format(ms);
-  return day === date.format(now) ? clock.format(ms) : `${day} ${clock.format(ms)}`;
+  const its_day = date.format(ms);
+  return its_day === date.format(now) ? clock.format(ms) : `${its_day} ${clock.format(ms)}`;
 }
 
 /// At most four digits behind the point, none that say nothing.

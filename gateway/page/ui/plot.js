@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plot of the last minutes on a canvas: follows, pauses, zooms, and gives its points as CSV.
-import { t } from "../core/language.js";
-import { thinned, ticks } from "../core/series.js";
-import { clock_text, number_text, unit_text, with_unit } from "../core/text.js";
-import { h, Part } from "./dom.js";
+// A plot on a canvas: follows, pauses, zooms, and gives its points as CSV. The last minutes are those that this page and its gateway
+// have; of hours, days and weeks a registry is asked.
+import { kept_csv, kMonthMs } from "../core/kept.js";
+import { locale, t } from "../core/language.js";
+import { thinned, ticks, time_ticks } from "../core/series.js";
+import { moment_text, number_text, tick_text, unit_text, with_unit } from "../core/text.js";
+import { h, Part, set_text } from "./dom.js";
+import { draw_steps } from "./kept.js";
 
 const spans = [["10 s", 10_000], ["1 min", 60_000], ["10 min", 600_000]];
+const one = (unit) => new Intl.NumberFormat(locale, { style: "unit", unit, unitDisplay: "long" }).format(1);
+const kept_spans = [["1 h", 3_600_000], [one("day"), 86_400_000], [one("week"), 604_800_000], [one("month"), kMonthMs]];
 const kMinSpanMs = 500;
-const kMaxSpanMs = 600_000;
+const kLiveMs = 600_000; // beyond, a registry is asked
 const kColors = 6;
 const kGapMs = 3000;
 const left = 48;
 const bottom = 20;
 
 class Plot extends Part {
-  /// Call before it is put into the page. `label` is for people who cannot see it, `file` the name of the CSV.
-  begin(series, label, file) {
-    Object.assign(this, { live: series, series, label, file });
+  /// Call before it is put into the page. `label` is for people who cannot see it, `file` the name of the CSV. `kept`: a Kept, where
+  /// a registry may have kept it.
+  begin(series, label, file, kept) {
+    Object.assign(this, { live: series, series, label, file, kept });
     return this;
   }
 
@@ -31,13 +37,14 @@ class Plot extends Part {
     this.end = undefined; // paused: where the picture ends; else it follows the time
     this.hidden_lines = new Set();
     this.canvas = h("canvas", { role: "img", tabindex: "0", onwheel: (event) => this.wheel(event), onkeydown: (event) => this.key(event),
-      onpointerdown: (event) => this.grab(event), onpointermove: (event) => this.point(event), onpointerleave: () => { this.cursor = undefined; } });
+      onpointerdown: (event) => this.grab(event), onpointermove: (event) => this.point(event), onpointerleave: (event) => { if (event.pointerType === "mouse") this.cursor = undefined; } });
     this.pause_button = h("button", { onclick: () => this.pause(this.end === undefined) }, t("pause"));
-    this.spans = spans.map(([text, ms]) => h("button", { "aria-label": t("show-text", { text }), onclick: () => this.zoom_to(ms) }, text));
+    this.spans = [...spans, ...(this.kept ? kept_spans : [])].map(([text, ms]) => [h("button", { "aria-label": t("show-text", { text }), onclick: () => this.zoom_to(ms) }, text), ms]);
+    this.note = h("p", { class: "muted note", role: "status" });
     this.legend = h("div", { class: "legend" });
-    this.append(this.canvas, this.legend, h("div", { class: "plot-tools", role: "group", "aria-label": t("plot-label", { label: this.label }) },
+    this.append(this.canvas, this.legend, this.note, h("div", { class: "plot-tools", role: "group", "aria-label": t("plot-label", { label: this.label }) },
       this.pause_button, h("button", { "aria-label": t("zoom"), onclick: () => this.zoom(0.5) }, "+"),
-      h("button", { "aria-label": t("zoom-out"), onclick: () => this.zoom(2) }, "−"), this.spans,
+      h("button", { "aria-label": t("zoom-out"), onclick: () => this.zoom(2) }, "−"), this.spans.map(([button]) => button),
       h("button", { onclick: () => this.save() }, "CSV")));
     const resized = new ResizeObserver(() => this.resize());
     resized.observe(this.canvas);
@@ -56,6 +63,7 @@ class Plot extends Part {
     draw();
     this.while_shown(() => cancelAnimationFrame(frame));
     this.every(2000, () => this.describe());
+    this.zoom_to(this.span);
     this.describe();
   }
 
@@ -86,9 +94,10 @@ class Plot extends Part {
   }
 
   zoom_to(ms, at = 1) {
-    const span = Math.max(kMinSpanMs, Math.min(kMaxSpanMs, ms));
+    const span = Math.max(kMinSpanMs, Math.min(this.kept ? kMonthMs : kLiveMs, ms));
     if (this.end !== undefined) this.end -= (this.span - span) * (1 - at);
     this.span = span;
+    for (const [button, each] of this.spans) button.setAttribute("aria-pressed", each === span);
   }
 
   zoom(factor, at = this.end === undefined ? 1 : 0.5) { this.zoom_to(this.span * factor, at); }
@@ -113,6 +122,7 @@ class Plot extends Part {
 
   grab(event) {
     this.canvas.focus();
+    this.cursor = event.offsetX;
     this.canvas.setPointerCapture(event.pointerId);
     this.grabbed = { x: event.clientX };
   }
@@ -127,12 +137,20 @@ class Plot extends Part {
     this.grabbed.x = event.clientX;
   }
 
+  /// Whether the picture is of what was kept.
+  get far() { return this.kept !== undefined && this.span > kLiveMs; }
+
   describe() {
-    const lines = [...this.series.lines.values()].map((line) => {
+    const to = this.end ?? Date.now();
+    const from = to - this.span;
+    const lines = this.far ? this.kept.shown(from, to).map((line) => {
+      const [low, high] = bounds_of([line]);
+      return `${line.name}: ${low > high ? t("nothing-yet-within").toLowerCase() : t("min-max", { min: with_unit(low, line.unit), max: with_unit(high, line.unit) })}`;
+    }) : [...this.series.lines.values()].map((line) => {
       const last = line.values.findLast((value) => !Number.isNaN(value));
       return last === undefined ? `${line.name}: ${t("nothing-yet-within").toLowerCase()}` : `${line.name}: ${with_unit(last, line.unit)}`;
     });
-    this.canvas.setAttribute("aria-label", `${this.end === undefined ? t("plot-label-following", { label: this.label }) : t("plot-label-paused", { label: this.label })}. ${lines.join(", ") || t("nothing-yet-within")}`);
+    this.canvas.setAttribute("aria-label", `${this.end === undefined ? t("plot-label-following", { label: this.label }) : t("plot-label-paused", { label: this.label })}. ${this.far ? `${moment_text(from)} – ${moment_text(to)}. ` : ""}${lines.join(", ") || t("nothing-yet-within")}`);
   }
 
   show_legend(lines) {
@@ -152,13 +170,15 @@ class Plot extends Part {
     if (!this.seen || !this.width || document.hidden) return;
     const to = this.end ?? Date.now();
     const from = to - this.span;
+    if (this.far) this.kept.want(from, to);
+    set_text(this.note, this.far ? this.kept.note : "");
     // Nothing moves by a whole pixel: the picture stays.
-    const key = `${Math.floor(to * this.width / this.span)} ${this.span} ${this.series.times.length} ${this.series.times.at(-1)} ${this.cursor} ${this.hidden_lines.size}`;
+    const key = `${Math.floor(to * this.width / this.span)} ${this.span} ${this.series.times.length} ${this.series.times.at(-1)} ${this.cursor} ${this.hidden_lines.size} ${this.far && this.kept.version}`;
     if (key === this.drawn) return;
     this.drawn = key;
-    const all = [...this.series.lines.values()];
+    const all = this.far ? this.kept.shown(from, to) : [...this.series.lines.values()];
     this.show_legend(all);
-    const lines = all.map((line, i) => ({ ...line, color: this.colors[i % kColors], points: thinned(this.series, line.values, from, to, this.width) }))
+    const lines = all.map((line, i) => ({ ...line, color: this.colors[i % kColors], points: line.points ?? thinned(this.series, line.values, from, to, this.width) }))
       .filter((line) => !this.hidden_lines.has(line.key));
     const [low, high] = range_of(lines);
     const context = this.canvas.getContext("2d");
@@ -172,7 +192,7 @@ class Plot extends Part {
     context.beginPath();
     context.rect(left, 0, this.width - left, this.height);
     context.clip();
-    for (const line of lines) draw_line(context, line, x_of, y_of);
+    for (const line of lines) (this.far ? draw_steps : draw_line)(context, line, x_of, y_of);
     context.restore();
     if (this.cursor > left) this.draw_cursor(context, lines, from, x_of, y_of);
   }
@@ -194,11 +214,11 @@ class Plot extends Part {
     }
     context.textAlign = "center";
     context.textBaseline = "bottom";
-    for (const tick of ticks(from / 1000, to / 1000, Math.max(2, this.width / 110))) {
-      const x = Math.round(x_of(tick * 1000)) + 0.5;
+    for (const tick of time_ticks(from, to, Math.max(2, this.width / (this.far ? 75 : 110)))) {
+      const x = Math.round(x_of(tick)) + 0.5;
       if (x < left + 30 || x > this.width - 30) continue;
       stroke(context, x, 0, x, this.height - bottom);
-      context.fillText(clock_text(tick * 1000), x, this.height - 2);
+      context.fillText(tick_text(tick, this.far), x, this.height - 2);
     }
   }
 
@@ -207,36 +227,46 @@ class Plot extends Part {
     context.strokeStyle = this.ink;
     stroke(context, this.cursor + 0.5, 0, this.cursor + 0.5, this.height - bottom);
     context.textBaseline = "bottom";
-    context.textAlign = this.cursor > this.width - 90 ? "right" : "left";
+    context.textAlign = this.cursor > this.width - 170 ? "right" : "left";
+    const beside = this.cursor + (context.textAlign === "left" ? 8 : -8);
+    context.fillStyle = this.ink;
+    if (this.far) context.fillText(moment_text(time), beside, 16);
     for (const line of lines) {
       const point = line.points.findLast((each) => each.time <= time);
-      if (!point) continue;
+      if (!point || Number.isNaN(point.value)) continue;
       context.fillStyle = line.color;
       context.beginPath();
-      context.arc(x_of(point.time), y_of(point.value), 3.5, 0, 7);
+      context.arc(this.far ? this.cursor : x_of(point.time), y_of(point.value), 3.5, 0, 7);
       context.fill();
-      context.fillText(with_unit(point.value, line.unit), this.cursor + (context.textAlign === "left" ? 8 : -8), Math.max(16, y_of(point.value) - 4));
+      context.fillText(with_unit(point.value, line.unit), beside, Math.max(this.far ? 32 : 16, y_of(point.value) - 4));
     }
   }
 
   save() {
     const all = this.end === undefined;
-    const text = this.series.csv(all ? undefined : this.end - this.span, all ? undefined : this.end);
+    const to = this.end ?? Date.now();
+    const text = this.far ? kept_csv(this.kept.shown(to - this.span, to)) : this.series.csv(all ? undefined : this.end - this.span, all ? undefined : this.end);
     const url = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
     h("a", { href: url, download: `${this.file}.csv` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
   }
 }
 
-function range_of(lines) {
+/// The lowest and highest of all points.
+function bounds_of(lines) {
   let low = Infinity;
   let high = -Infinity;
   for (const line of lines) {
-    for (const { value } of line.points) {
-      if (value < low) low = value;
-      if (value > high) high = value;
+    for (const { value, low: bottom_value = value, high: top_value = value } of line.points) {
+      if (bottom_value < low) low = bottom_value;
+      if (top_value > high) high = top_value;
     }
   }
+  return [low, high];
+}
+
+function range_of(lines) {
+  const [low, high] = bounds_of(lines);
   if (low > high) return [0, 1];
   const room = (high - low) * 0.08 || Math.max(1, Math.abs(high) * 0.1);
   return [low >= 0 && low - room < 0 ? 0 : low - room, high + room];

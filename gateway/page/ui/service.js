@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // One service of a board: its live values with a plot, and forms for its commands, which stand where the board has its controls.
 import { asked_text } from "../core/asked.js";
+import { alive } from "../core/catalogue.js";
 import { command_order, place_of, words_of_error } from "../core/form.js";
 import { count_text, t } from "../core/language.js";
-import { elements_of, floats, is_simple, value_text } from "../core/properties.js";
+import { elements_of, floats, is_number, is_simple, value_text } from "../core/properties.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
 import { duration_text, moment_text, service_text, time_of, unit_text, with_unit, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { offers_of_board } from "./add_widget.js";
 import { before_picture, h, Part, set_text, small } from "./dom.js";
 import "./command.js";
+import { Kept } from "./kept.js";
 import { status } from "./model.js";
 import "./plot.js";
 import "./widget.js";
@@ -293,7 +295,8 @@ class Service extends Part {
         }
         set_text(box, number.property ? value_text(number.property, number.value) || "–" : with_unit(number.value, number.unit));
       }
-      if (!group.plotted && group.numbers.some((number) => typeof number.value === "number")) this.add_plot(group);
+      const gone = this.state && !alive(this.state.state); // then what was kept can be looked at
+      if (!group.plotted && group.numbers.some(({ value, property }) => typeof value === "number" || (gone && property && is_number(property)))) this.add_plot(group);
       const age = Date.now() - group.at;
       set_text(group.age, Number.isNaN(age) ? "" : age < 2000 ? t("just-now") : t("age-ago", { age: duration_text(age) }));
     }
@@ -316,7 +319,7 @@ class Service extends Part {
   add_plot(group) {
     group.plotted = true;
     const label = [this.board, group.name, group.listed && unit_text(group.numbers[0].unit)].filter(Boolean).join(" ");
-    const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"));
+    const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"), group.listed && new Kept(this.board, () => group.numbers));
     plot.group = group.key;
     const [box, open] = group.place === this.values ? [this.plots, !this.folded] : [group.place, false];
     box.append(h("details", { open }, h("summary", {}, t("plot")), plot));

@@ -7,6 +7,8 @@ import { Series } from "../core/series.js";
 import { duration_text, time_of, with_unit } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { answer_line, h, Part, set_text, small, svg } from "./dom.js";
+import { Kept } from "./kept.js";
+import { status } from "./model.js";
 import "./plot.js";
 
 const kOldMs = 3000;      // beyond, a value says how old it is
@@ -69,7 +71,10 @@ class Widget extends Part {
   make_plot() {
     this.series = new Series();
     this.text = h("span", { class: "big" });
-    this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title_of(this.widget, this.property), title_of(this.widget, this.property).replaceAll(" ", "-")));
+    const title = title_of(this.widget, this.property);
+    // Of what was kept a link shows nothing.
+    const kept = status.you.dashboard ? undefined : new Kept(this.widget.board, () => [{ ...this.point(), key: this.widget.property }]);
+    this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title, title.replaceAll(" ", "-"), kept));
   }
 
   make_lamp() { this.body.append((this.light = h("span", { class: "bulb unknown" })), (this.text = h("span", { class: "big" }))); }
