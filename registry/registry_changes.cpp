@@ -11,6 +11,7 @@ void Registry::complete() {
     queries_.set_settling(false);
     feed_.complete();
     if (history_ != nullptr) history_->complete(catalogue_, now_);
+    if (choice_) choice_->complete([this] { return board_names(); });
     if (notifies_ && !notices_) notices_.emplace(id_);
     log::write(log::Level::kInfo, "catalogue is complete", {{"boards", catalogue_.size()}});
     if (auto reset = feed_.reset(now_, 0)) publish(*reset);

@@ -17,7 +17,8 @@ constexpr std::size_t kMaxPages = 100'000;
 constexpr std::size_t kMaxRefusalBytes = 1000;
 
 bool holds_nothing(const bus::Answer& page) {
-    return page.boards.empty() && page.services.empty() && (!page.brief || page.brief->empty());
+    return page.boards.empty() && page.services.empty() && page.kept.empty() &&
+           (!page.brief || page.brief->empty());
 }
 
 /// Names are printed as they are, and become parts of topics.
@@ -113,6 +114,7 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query) {
                 all->brief->add(row);
         }
         std::move(page->services.begin(), page->services.end(), std::back_inserter(all->services));
+        std::move(page->kept.begin(), page->kept.end(), std::back_inserter(all->kept));
         all->cursor = page->cursor;
     }
     return all;
@@ -231,7 +233,7 @@ Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, st
 
 Outcome<bus::Answer> BoardSource::values(bus::Query query) {
     query.find = bus::Find::kValues;
-    auto answer = ask(query);
+    auto answer = query.property.empty() ? ask_all_pages(query) : ask(query);
     if (answer || answer.error().status != program::kExitNoAnswer) return answer;
     return failure(program::kExitNoAnswer,
                    "no registry answers; only asip-registry --history FILE keeps values");

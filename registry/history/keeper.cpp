@@ -24,8 +24,8 @@ bus::Answer refused_page(std::string reason, std::string error) {
     return answer;
 }
 
-bus::Answer no_history(const std::string& fault) {
-    return refused_page("no-history", "the history cannot be used now, and is tried again: " + fault);
+bus::Answer history_fault(const std::string& fault) {
+    return refused_page("history-fault", "the history cannot be used now, and is tried again: " + fault);
 }
 
 std::size_t bytes_of(const bus::HistoryItem& item) {
@@ -235,14 +235,14 @@ void HistoryKeeper::restore_boards() {
 }
 
 void HistoryKeeper::find(bus::Query query, Found found) {
-    if (!fault_.empty()) return found(no_history(fault_));
+    if (!fault_.empty()) return found(history_fault(fault_));
     write_waiting();
     auto answer = std::make_shared<Expected<bus::Answer>>(asip::fail(""));
     run([query = std::move(query), answer](History& history, const auto*) { *answer = history.find(query); },
         [this, answer, found = std::move(found), attempt = attempt_](const auto& outcome) {
             if (!outcome.fault.empty()) {
                 if (attempt == attempt_) take(outcome);
-                return found(no_history(outcome.fault));
+                return found(history_fault(outcome.fault));
             }
             if (outcome.opened) take(outcome);
             found(*answer ? std::move(**answer) : refused_page("invalid", answer->error()));

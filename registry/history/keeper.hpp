@@ -56,7 +56,7 @@ class HistoryKeeper {
     /// Call a few times a second.
     void tick(const Catalogue& catalogue, Instant now);
 
-    /// `found` is called later, with a page or a refusal ("invalid", "no-history").
+    /// `found` is called later, with a page or a refusal ("invalid", "history-fault").
     void find(bus::Query query, Found found);
 
     std::size_t dropped_rows() const { return dropped_rows_; }

@@ -14,7 +14,6 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxDashboardBytes = std::size_t{32} * 1024;
 constexpr std::size_t kMaxShown = 64;
-constexpr std::size_t kMaxIds = 2 * property::kMaxProperties;  // of a board, those of before among them
 
 /// What is kept of a value: a number, on and off as 1 and 0, of a light its brightness. Nothing: it is none
 /// of these.
@@ -48,7 +47,15 @@ ValueChoice::ValueChoice(const bus::Topics& topics, Options options, Port port, 
       dashboard_prefix_(topics.root() + "/export/dashboard/") {}
 
 void ValueChoice::connected(Time now) {
+    came_.clear();
     if (options_.demand_hz > 0) demander_.connected(now);
+}
+
+void ValueChoice::complete(const std::function<std::vector<std::string>()>& each) {
+    if (std::erase_if(dashboards_, [this](const auto& one) { return !came_.contains(one.first); }) == 0)
+        return;
+    for (auto& board : each())
+        to_look_.insert(std::move(board));
 }
 
 void ValueChoice::disconnected() {
@@ -81,6 +88,10 @@ bool ValueChoice::dashboard(const mqtt::Message& message,
         }
     }
     const auto known = dashboards_.find(name);
+    if (shown.empty())
+        came_.erase(name);
+    else if (known != dashboards_.end() || dashboards_.size() < kMaxDashboards)
+        came_.insert(name);
     if (known == dashboards_.end() ? shown.empty() : known->second == shown) return true;
     if (shown.empty())
         dashboards_.erase(known);
@@ -169,19 +180,26 @@ void ValueChoice::values(const std::string& name, std::string_view payload) {
     const auto found = boards_.find(name);
     if (found == boards_.end()) return;
     auto& board = found->second;
-    for (auto& [id, said] : board.said)
-        said.value = kGap;
-    if (!payload.empty()) {
-        auto document = property::parse_values(payload);
-        if (!document || document->head.board != name) return apply(name, board);
+    auto document = property::parse_values(payload);
+    if (!payload.empty() && (!document || document->head.board != name)) {
+        for (auto& [id, said] : board.said)
+            said.value = kGap;
+        return apply(name, board);
+    }
+    // What the agent says no longer leaves.
+    auto before = std::exchange(board.said, {});
+    if (document) {
         board.head = std::move(document->head);
         for (const auto& [id, shown] : document->values) {
             const bool known = shown.how != property::How::kNone;
             const auto value = known ? number_of_value(shown.value) : kGap;
-            if (value && (board.said.contains(id) || board.said.size() < kMaxIds))
-                board.said[id].value = *value;
+            if (!value) continue;
+            if (auto said = before.extract(id)) board.said.insert(std::move(said));
+            board.said[id].value = *value;
         }
     }
+    for (const auto& [id, said] : before)
+        if (said.kept) handlers_.drop({name, id});
     // Another agent, of which the description may have come already.
     if (board.session != board.head.session) return look(name);
     apply(name, board);

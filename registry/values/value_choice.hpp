@@ -40,6 +40,8 @@ class ValueChoice {
 
     std::string dashboards() const { return dashboard_prefix_ + "+"; }
     void connected(Time now);
+    /// All that the broker retains has come: a dashboard that has not is gone.
+    void complete(const std::function<std::vector<std::string>()>& each);
     /// Nothing is known until what is retained has come again.
     void disconnected();
     /// Something about it changed.
@@ -86,6 +88,7 @@ class ValueChoice {
     Handlers handlers_;
     std::string dashboard_prefix_;
     std::map<std::string, std::vector<Shown>> dashboards_;
+    std::set<std::string> came_;           // dashboards, since the connection
     std::map<std::string, Board> boards_;  // whose values are subscribed to
     std::set<std::string> to_look_;
 };

@@ -89,10 +89,20 @@ Level ValueFile::level_for(const bus::Query& query, const std::vector<Stretch>& 
 
 bus::Answer ValueFile::names(const bus::Query& query) {
     auto answer = value_answer();
-    Statement rows(database_, "SELECT board,property FROM properties ORDER BY board,property");
+    // "BOARD/PROPERTY", the last one of the page before
+    const auto slash = std::min(query.cursor.find('/'), query.cursor.size());
+    const auto limit = std::clamp<std::size_t>(query.limit, 1, bus::Query::kMaxPage);
+    Statement rows(
+        database_,
+        "SELECT board,property FROM properties WHERE (board,property)>(?,?) ORDER BY board,property");
+    rows.bind(query.cursor.substr(0, slash))
+        .bind(query.cursor.substr(std::min(slash + 1, query.cursor.size())));
     while (rows.step()) {
         if (!bus::matches_pattern(query.board, rows.text(0))) continue;
-        if (answer.kept.size() == bus::Query::kMaxPage) break;
+        if (answer.kept.size() == limit) {
+            answer.cursor = answer.kept.back().board + "/" + answer.kept.back().property;
+            break;
+        }
         answer.kept.push_back({rows.text(0), rows.text(1)});
     }
     return answer;

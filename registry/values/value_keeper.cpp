@@ -71,6 +71,7 @@ void ValueKeeper::run(std::shared_ptr<Work> work) {
 
 void ValueKeeper::write(Instant now) {
     busy_ = true;
+    began_ = now.time;
     next_write_ = now.time + kWriteInterval;
     next_mark_ = now.time + kMarkInterval;
     if (recorder_.running() && !rows_) rows_ = std::make_shared<ValueRows>(recorder_.take(now));
@@ -83,14 +84,18 @@ void ValueKeeper::write(Instant now) {
     run(std::move(work));
 }
 
+void ValueKeeper::failed(const std::string& why) {
+    if (fault_.empty()) {
+        lost_before_ = lost();
+        if (handlers_.failed) handlers_.failed(why);
+    }
+    fault_ = why;
+}
+
 void ValueKeeper::done(const Work& work) {
     busy_ = false;
     if (!work.fault.empty()) {
-        if (fault_.empty()) {
-            lost_before_ = lost();
-            if (handlers_.failed) handlers_.failed(work.fault);
-        }
-        fault_ = work.fault;
+        failed(work.fault);
         next_write_ = now_.time + retry_;
         retry_ = std::min(2 * retry_, kMaxRetry);
         return;
@@ -111,6 +116,7 @@ void ValueKeeper::set(const PropertyKey& key, double value, Instant now) {
 void ValueKeeper::tick(Instant now) {
     now_ = now;
     recorder_.tick(now);
+    if (busy_ && now.time - began_ >= kStalled) failed("the disk has not answered for some seconds");
     if (busy_ || now.time < next_write_) return;
     const bool wanted = rows_ || !recorder_.running() || recorder_.waits() || now.time >= next_mark_;
     if (wanted) write(now);
@@ -119,7 +125,7 @@ void ValueKeeper::tick(Instant now) {
 void ValueKeeper::find(bus::Query query, Instant now, std::function<void(bus::Answer)> found) {
     const auto refused = [](const std::string& why) {
         bus::Answer answer;
-        answer.refused = "no-history";
+        answer.refused = "history-fault";
         answer.error = "values cannot be read now, and it is tried again: " + why;
         return answer;
     };

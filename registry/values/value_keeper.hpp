@@ -26,6 +26,7 @@ class ValueKeeper {
     /// Where nothing changes: a power cut makes a gap as long as this.
     static constexpr Duration kMarkInterval = std::chrono::minutes(5);
     static constexpr Duration kMaxRetry = std::chrono::minutes(1);
+    static constexpr Duration kStalled = std::chrono::seconds(5);  ///< a disk that takes longer
 
     ValueKeeper(boost::asio::io_context& io, ValueFile::Options options, Handlers handlers, Instant now);
     /// Writes what waits.
@@ -51,6 +52,7 @@ class ValueKeeper {
     void run(std::shared_ptr<Work> work);
     void perform(Work& work);
     void done(const Work& work);
+    void failed(const std::string& why);
     void write(Instant now);
 
     boost::asio::io_context& io_;
@@ -64,7 +66,7 @@ class ValueKeeper {
     std::size_t left_out_ = 0, lost_before_ = 0;
     bool busy_ = false;
     Duration retry_ = kWriteInterval;
-    Time next_write_{}, next_mark_{};
+    Time next_write_{}, next_mark_{}, began_{};
     boost::asio::thread_pool thread_{1};  // last: ends first
 };
 

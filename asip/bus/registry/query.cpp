@@ -49,7 +49,12 @@ text::WallTime read_time(JsonReader& reader, const char* key) {
 void read_values(JsonReader& reader, Query& query) {
     query.board = reader.text("board", {}, kMaxFilterBytes);
     query.property = reader.text("property", {}, kMaxFilterBytes);
-    if (query.property.empty()) return;
+    if (query.property.empty()) {
+        query.cursor = reader.text("cursor", {}, kMaxFilterBytes);
+        if (const auto limit = reader.integer("limit", 1, std::numeric_limits<std::uint64_t>::max()))
+            query.limit = static_cast<std::size_t>(std::min<std::uint64_t>(*limit, Query::kMaxPage));
+        return;
+    }
     query.from = read_time(reader, "from");
     query.to = read_time(reader, "to");
     if (reader.ok() && query.from >= query.to) reader.fault("from", "is not before \"to\"");
@@ -109,9 +114,9 @@ json to_object(const Query& query) {
     put(object, "capability", query.capability);
     put(object, "labels", query.labels.text());
     if (query.sort != defaults.sort) put(object, "sort", query.sort);
-    const bool values = query.find == Find::kValues;
-    if (query.limit != (values ? kUsualPoints : defaults.limit) && !(values && query.property.empty()))
-        object[values ? "points" : "limit"] = query.limit;
+    const bool points = query.find == Find::kValues && !query.property.empty();
+    if (query.limit != (points ? kUsualPoints : defaults.limit))
+        object[points ? "points" : "limit"] = query.limit;
     put(object, "property", query.property);
     put(object, "from", query.from);
     put(object, "to", query.to);

@@ -2,6 +2,8 @@
 // What a registry with a history does when its clock or its disk is wrong for a while.
 #include <gmock/gmock.h>
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -39,11 +41,20 @@ class RegistryWithHistory : public testing::Test {
     RegistryWithHistory() : probe_(broker_.port()) {}
 
     void start() {
-        process_.emplace(std::vector<std::string>{ASIP_REGISTRY_PROGRAM, "--broker", broker_.address(),
-                                                  "--id", "r1", "--history", file_, "--config",
-                                                  settings_file("history-age = 1d\nstats-interval = 1s\n")},
-                         clock_.environment());
+        // A file that may not grow is an error to the program, and not its end.
+        process_.emplace(
+            std::vector<std::string>{"sh", "-c", "trap '' XFSZ; exec \"$@\"", "sh",
+                                     program_to_start(ASIP_REGISTRY_PROGRAM), "--broker", broker_.address(),
+                                     "--id", "r1", "--history", file_, "--config",
+                                     settings_file("history-age = 1d\nstats-interval = 1s\n")},
+            environment());
         ASSERT_TRUE(process_->wait_for_errors("catalogue is complete")) << process_->errors();
+    }
+    std::map<std::string, std::string> environment() const {
+        auto result = clock_.environment();
+        result["LD_PRELOAD"] += ":" SLOW_DISK;
+        result["ASIP_STALL"] = stall_;
+        return result;
     }
     void stop() {
         process_->signal(15);
@@ -64,6 +75,7 @@ class RegistryWithHistory : public testing::Test {
     TempDir folder_;
     Clock clock_;
     std::string file_ = folder_.file("history.db");
+    std::string stall_ = folder_.file("stall");
     std::optional<ChildProcess> process_;
 };
 
@@ -111,21 +123,30 @@ class RegistryWithValues : public RegistryWithHistory {
                            std::to_string(value) + R"(,"how":"reported","age":0}}})",
                        true, 1);
     }
-    std::vector<bus::ValuePoint> points(const std::string& board) {
-        const auto now = text::wall_now();
+    /// `ahead`: by the clock of the registry.
+    std::vector<bus::ValuePoint> points(const std::string& board, std::int64_t ahead = 0) {
+        const auto now = text::wall_now() + std::chrono::seconds(ahead);
         const auto answer = ask(probe_, R"({"find":"values","property":"distance/0","board":")" + board +
                                             R"(","from":")" + text::iso_time(now - std::chrono::hours(1)) +
                                             R"(","to":")" + text::iso_time(now) + R"("})");
         return answer ? answer->values : std::vector<bus::ValuePoint>();
     }
-    bool is_kept(double value) {
+    bool is_kept(double value, std::int64_t ahead = 0) {
         return wait_until(
             [&] {
-                const auto all = points("desk");
+                const auto all = points("desk", ahead);
                 return std::any_of(all.begin(), all.end(),
                                    [&](const auto& point) { return point.known && point.max == value; });
             },
             std::chrono::seconds(30));
+    }
+    void limit_files(rlim_t bytes) {
+        const rlimit limit{bytes, RLIM_INFINITY};
+        ASSERT_EQ(::prlimit(process_->pid(), RLIMIT_FSIZE, &limit, nullptr), 0);
+    }
+    std::string refusal_of_values() {
+        const auto answer = ask(probe_, R"({"find":"values"})");
+        return answer ? answer->refused + ": " + answer->error : "no answer";
     }
     void cut_power() {
         process_->signal(9);
@@ -167,7 +188,7 @@ TEST_F(RegistryWithValues, FileDamagedOrNotThere_TheRestGoesOn) {
     say("desk", 1);
     const auto refused = ask(probe_, R"({"find":"values"})");
     ASSERT_TRUE(refused);
-    EXPECT_EQ(refused->refused, "no-history");
+    EXPECT_EQ(refused->refused, "history-fault");
     EXPECT_EQ(rows_of("desk"), 1u);
     EXPECT_THAT(process_->errors(), HasSubstr("values cannot be kept"));
     stop();
@@ -180,6 +201,74 @@ TEST_F(RegistryWithValues, FileDamagedOrNotThere_TheRestGoesOn) {
                                      R"("2026-01-01T00:00:00.000Z","to":"2026-01-02T00:00:00.000Z"})");
     EXPECT_EQ(unknown->refused + unknown->level, "");
     EXPECT_TRUE(unknown->values.empty());
+    stop();
+}
+
+TEST_F(RegistryWithValues, DiskIsFullForAWhile_TheRestGoesOnAndNothingIsLost) {
+    start();
+    announce_named("desk");
+    say("desk", 1);
+    ASSERT_TRUE(is_kept(1)) << process_->errors();
+    limit_files(4096);  // less than there is
+    say("desk", 2);
+    ASSERT_TRUE(process_->wait_for_errors("values cannot be kept", std::chrono::seconds(30)));
+    EXPECT_THAT(refusal_of_values(), HasSubstr("history-fault: values cannot be read now"));
+    announce("uno1", "online");
+    EXPECT_TRUE(probe_.wait_for([](const mqtt::Message& message) {
+        return message.topic == "asip/registry/r1/$stats" &&
+               message.payload.find("values_fault") != std::string::npos;
+    }));
+    say("desk", 3);
+    limit_files(RLIM_INFINITY);
+    EXPECT_TRUE(
+        process_->wait_for_errors("values are kept again  .*changes lost=0", std::chrono::seconds(60)))
+        << process_->errors();
+    for (const double value : {1, 2, 3})
+        EXPECT_TRUE(is_kept(value)) << value;
+    EXPECT_TRUE(wait_until([&] { return rows_of("uno1") == 1; }, std::chrono::seconds(60)));
+    EXPECT_FALSE(fs::exists(folder_.file("history.values.db.damaged")));
+    stop();
+}
+
+TEST_F(RegistryWithValues, DiskStalls_TheRestGoesOnTheRefusalSaysWhyAndNothingIsLost) {
+    start();
+    announce_named("desk");
+    say("desk", 1);
+    ASSERT_TRUE(is_kept(1)) << process_->errors();
+    folder_.write("stall", "");
+    say("desk", 2);
+    ASSERT_TRUE(wait_until([&] { return fs::exists(stall_ + ".met"); }, std::chrono::seconds(30)));
+    announce("uno1", "online");
+    ASSERT_TRUE(process_->wait_for_errors("values cannot be kept", std::chrono::seconds(60)));
+    EXPECT_THAT(refusal_of_values(), HasSubstr("history-fault: values cannot be read now"));
+    EXPECT_THAT(refusal_of_values(), HasSubstr("the disk has not answered"));
+    say("desk", 3);
+    announce("uno2", "online");
+    fs::remove(stall_);
+    EXPECT_TRUE(
+        process_->wait_for_errors("values are kept again  .*changes lost=0", std::chrono::seconds(60)))
+        << process_->errors();
+    for (const double value : {1, 2, 3})
+        EXPECT_TRUE(is_kept(value)) << value;
+    EXPECT_TRUE(wait_until([&] { return rows_of("uno2") == 1; }, std::chrono::seconds(60)));
+    stop();
+}
+
+TEST_F(RegistryWithValues, ClockAYearAheadAndAYearBack_WhatWasKeptStaysWhereItWas) {
+    double value = 0;
+    for (const std::int64_t ahead : {std::int64_t{0}, kYear, -kYear}) {
+        clock_.set(ahead);
+        start();
+        announce_named("desk");
+        say("desk", ++value);
+        EXPECT_TRUE(is_kept(value, ahead)) << ahead << process_->errors();
+        stop();
+    }
+    clock_.set(0);
+    start();
+    EXPECT_TRUE(is_kept(1));
+    EXPECT_TRUE(is_kept(2, kYear));
+    EXPECT_TRUE(is_kept(3, -kYear));
     stop();
 }
 
@@ -198,7 +287,7 @@ TEST_F(RegistryWithHistory, FileCannotBeUsedForAWhile_TheReasonIsAnsweredAndNoth
     start();
     announce("uno1", "online");
     const auto refused = ask(probe_, R"({"find":"history"})");
-    EXPECT_EQ(refused->refused, "no-history");
+    EXPECT_EQ(refused->refused, "history-fault");
     EXPECT_THAT(refused->error, HasSubstr("it is a folder"));
     EXPECT_TRUE(probe_.wait_for([](const mqtt::Message& message) {
         return message.topic == "asip/registry/r1/$stats" &&

@@ -137,7 +137,7 @@ TEST(HistoryKeeper, FileIsAFolderForAWhile_RowsWaitAndTheRefusalSaysWhy) {
     run.added("uno1");
     run.pass(20s);
     const auto refused = run.ask();
-    EXPECT_EQ(refused.refused, "no-history");
+    EXPECT_EQ(refused.refused, "history-fault");
     EXPECT_THAT(refused.error, HasSubstr("it is a folder"));
     EXPECT_THAT(run.log, ElementsAre("failed: it is a folder")) << "one line, however often it is tried";
     fs::remove(folder.file());
@@ -152,7 +152,7 @@ TEST(HistoryKeeper, FolderIsMissingForAWhile_IsTheSame) {
     Keeping run(file);
     run.complete();
     run.added("uno1");
-    EXPECT_EQ(run.ask().refused, "no-history");
+    EXPECT_EQ(run.ask().refused, "history-fault");
     fs::create_directories(fs::path(file).parent_path());
     ASSERT_TRUE(run.until([&] { return run.log.size() == 2; }));
     EXPECT_THAT(run.rows(), ElementsAre("uno1 added online"));
@@ -267,7 +267,7 @@ TEST(HistoryKeeper, TooManyDamagedFilesLieThere_TheReasonSaysSo) {
     Keeping run(folder.file());
     ASSERT_EQ(run.log.size(), 1u);
     EXPECT_THAT(run.log[0], HasSubstr("cannot be put aside"));
-    EXPECT_EQ(run.ask().refused, "no-history");
+    EXPECT_EQ(run.ask().refused, "history-fault");
 }
 
 TEST(HistoryKeeper, FaultLastsLongerThanThereIsRoom_WhatIsLostIsCountedAndBoardsAreKnown) {

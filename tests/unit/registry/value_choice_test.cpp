@@ -136,6 +136,39 @@ TEST(ValueChoice, PatternsAndDashboards_ChooseByBoardLabelAndProperty) {
     EXPECT_TRUE(chosen.keeps("desk", "distance/0"));
 }
 
+TEST(ValueChoice, DashboardIsRemovedWhileTheConnectionIsBroken_NoLongerChooses) {
+    Chosen chosen;
+    chosen.board("desk");
+    chosen.dashboard("gone", R"({"widgets":[{"board":"desk","property":"io/3"}]})");
+    chosen.dashboard("stays", R"({"widgets":[{"board":"desk","property":"io/2"}]})");
+    chosen.say("desk", kAll);
+    EXPECT_TRUE(chosen.keeps("desk", "io/2") && chosen.keeps("desk", "io/3"));
+    chosen.choice->disconnected();
+    chosen.choice->connected(chosen.now);
+    chosen.dashboard("stays", R"({"widgets":[{"board":"desk","property":"io/2"}]})");
+    EXPECT_TRUE(chosen.keeps("desk", "io/3")) << "the other one may still come";
+    chosen.choice->complete([] { return std::vector<std::string>{"desk"}; });
+    chosen.tick();
+    EXPECT_TRUE(chosen.keeps("desk", "io/2"));
+    EXPECT_FALSE(chosen.keeps("desk", "io/3"));
+}
+
+TEST(ValueChoice, PropertiesThatAreSaidNoLonger_Leave_NewOnesHaveRoom) {
+    Chosen chosen({.patterns = {"*/*"}, .demand_hz = 0});
+    chosen.board("desk");
+    chosen.look("desk");
+    for (int board = 0; board < 4; ++board) {
+        nlohmann::json all;
+        for (int i = 0; i < 200; ++i)
+            all["x" + std::to_string(board) + "/" + std::to_string(i)] = i;
+        chosen.say("desk", all);
+        EXPECT_EQ(chosen.values.size(), 200u) << board;
+        EXPECT_TRUE(chosen.keeps("desk", "x" + std::to_string(board) + "/199")) << board;
+    }
+    chosen.choice->values("desk", "");
+    EXPECT_TRUE(chosen.values.empty());
+}
+
 TEST(ValueChoice, BoardIsLost_RestartsOrHasAnotherAgent_Gap) {
     Chosen chosen({.patterns = {"*/*"}, .demand_hz = 0});
     chosen.board("desk");

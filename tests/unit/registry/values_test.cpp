@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 
 #include "history_files.hpp"
 #include "registry/values/recorder.hpp"
@@ -375,6 +376,28 @@ TEST(Values, FloodOfOneBoard_IsNoGapOfOthers) {
     EXPECT_EQ(machine.recorder->dropped(), 0u);
     machine.write();
     EXPECT_EQ(machine.ask(hours(1), 10).values.size(), 1u);
+}
+
+TEST(Values, Names_AreGivenPageByPage) {
+    Machine machine;
+    for (int i = 0; i < 25; ++i)
+        machine.set(i, {"desk" + std::to_string(i % 3), "io/" + std::to_string(i)});
+    machine.write();
+    bus::Query query;
+    query.find = bus::Find::kValues;
+    query.board = "desk*";
+    query.limit = 7;
+    std::set<std::pair<std::string, std::string>> all;
+    std::vector<std::size_t> pages;
+    do {
+        const auto page = machine.file->find(query, machine.recorder->present(machine.now()));
+        pages.push_back(page.kept.size());
+        for (const auto& each : page.kept)
+            EXPECT_TRUE(all.emplace(each.board, each.property).second);
+        query.cursor = page.cursor;
+    } while (!query.cursor.empty() && pages.size() < 10);
+    EXPECT_EQ(pages, (std::vector<std::size_t>{7, 7, 7, 4}));
+    EXPECT_EQ(all.size(), 25u);
 }
 
 TEST(Values, NumbersBeyondAllMeasure_AreNone) {
