@@ -122,46 +122,6 @@ sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])))";
     EXPECT_EQ(process->wait_exit(), 0) << process->errors();
 }
 
-TEST(AgentAnnounces, SigtermWhileTheBrokerHangs_EndsWithinASecond) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    Agent agent(broker, uno.port());
-    {
-        BusProbe probe(broker.port());
-        ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    }
-    broker.freeze();
-    agent.process().signal(SIGTERM);
-    EXPECT_EQ(agent.process().wait_exit(1200ms), 0);
-    broker.thaw();
-}
-
-TEST(AgentAnnounces, KilledAndRestarted_LostThenOnlineAndOneBoard) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    BusProbe probe(broker.port());
-    Agent agent(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    agent.kill();
-    ASSERT_TRUE(wait_state(probe, "lost", time_limit(3s)));
-    Agent again(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << again.process().errors();
-    BusProbe late(broker.port(), {"asip/servicebus/+/$description"});
-    ASSERT_TRUE(late.wait_for("asip/servicebus/uno1/$description"));
-    EXPECT_EQ(late.messages().size(), 1u);
-}
-
-TEST(AgentAnnounces, SomebodyWritesItsState_IsPutRight) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    BusProbe probe(broker.port());
-    Agent agent(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    probe.publish("asip/servicebus/uno1/$state", "lost", true);
-    EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1/$state", "lost"));
-    EXPECT_TRUE(wait_state(probe, "online", time_limit(2s)));
-}
-
 class BrokerReturns : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Broker, BrokerReturns, testing::Bool(), [](const auto& param) {
     return param.param ? "WithPersistence" : "WithoutPersistence";
@@ -186,26 +146,6 @@ TEST_P(BrokerReturns, KilledAndRestarted_AnnouncedWithinThreeSeconds) {
     EXPECT_TRUE(agent.process().running());
 }
 
-TEST(AgentAnnounces, BrokerStoppedFor20Seconds_NewestStateArrives) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    Agent agent(broker, uno.port());
-    {
-        BusProbe probe(broker.port());
-        ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    }
-    broker.freeze();
-    uno.command("unplug");
-    ASSERT_TRUE(agent.process().wait_for_errors("board lost")) << agent.process().errors();
-    std::this_thread::sleep_for(20s);  // what is tested is the duration
-    EXPECT_TRUE(agent.process().running());
-    broker.thaw();
-    BusProbe probe(broker.port());
-    EXPECT_TRUE(wait_state(probe, "lost", time_limit(8s))) << agent.process().errors();
-    uno.command("replug");
-    EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-}
-
 TEST(AgentAnnounces, NameHeldByALivingAgent_SecondOneEndsAndSaysWho) {
     MosquittoBroker broker;
     SimulatedUno uno, other;
@@ -217,22 +157,6 @@ TEST(AgentAnnounces, NameHeldByALivingAgent_SecondOneEndsAndSaysWho) {
     EXPECT_THAT(second.process().errors(), HasSubstr("--takeover"));
     EXPECT_TRUE(agent.process().running());
     EXPECT_EQ(probe.last("asip/servicebus/uno1/$state"), "online");
-}
-
-TEST(AgentAnnounces, Takeover_FirstOneEndsAndTheNameStaysOnline) {
-    MosquittoBroker broker;
-    SimulatedUno uno, other;
-    BusProbe probe(broker.port());
-    Agent agent(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    Agent second(broker, other.port(), {"--takeover"});
-    EXPECT_EQ(agent.process().wait_exit(), 6);
-    EXPECT_TRUE(wait_until([&] {
-        return second.process().errors().find("put right") != std::string::npos ||
-               probe.last("asip/servicebus/uno1/$state") == "online";
-    }));
-    EXPECT_TRUE(wait_state(probe, "online", time_limit(3s)));
-    EXPECT_TRUE(second.process().running());
 }
 
 }  // namespace

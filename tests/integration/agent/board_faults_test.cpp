@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <random>
-#include <thread>
 
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
@@ -34,24 +33,6 @@ TEST(AgentBoard, UnpluggedAndReplugged_KnownWithinASecondAndBackWithItsModes) {
     const auto modes = probe.request("asip/uno1/in", "I,p");
     ASSERT_TRUE(modes);
     EXPECT_THAT(*modes, HasSubstr("@I,p,20,{6,6,1,1,1,1,1,7,7,7,7,1,1,3")) << "pin 13 is an output again";
-}
-
-TEST(AgentBoard, ResetInMidStream_ModesAndPeriodsAreBack) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    BusProbe probe(broker.port());
-    Agent agent(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    ASSERT_TRUE(probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})"));
-    ASSERT_TRUE(probe.request("asip/uno1/distance/in", R"({"report":100})"));
-    ASSERT_TRUE(probe.wait_for("asip/uno1/distance/out"));
-    uno.command("reset");
-    ASSERT_TRUE(agent.process().wait_for_errors("board back")) << agent.process().errors();
-    probe.clear();
-    EXPECT_TRUE(probe.wait_for("asip/uno1/distance/out", time_limit(3s))) << agent.process().errors();
-    const auto modes = probe.request("asip/uno1/in", "I,p");
-    ASSERT_TRUE(modes);
-    EXPECT_THAT(*modes, HasSubstr("1,1,3,4,4,4,4"));
 }
 
 TEST(AgentBoard, GarbageOfManyKinds_NextEventWorks) {
@@ -111,54 +92,6 @@ TEST(AgentBoard, SilentPort_EndsWithStatus5AndSaysWhatToDo) {
     const auto ended = run(agent_command(broker.url(), port.path(), {"--patience", "1"}));
     EXPECT_EQ(ended.status, 5);
     EXPECT_THAT(ended.errors, HasSubstr("does not answer"));
-}
-
-TEST(AgentBoard, PortThatTalksSomethingElse_EndsWithStatus5) {
-    MosquittoBroker broker;
-    FakePort port(false);
-    port.flood("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M");
-    const auto ended = run(agent_command(broker.url(), port.path(), {"--patience", "1"}));
-    EXPECT_EQ(ended.status, 5);
-    EXPECT_THAT(ended.errors, HasSubstr("not ASIP"));
-}
-
-TEST(AgentBoard, PortBusy_EndsWithStatus5AndThatReason) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    BusProbe probe(broker.port());
-    Agent agent(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    const auto ended = run(agent_command(broker.url(), uno.port()));
-    EXPECT_EQ(ended.status, 5) << ended.errors;
-}
-
-TEST(AgentBoard, NoSuchPort_IsWaitedFor) {
-    MosquittoBroker broker;
-    Agent agent(broker, "/dev/does-not-exist");
-    EXPECT_TRUE(agent.process().wait_for_errors("waiting for it"));
-    EXPECT_TRUE(agent.process().running());
-}
-
-TEST(AgentBoard, AgentStoppedForASecond_CommandsWhoseTimeIsOverAreRefused) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    BusProbe probe(broker.port());
-    Agent agent(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    ASSERT_TRUE(probe.request("asip/uno1/io/in", R"({"mode":[13,"output"]})"));
-    agent.process().signal(SIGSTOP);
-    for (int i = 0; i < 20; ++i)
-        probe.publish("asip/uno1/io/in", R"({"write":[13,1],"deadline_ms":500,"reply_to":"answers","id":)" +
-                                             std::to_string(i) + "}");
-    ASSERT_TRUE(wait_until([&] { return probe.all_acknowledged(); }));
-    std::this_thread::sleep_for(1s);
-    agent.process().signal(SIGCONT);
-    ASSERT_TRUE(wait_until([&] { return probe.messages("answers").size() == 20; }));
-    for (const auto& answer : probe.messages("answers"))
-        EXPECT_THAT(answer.payload, HasSubstr(R"("reason":"deadline")"));
-    const auto later = probe.request("asip/uno1/io/in", R"({"write":[13,0],"deadline_ms":5000})");
-    ASSERT_TRUE(later);
-    EXPECT_THAT(*later, HasSubstr(R"("ok")"));
 }
 
 TEST(AgentBoard, OverTcp_IsOnlineAndBackWhenItsPortIs) {

@@ -246,26 +246,6 @@ TEST_F(ManyBoards, Sighup_TakesWhatChangedAndLeavesTheOthersAlone) {
     EXPECT_TRUE(answers("staying"));
 }
 
-TEST_F(ManyBoards, Sighup_TakesAPasswordThatChangedInItsFile) {
-    FakePort port, other_port;
-    const auto password = folder_.write("password", "first\n");
-    const auto boards = section("desk", port.path()) + "user = desk\npassword-file = " + password + "\n" +
-                        section("shelf", other_port.path());
-    write(boards);
-    agent();
-    ASSERT_TRUE(is("desk", "online")) << agent().errors();
-    ASSERT_TRUE(is("shelf", "online")) << agent().errors();
-
-    probe_.clear();
-    folder_.write("password", "second\n");
-    agent().signal(SIGHUP);
-    ASSERT_TRUE(agent().wait_for_errors("file read again.*changed=1")) << agent().errors();
-    ASSERT_TRUE(is("desk", "offline")) << agent().errors();
-    ASSERT_TRUE(is("desk", "online")) << agent().errors();
-    EXPECT_TRUE(answers("desk"));
-    EXPECT_EQ(probe_.last("asip/servicebus/shelf/$state"), std::nullopt) << "it was not started again";
-}
-
 TEST_F(ManyBoards, PortOfOneBoardReleased_OthersKeepTheirs) {
     FakePort released, kept;
     write(section("released", released.path()) + section("kept", kept.path()));
@@ -278,34 +258,6 @@ TEST_F(ManyBoards, PortOfOneBoardReleased_OthersKeepTheirs) {
     ASSERT_TRUE(is("released", "updating")) << agent().errors();
     EXPECT_TRUE(answers("kept"));
     EXPECT_EQ(probe_.last("asip/servicebus/kept/$state"), "online");
-}
-
-TEST_F(ManyBoards, AgentKilled_AllAreLostByTheirWills) {
-    FakePort first, second;
-    write(section("first", first.path()) + section("second", second.path()));
-    agent();
-    ASSERT_TRUE(is("first", "online")) << agent().errors();
-    ASSERT_TRUE(is("second", "online")) << agent().errors();
-    agent().signal(SIGKILL);
-    EXPECT_TRUE(is("first", "lost"));
-    EXPECT_TRUE(is("second", "lost"));
-}
-
-TEST_F(ManyBoards, ClientsOfEachBoard_ReachThatBoardAlone) {
-    FakePort first, second;
-    const auto one = free_port();
-    write(section("first", first.path()) + "listen = " + std::to_string(one) + "\n" +
-          section("second", second.path()));
-    agent();
-    ASSERT_TRUE(is("first", "online")) << agent().errors();
-    ASSERT_TRUE(is("second", "online")) << agent().errors();
-    ASSERT_TRUE(accepts(one));
-    EXPECT_THAT(agent().errors(),
-                HasSubstr("listening for clients  board=first port=" + std::to_string(one)));
-    boost::asio::ip::tcp::iostream client("127.0.0.1", std::to_string(one));
-    client << "S,W,0,90\n" << std::flush;
-    EXPECT_TRUE(wait_until([&] { return first.executed("S,W,0,90"); })) << agent().errors();
-    EXPECT_FALSE(second.executed("S,W,0,90"));
 }
 
 }  // namespace

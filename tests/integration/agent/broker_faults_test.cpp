@@ -18,14 +18,6 @@ std::string password(const std::string& text) {
     return folder.write(text, text + "\n");
 }
 
-TEST(AgentBroker, WrongPassword_EndsWithStatus3) {
-    MosquittoBroker broker({.users = {{"pi", "right"}}});
-    FakePort port;
-    const auto ended =
-        run(agent_command(broker.url(), port.path(), {"--user", "pi", "--password-file", password("wrong")}));
-    EXPECT_EQ(ended.status, 3) << ended.errors;
-}
-
 TEST(AgentBroker, RightPassword_IsOnline) {
     MosquittoBroker broker({.users = {{"pi", "right"}}});
     FakePort port;
@@ -57,17 +49,6 @@ TEST(AgentBroker, AnnouncementLargerThanTheBrokerTakes_IsWarnedOfWithItsLimit) {
     EXPECT_THAT(agent.process().errors(), testing::Not(HasSubstr("access control")));
 }
 
-TEST(AgentBroker, EverythingAllowed_NoDenialIsWarnedOf) {
-    TempDir folder;
-    const auto rules = folder.write("acl", "user pi\ntopic readwrite #\n");
-    MosquittoBroker broker({.users = {{"pi", "right"}}, .extra_lines = {"acl_file " + rules}});
-    FakePort port;
-    BusProbe probe(broker.port(), {"#"}, {.user = "pi", .password = "right"});
-    Agent agent(broker, port.path(), {"--user", "pi", "--password-file", password("right")});
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    EXPECT_THAT(agent.process().errors(), testing::Not(HasSubstr("access control")));
-}
-
 TEST(AgentBroker, ClientCertificateDemanded_IsOnlineWithItAndEndsWithout) {
     MosquittoBroker broker({.tls = true, .require_client_certificate = true});
     const auto& files = broker.certificates();
@@ -83,14 +64,6 @@ TEST(AgentBroker, ClientCertificateDemanded_IsOnlineWithItAndEndsWithout) {
     EXPECT_EQ(ended.status, 3) << ended.errors;
 }
 
-TEST(AgentBroker, CertificateOfAnotherCa_EndsWithStatus3) {
-    MosquittoBroker broker({.tls = true});
-    FakePort port;
-    const auto ended =
-        run(agent_command(broker.url(), port.path(), {"--ca", broker.certificates().other_ca}));
-    EXPECT_EQ(ended.status, 3) << ended.errors;
-}
-
 TEST(AgentBroker, NotThereYet_IsWaitedFor) {
     MosquittoBroker broker;
     broker.stop();
@@ -100,37 +73,6 @@ TEST(AgentBroker, NotThereYet_IsWaitedFor) {
     broker.start();
     BusProbe probe(broker.port());
     EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-}
-
-TEST(AgentBroker, SecondOfTheList_IsUsedWhenTheFirstIsGone) {
-    MosquittoBroker first, second;
-    FakePort port;
-    BusProbe probe(second.port());
-    Agent agent(first, port.path(), {"--broker", second.url()});
-    ASSERT_TRUE(agent.process().wait_for_errors("broker connected"));
-    first.kill();
-    EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-}
-
-TEST(AgentBroker, FirstOfTheListRefusesThePassword_UsesTheSecond) {
-    MosquittoBroker refusing({.users = {{"pi", "right"}}});
-    MosquittoBroker open;
-    FakePort port;
-    BusProbe probe(open.port());
-    Agent agent(refusing, port.path(),
-                {"--broker", open.url(), "--user", "pi", "--password-file", password("wrong")});
-    EXPECT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    EXPECT_TRUE(agent.process().running());
-}
-
-TEST(AgentBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3) {
-    MosquittoBroker first({.users = {{"pi", "right"}}});
-    MosquittoBroker second({.users = {{"pi", "right"}}});
-    FakePort port;
-    const auto ended =
-        run(agent_command(first.url(), port.path(),
-                          {"--broker", second.url(), "--user", "pi", "--password-file", password("wrong")}));
-    EXPECT_EQ(ended.status, 3) << ended.errors;
 }
 
 TEST(AgentBroker, HugePayloadOnAControlTopic_CostsTheAgentNothing) {

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -50,28 +49,6 @@ TEST_F(AgentControl, CommandsInEachForm_AreExecutedAndProven) {
     EXPECT_THAT(ask("asip/uno1/in", "#,?")["answer"].dump(), HasSubstr("ATmega328P"));
 }
 
-TEST_F(AgentControl, BoardRefuses_ErrorOnAnswerAndErrorTopic) {
-    const auto answer = ask("asip/uno1/in", "S,W,99,90");
-    EXPECT_EQ(answer["status"], "error");
-    EXPECT_EQ(answer["code"], 7);
-    const auto error = probe.wait_for("asip/uno1/servo/error");
-    ASSERT_TRUE(error);
-    EXPECT_EQ(json::parse(error->payload),
-              json::parse(R"({"request":"W","code":7,"error":"INVALID_DEVICE_NUMBER"})"));
-    EXPECT_TRUE(works());
-}
-
-TEST_F(AgentControl, SameIdTwice_IsExecutedOnceAndAnsweredTwice) {
-    const std::string command = R"({"measure":null,"id":"m1","reply_to":"answers"})";
-    probe.publish("asip/uno1/distance/in", command);
-    ASSERT_TRUE(probe.wait_for("answers"));
-    probe.publish("asip/uno1/distance/in", command);
-    ASSERT_TRUE(wait_until([&] { return probe.count("answers") == 2; }));
-    EXPECT_EQ(probe.messages("answers")[0].payload, probe.messages("answers")[1].payload);
-    EXPECT_TRUE(works());
-    EXPECT_LE(probe.count("asip/uno1/distance/out"), 1u);
-}
-
 TEST_F(AgentControl, GarbageOnEveryControlTopic_IsRefusedAndTheNextCommandWorks) {
     std::string deep = "{\"write\":";
     deep += std::string(5000, '[') + std::string(5000, ']') + "}";
@@ -113,40 +90,6 @@ TEST_F(AgentControl, GarbageOnEveryControlTopic_IsRefusedAndTheNextCommandWorks)
     EXPECT_LT(agent.process().resident_bytes(), memory_limit(40u << 20));
 }
 
-TEST_F(AgentControl, CommandThatNamesARenewalOrAPort_OvertakesNoOlderOne) {
-    constexpr int kBefore = 40;
-    const auto publish = [this](const json& command) {
-        probe.publish("asip/uno1/io/in", command.dump());
-        return command["id"].get<std::string>();
-    };
-    // What waits for a stopped agent comes in one piece: more than it handles at once.
-    agent.process().signal(SIGSTOP);
-    std::vector<std::string> sent;
-    const json command{{"write", {13, 1}}, {"deadline_ms", 30'000}, {"reply_to", "answers"}};
-    for (int i = 0; i < kBefore; ++i) {
-        auto older = command;
-        older["id"] = std::to_string(i);
-        sent.push_back(publish(older));
-    }
-    for (const auto* word : {"renew", "port", "labels"}) {
-        auto named = command;
-        named["id"] = word;
-        sent.push_back(publish(named));
-        named["id"] = std::string("by ") + word;
-        named["by"] = word;
-        sent.push_back(publish(named));
-    }
-    agent.process().signal(SIGCONT);
-    ASSERT_TRUE(wait_until([&] { return probe.count("answers") >= sent.size(); }));
-    std::vector<std::string> answered;
-    for (const auto& message : probe.messages("answers")) {
-        const auto answer = json::parse(message.payload);
-        EXPECT_EQ(answer["status"], "ok") << answer;
-        answered.push_back(answer["id"]);
-    }
-    EXPECT_EQ(answered, sent);
-}
-
 TEST_F(AgentControl, TenThousandCommandsAtOnce_EachIsAnsweredOnce) {
     constexpr int kCommands = 10'000;
     const auto before = agent.process().resident_bytes();
@@ -178,21 +121,6 @@ TEST_F(AgentControl, TenThousandCommandsAtOnce_EachIsAnsweredOnce) {
     EXPECT_GE(executed, 64);
     EXPECT_LT(agent.process().resident_bytes(), before + memory_limit(16u << 20));
     EXPECT_TRUE(works());
-}
-
-TEST(AgentRetained, RetainedCommand_IsRefusedAndNeverReplayed) {
-    MosquittoBroker broker;
-    SimulatedUno uno;
-    BusProbe probe(broker.port());
-    probe.publish("asip/uno1/io/in", R"({"mode":[13,"output"],"id":"1","reply_to":"answers"})", true);
-    probe.publish("asip/uno1/in", "S,W,99,90", true);
-    Agent agent(broker, uno.port());
-    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
-    const auto answer = probe.wait_for("answers");
-    ASSERT_TRUE(answer);
-    EXPECT_EQ(json::parse(answer->payload)["reason"], "retained");
-    EXPECT_TRUE(probe.request("asip/uno1/in", "#,?"));
-    EXPECT_EQ(probe.count("asip/uno1/servo/error"), 0u);
 }
 
 }  // namespace

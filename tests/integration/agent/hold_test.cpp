@@ -110,13 +110,6 @@ TEST_F(HoldOfMotor, SenderEndedByCtrlC_StopsAtOnce) {
     EXPECT_THAT(sender->output(), HasSubstr("M,s,0: ok"));
 }
 
-TEST_F(HoldOfMotor, SenderKilled_StopsInTime) {
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold();
-    sender->signal(SIGKILL);
-    expect_stop("kill -9 of the sender");
-}
-
 TEST_F(HoldOfMotor, SenderFrozen_StopsInTime) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
@@ -128,49 +121,12 @@ TEST_F(HoldOfMotor, SenderFrozen_StopsInTime) {
     EXPECT_FALSE(robot.runs());
 }
 
-TEST_F(HoldOfMotor, RegistryKilled_RunsOnAndStopsWithItsSender) {
-    const auto registry = [this] {
-        return std::make_unique<ChildProcess>(std::vector<std::string>{
-            ASIP_PROGRAMS "/asip-registry", "--broker", broker.address(), "--id", "r1"});
-    };
-    auto first = registry();
-    ASSERT_TRUE(first->wait_for_errors("catalogue is complete"));
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold("1500ms");
-    first->signal(SIGKILL);
-    ASSERT_TRUE(first->wait_exit());
-    EXPECT_FALSE(stops_within(2s)) << sender->errors();
-    const auto second = registry();
-    ASSERT_TRUE(second->wait_for_errors("catalogue is complete"));
-    EXPECT_TRUE(robot.runs()) << "nor does its successor disturb it";
-    sender->signal(SIGINT);
-    ASSERT_TRUE(stops_within(10s));
-    EXPECT_EQ(sender->wait_exit(), 0);
-    const auto listed = ask("asip/registry/query", R"({"find":"boards","board":"robot"})");
-    EXPECT_THAT(listed.dump(), HasSubstr(R"("state":"online")"));
-}
-
-TEST_F(HoldOfMotor, BrokerKilled_StopsInTime) {
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold();
-    broker.kill();
-    expect_stop("kill -9 of the broker");
-}
-
 TEST_F(HoldOfMotor, BrokerFrozen_StopsInTime) {
     ASSERT_TRUE(online()) << agent->errors();
     const auto sender = hold();
     broker.freeze();
     expect_stop("the broker stood still");
     broker.thaw();
-}
-
-TEST_F(HoldOfMotor, AgentToldToEnd_StopsFirst) {
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold("10s");
-    agent->signal(SIGTERM);
-    EXPECT_TRUE(stops_within(5s)) << agent->errors();
-    EXPECT_EQ(agent->wait_exit(), 0);
 }
 
 TEST_F(HoldOfMotor, AgentKilled_ItsSuccessorStopsTheMotorBeforeItIsOnline) {
@@ -186,32 +142,6 @@ TEST_F(HoldOfMotor, AgentKilled_ItsSuccessorStopsTheMotorBeforeItIsOnline) {
     ASSERT_TRUE(online()) << agent->errors();
     EXPECT_EQ(sender->wait_exit(), 1) << "the new agent holds nothing";
     EXPECT_FALSE(robot.runs());
-}
-
-TEST_F(HoldOfMotor, CableOutWhileItRuns_IsReportedAndStoppedWhenItIsIn) {
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold();
-    probe.clear();
-    robot.command("unplug robot");
-    const auto error = probe.wait_for("asip/robot/motors/error");
-    ASSERT_TRUE(error) << "the board's silence is reported";
-    EXPECT_THAT(error->payload, HasSubstr("the board is not there"));
-    robot.command("replug robot");
-    EXPECT_TRUE(stops_within(kDeadline)) << agent->errors();
-}
-
-TEST_F(HoldOfMotor, StoppedByAsipctl_StopsAndTheHolderIsTold) {
-    ASSERT_TRUE(online()) << agent->errors();
-    const auto sender = hold();
-    const auto stopped = run({ASIP_PROGRAMS "/asipctl", "stop", "robot", "--once", "-o", "json"},
-                             {{"ASIP_BROKER", broker.address()}});
-    EXPECT_EQ(stopped.status, 0) << stopped.errors;
-    EXPECT_FALSE(robot.runs());
-    const auto record = json::parse(stopped.output).at(0);
-    EXPECT_EQ(record["board"], "robot");
-    EXPECT_THAT(record["executed"].dump(), HasSubstr("M,S"));
-    EXPECT_EQ(sender->wait_exit(), 1);
-    EXPECT_THAT(sender->errors(), HasSubstr("not-held"));
 }
 
 // The broker has more for the agent than the agent takes, and what acknowledges it waits, too: what others

@@ -58,13 +58,6 @@ class LateCommand : public testing::Test {
         EXPECT_TRUE(wait_until([&] { return robot.runs(); }));
         EXPECT_THAT(agent->errors(), Not(HasSubstr("broker lost")));
     }
-    std::size_t checks() const {
-        std::size_t count = 0;
-        const auto log = broker.log();
-        for (std::size_t at = 0; (at = log.find("Received UNSUBSCRIBE", at)) != std::string::npos; ++at)
-            ++count;
-        return count;
-    }
 
     MosquittoBroker broker;
     TcpRelay relay{broker.port()};
@@ -83,26 +76,6 @@ TEST_F(LateCommand, BrokerStoodStill_IsRefused) {
     expect_usable_soon();
 }
 
-TEST_F(LateCommand, BrokerStoodStillAndReadsManyPieceByPiece_AllAreRefused) {
-    ASSERT_TRUE(commanded()) << agent->errors();
-    broker.freeze();
-    send(60);
-    std::this_thread::sleep_for(kDelayed);
-    broker.thaw();
-    expect_refused(60);
-    expect_usable_soon();
-}
-
-TEST_F(LateCommand, WayToTheAgentWasCut_IsRefused) {
-    ASSERT_TRUE(commanded()) << agent->errors();
-    relay.cut();
-    send(1);
-    std::this_thread::sleep_for(kDelayed);
-    relay.restore();
-    expect_refused(1);
-    expect_usable_soon();
-}
-
 TEST_F(LateCommand, MoreThanTheBrokerSendsAtOnce_AllAreRefused) {
     ASSERT_TRUE(commanded()) << agent->errors();
     relay.cut();
@@ -111,26 +84,6 @@ TEST_F(LateCommand, MoreThanTheBrokerSendsAtOnce_AllAreRefused) {
     relay.restore();
     expect_refused(60);
     expect_usable_soon();
-}
-
-TEST_F(LateCommand, TimeLeft_IsExecuted) {
-    ASSERT_TRUE(commanded()) << agent->errors();
-    relay.cut();
-    send(1, R"(,"deadline_ms":60000)");
-    std::this_thread::sleep_for(2s);
-    relay.restore();
-    const auto answer = probe.wait_for("answers");
-    ASSERT_TRUE(answer) << agent->errors();
-    EXPECT_EQ(json::parse(answer->payload)["status"], "ok") << answer->payload;
-    EXPECT_TRUE(wait_until([&] { return robot.runs(); }));
-}
-
-TEST_F(LateCommand, NobodyCommands_BrokerIsAskedNothing) {
-    ASSERT_TRUE(wait_state(probe, "online", kDeadline, "robot"));
-    std::this_thread::sleep_for(3s);
-    EXPECT_EQ(checks(), 0u);
-    ASSERT_TRUE(is_ok(R"({"power":[0,0]})"));
-    EXPECT_TRUE(wait_until([&] { return checks() >= 3; })) << broker.log();
 }
 
 /// The agent's broker, and another one with a bridge to it that speaks MQTT 3.1.1: nothing expires on it.

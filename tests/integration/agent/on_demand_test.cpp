@@ -80,19 +80,6 @@ TEST_F(ReportsOnDemand, RateFollowsTheFastestSubscriber_AndEndsWithTheLease) {
         << agent->process().errors();
 }
 
-TEST_F(ReportsOnDemand, AgentThatIsKilledAndStartsAgain_IsToldWhatIsWanted) {
-    start_agent();
-    auto one = subscriber("10");
-    ASSERT_TRUE(period_becomes(100)) << one->errors();
-    ASSERT_TRUE(one->wait_for_output("cm"));
-    agent->kill();
-    ASSERT_TRUE(wait_state(probe, "lost"));
-    probe.clear();
-    start_agent();
-    EXPECT_TRUE(period_becomes(100, time_limit(8s))) << agent->process().errors();
-    EXPECT_GE(values_within(2s), 6u);
-}
-
 TEST_F(ReportsOnDemand, PlainClients_GetTheRestingPeriod_AndPeopleSeeIt) {
     start_agent("resting-period = 400ms\nfastest-period = 100ms\n");
     ASSERT_TRUE(period_becomes(400)) << agent->process().errors();
@@ -109,15 +96,6 @@ TEST_F(ReportsOnDemand, PlainClients_GetTheRestingPeriod_AndPeopleSeeIt) {
                                settings_file("fastest-period = 0s\n")});
     EXPECT_EQ(nonsense.status, 2);
     EXPECT_THAT(nonsense.errors, HasSubstr("fastest-period: 0s is not 1 ms to 65535 ms"));
-}
-
-TEST_F(ReportsOnDemand, AnalogPinThatIsRead_IsReportedMeanwhile) {
-    start_agent();
-    ASSERT_TRUE(period_becomes(0)) << agent->process().errors();
-    ChildProcess reading({ASIP_PROGRAMS "/asipctl", "pin", "uno1", "A0", "--broker", broker.address(),
-                          "--from-bus", "-o", "jsonl"});
-    EXPECT_EQ(reading.wait_exit(), 0) << reading.errors();
-    EXPECT_THAT(reading.output(), HasSubstr("\"value\":"));
 }
 
 TEST_F(ReportsOnDemand, FloodOfTenThousandDemanders_IsBoundedAndHoldsUpNobody) {
@@ -143,21 +121,6 @@ TEST_F(ReportsOnDemand, FloodOfTenThousandDemanders_IsBoundedAndHoldsUpNobody) {
 
     mallory.publish("asip/servicebus/uno1/$demand/ann/c1", R"({"services":{"distance":1}})");
     EXPECT_TRUE(wait_until([&] { return probe.count("asip/servicebus/uno1/$demand/ann/c1") == 1; }));
-}
-
-// A client that may demand must not stop a board by the name that it gives itself.
-TEST_F(ReportsOnDemand, DemanderCalledLikeAStop_StopsNothing) {
-    start_agent();
-    for (int i = 0; i < 300; ++i) {
-        probe.publish("asip/servicebus/uno1/$demand/bob/$stop", R"({"services":{}})", false, 0);
-        probe.publish("asip/uno1/io/in",
-                      R"({"modes":[],"reply_to":"asip/answers","id":")" + std::to_string(i) + R"("})", false,
-                      0);
-    }
-    ASSERT_TRUE(wait_until([&] { return probe.count("asip/answers") == 300; }))
-        << probe.count("asip/answers");
-    for (const auto& answer : probe.messages("asip/answers"))
-        EXPECT_EQ(answer.payload.find("stopped"), std::string::npos) << answer.payload;
 }
 
 }  // namespace

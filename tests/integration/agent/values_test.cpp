@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/agent/rig.hpp"
@@ -75,26 +74,6 @@ TEST_F(Values, TwoSenders_LateJoinerAndViewsKnowBoth) {
     EXPECT_EQ(shown(), all);
 }
 
-TEST_F(Values, RefusedOrNotExecuted_IsUnchanged) {
-    ASSERT_EQ(ask(R"({"mode":[13,"output"]})")["status"], "ok");
-    ASSERT_EQ(ask(R"({"write":[13,1]})")["status"], "ok");
-    ASSERT_TRUE(says(on));
-    EXPECT_EQ(ask(R"({"write":[0,1]})")["status"], "error") << "the pin of the line to the agent";
-    EXPECT_EQ(ask(R"({"write":[13,2]})")["status"], "refused");
-    ASSERT_EQ(ask(R"({"write":[13,0]})")["status"], "ok");
-    EXPECT_TRUE(says({{"io/13", false}})) << *probe.last(kValuesTopic);
-}
-
-TEST_F(Values, BoardRestarts_AreUnknown) {
-    ASSERT_EQ(ask(R"({"mode":[13,"output"]})")["status"], "ok");
-    ASSERT_EQ(ask(R"({"write":[13,1]})")["status"], "ok");
-    ASSERT_TRUE(says(on));
-    uno.command("reset");
-    EXPECT_TRUE(says(json::object()));
-    ASSERT_TRUE(wait_until([&] { return ask(R"({"write":[13,1]})")["status"] == "ok"; })) << "works again";
-    EXPECT_TRUE(says(on));
-}
-
 TEST_F(Values, AgentKilled_TheNextOneSaysWhatItDoesNotKnow) {
     ASSERT_EQ(ask(R"({"mode":[13,"output"]})")["status"], "ok");
     ASSERT_EQ(ask(R"({"write":[13,1]})")["status"], "ok");
@@ -106,25 +85,6 @@ TEST_F(Values, AgentKilled_TheNextOneSaysWhatItDoesNotKnow) {
     start_agent();
     EXPECT_TRUE(says(json::object())) << agent->process().errors();
     EXPECT_THAT(shown(), ContainerEq(json::object()));
-}
-
-TEST_F(Values, BrokerRestartsWithoutMemory_AreThereAgain) {
-    ASSERT_EQ(ask(R"({"mode":[13,"output"]})")["status"], "ok");
-    ASSERT_EQ(ask(R"({"write":[13,1]})")["status"], "ok");
-    ASSERT_TRUE(says(on));
-    broker.restart();
-    probe.clear();
-    EXPECT_TRUE(says(on));
-    EXPECT_EQ(known_in(stored()), on);
-}
-
-TEST_F(Values, OlderAgentLeftTheTopicSet_TheNextOneClearsIt) {
-    agent->kill();
-    ASSERT_TRUE(wait_state(probe, "lost"));
-    probe.publish("asip/uno1/io/set", R"({"write":{"13":1}})", true);
-    ASSERT_TRUE(wait_until([&] { return !stored("asip/uno1/io/set").empty(); }));
-    start_agent();
-    EXPECT_TRUE(wait_until([&] { return stored("asip/uno1/io/set").empty(); }));
 }
 
 TEST_F(Values, BoardForgotten_NothingIsLeft) {

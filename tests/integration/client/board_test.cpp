@@ -78,19 +78,6 @@ TEST_P(BoardOverEachLink, DigitalRead_FollowsTheButton) {
     EXPECT_TRUE(wait_until([&] { return board_.digital_read(2) == Result<bool>(true); }));
 }
 
-TEST_P(BoardOverEachLink, WaitForChange_ReturnsTheNewLevelAndMissesNone) {
-    ASSERT_TRUE(board_.set_pin_mode(2, PinMode::kInputPullup));
-    const auto quiet = board_.wait_for_change(2, 100ms);
-    ASSERT_FALSE(quiet);
-    EXPECT_EQ(quiet.error().kind, Error::Kind::kTimeout);
-    for (int i = 0; i < 3; ++i) {
-        boards_.press();
-        EXPECT_EQ(board_.wait_for_change(2, test::time_limit(5s)), Result<bool>(false)) << i;
-        boards_.release();
-        EXPECT_EQ(board_.wait_for_change(2, test::time_limit(5s)), Result<bool>(true)) << i;
-    }
-}
-
 TEST_P(BoardOverEachLink, AnalogRead_FollowsThePotentiometer) {
     ASSERT_TRUE(board_.set_analog_period(20ms));
     const auto near = [&](int wanted) {
@@ -125,23 +112,6 @@ TEST_P(BoardOverEachLink, WhatTheBoardRefuses_IsItsErrorNotSilence) {
     ASSERT_FALSE(system_pin);
     EXPECT_EQ(system_pin.error().kind, Error::Kind::kBoard);
     EXPECT_TRUE(board_.set_pin_mode(13, PinMode::kOutput)) << "the next call works";
-}
-
-TEST_P(BoardOverEachLink, WhatTheModelForbids_NeverReachesTheBoard) {
-    const auto angle = board_.command("servo", "write", json::array({0, 900}));
-    ASSERT_FALSE(angle);
-    EXPECT_EQ(angle.error().kind, Error::Kind::kInvalid);
-    EXPECT_THAT(angle.error().text, HasSubstr("900"));
-    EXPECT_EQ(board_.command("servo", "wirte", json::array({0, 90})).error().kind, Error::Kind::kInvalid);
-    EXPECT_EQ(board_.analog_write(9, 256).error().kind, Error::Kind::kInvalid);
-    EXPECT_THAT(board_.command("motor", "stop").error().text, HasSubstr("it has"));
-}
-
-TEST_P(BoardOverEachLink, RawRequest_IsExecuted) {
-    ASSERT_TRUE(board_.raw("I,P,13,3"));
-    ASSERT_TRUE(board_.raw("I,d,13,1"));
-    EXPECT_TRUE(boards_.wait_for_led("on")) << boards_.output();
-    EXPECT_EQ(board_.raw("no request").error().kind, Error::Kind::kInvalid);
 }
 
 TEST_P(BoardOverEachLink, BoardUnplugged_CallsFailAndWorkAgainWhenItIsBackWithItsModes) {
@@ -236,13 +206,6 @@ TEST(BoardOnDemand, Closed_ItsBoardIsToldAtOnce) {
 
 // --- what cannot be opened says why
 
-TEST(BlockingBoardOpen, PortThatIsNotThere_IsReported) {
-    const auto board = BlockingBoard::open("/dev/asip-no-such-port");
-    ASSERT_FALSE(board);
-    EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
-    EXPECT_THAT(board.error().text, HasSubstr("/dev/asip-no-such-port"));
-}
-
 TEST(BlockingBoardOpen, BoardThatIsNotOnTheBroker_IsNamed) {
     const test::MosquittoBroker broker;
     Options options;
@@ -251,15 +214,6 @@ TEST(BlockingBoardOpen, BoardThatIsNotOnTheBroker_IsNamed) {
     ASSERT_FALSE(board);
     EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
     EXPECT_THAT(board.error().text, HasSubstr("no board nowhere"));
-}
-
-TEST(BlockingBoardOpen, BrokerThatIsNotThere_IsReported) {
-    Options options;
-    options.open_timeout = 500ms;
-    const auto board =
-        BlockingBoard::open("mqtt://127.0.0.1:" + std::to_string(test::free_port()) + "/uno1", options);
-    ASSERT_FALSE(board);
-    EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
 }
 
 TEST(BlockingBoardOpen, BrokerRefusesThePassword_IsReportedAtOnce) {
@@ -275,13 +229,6 @@ TEST(BlockingBoardOpen, BrokerRefusesThePassword_IsReportedAtOnce) {
     ASSERT_FALSE(board);
     EXPECT_EQ(board.error().kind, Error::Kind::kUnreachable);
     EXPECT_LT(std::chrono::steady_clock::now() - begun, test::time_limit(5s)) << "trying again cannot help";
-}
-
-TEST(BlockingBoardOpen, MovedFromOrDefault_FailsCallsAsClosed) {
-    BlockingBoard board;
-    EXPECT_EQ(board.digital_write(13, true).error().kind, Error::Kind::kClosed);
-    EXPECT_EQ(board.name(), "");
-    EXPECT_TRUE(board.services().empty());
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "tests/integration/client/simulated_boards.hpp"
@@ -81,31 +80,6 @@ TEST(CallbackDropsTheBoard, OverMqttWhileEventsComeInABurst_NothingMoreIsDeliver
     dropped.io.run_for(std::chrono::milliseconds(100));
     EXPECT_EQ(dropped.dropped, 1);
     EXPECT_FALSE(dropped.board.online());
-}
-
-TEST(CallbackDropsTheBoard, OverMqttWhenItGoesAway_NothingMoreIsDelivered) {
-    test::MosquittoBroker broker;
-    test::BusProbe agent(broker.port());
-    announce(agent, "online");
-    DroppedBoard dropped;
-    ASSERT_TRUE(dropped.opens(broker.url() + "/uno1")) << dropped.error;
-    dropped.subscription = dropped.board.on_presence([&](bool) { dropped.drop(); });
-    announce(agent, "offline");
-    announce(agent, "online");
-    ASSERT_TRUE(dropped.run_until([&] { return dropped.dropped > 0; }));
-    EXPECT_EQ(dropped.dropped, 1);
-}
-
-TEST(CallbackDropsTheBoard, WhenTheBrokerDies_NothingMoreIsDelivered) {
-    test::MosquittoBroker broker;
-    test::BusProbe agent(broker.port());
-    announce(agent, "online");
-    DroppedBoard dropped;
-    ASSERT_TRUE(dropped.opens(broker.url() + "/uno1")) << dropped.error;
-    dropped.subscription = dropped.board.on_presence([&](bool) { dropped.drop(); });
-    broker.kill();
-    ASSERT_TRUE(dropped.run_until([&] { return dropped.dropped > 0; }));
-    EXPECT_EQ(dropped.dropped, 1);
 }
 
 TEST(CallbackDropsTheBoard, OverSerial_NothingMoreIsDelivered) {

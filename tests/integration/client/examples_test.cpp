@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -21,41 +20,6 @@ TEST(ExampleBlink, OverSerial_BlinksAndEnds) {
     EXPECT_EQ(boards.led_changes("on"), 2);
 }
 
-TEST(ExampleBlink, NoSuchPort_EndsWithOneLine) {
-    const Finished blink = run({ASIP_TEST_BLINK, "/dev/asip-no-such-port"});
-    EXPECT_EQ(blink.status, 1);
-    EXPECT_EQ(std::count(blink.errors.begin(), blink.errors.end(), '\n'), 1) << blink.errors;
-}
-
-TEST(ExampleBlink, BoardThatIsNotOnTheBroker_EndsWithOneLine) {
-    const MosquittoBroker broker;
-    const Finished blink = run({ASIP_TEST_BLINK, broker.url() + "/nobody"});
-    EXPECT_EQ(blink.status, 1);
-    EXPECT_EQ(std::count(blink.errors.begin(), blink.errors.end(), '\n'), 1) << blink.errors;
-    EXPECT_NE(blink.errors.find("nobody"), std::string::npos) << blink.errors;
-}
-
-TEST(ExampleTwoBoardSwitch, NoSuchPort_EndsWithOneLine) {
-    for (const std::string address : {"/dev/nosuch", "/dev/asip-no-such-port-of-any-machine", "no address"}) {
-        const Finished program = run({ASIP_TEST_SWITCH, address, "uno1"});
-        EXPECT_EQ(program.status, 1) << program.errors;
-        EXPECT_EQ(std::count(program.errors.begin(), program.errors.end(), '\n'), 1) << program.errors;
-    }
-}
-
-TEST(ExampleTwoBoardSwitch, SecondBoardIsNotThere_EndsWithOneLine) {
-    SimulatedBoards boards({"asip_uno"});
-    const Finished program = run({ASIP_TEST_SWITCH, boards.serial(), "tcp://127.0.0.1:1"});
-    EXPECT_EQ(program.status, 1) << program.errors;
-    EXPECT_EQ(std::count(program.errors.begin(), program.errors.end(), '\n'), 1) << program.errors;
-}
-
-TEST(ExampleTwoBoardSwitch, WithoutArguments_SaysHowItIsUsed) {
-    const Finished program = run({ASIP_TEST_SWITCH});
-    EXPECT_EQ(program.status, 2);
-    EXPECT_NE(program.errors.find("usage:"), std::string::npos) << program.errors;
-}
-
 TEST(ExampleTwoBoardSwitch, ButtonOfOneBoard_SwitchesTheLedOfTheOther) {
     SimulatedBoards boards({"asip_uno", "asip_uno_04"});
     ChildProcess program({ASIP_TEST_SWITCH, boards.serial(0), "tcp://127.0.0.1:" + boards.tcp_port(1)});
@@ -65,18 +29,6 @@ TEST(ExampleTwoBoardSwitch, ButtonOfOneBoard_SwitchesTheLedOfTheOther) {
     boards.release(0);
     EXPECT_TRUE(boards.wait_for_led("off", 1)) << boards.output();
     EXPECT_TRUE(program.running());
-}
-
-TEST(ExampleTwoBoardSwitch, LedBoardIsReplugged_ItIsSetAgainWithoutAPress) {
-    SimulatedBoards boards({"asip_uno", "asip_uno"});
-    ChildProcess program({ASIP_TEST_SWITCH, boards.serial(0), boards.serial(1)});
-    ASSERT_TRUE(program.wait_for_output("pin 2 of .* switches pin 13 of")) << program.errors();
-    boards.press(0);
-    ASSERT_TRUE(boards.wait_for_led("on", 1)) << boards.output();
-    boards.command("unplug uno2");
-    boards.command("replug uno2");  // opening the port resets the board: its LED is off then
-    EXPECT_TRUE(wait_until([&] { return boards.led_changes("on", 1) == 2; }))
-        << boards.output() << program.errors();
 }
 
 std::string text_of(const std::string& file) {

@@ -15,16 +15,6 @@ using mqtt::ConnectionFailure;
 using mqtt::Priority;
 using Kind = ConnectionFailure::Kind;
 
-TEST(Client, BrokerRunning_ConnectsWithVersion5) {
-    MosquittoBroker broker;
-    Recorder bus(options_for(broker));
-    ASSERT_TRUE(bus.connect());
-    EXPECT_TRUE(bus.client->v5());
-    ASSERT_EQ(bus.connects.size(), 1u);
-    EXPECT_EQ(bus.connects[0].broker.port, broker.port());
-    EXPECT_TRUE(bus.failures.empty());
-}
-
 TEST(Client, BrokerWithoutQos1_IsUsedWithQos0) {
     MosquittoBroker broker({.extra_lines = {"max_qos 0"}});
     BusProbe probe(broker.port());
@@ -36,15 +26,6 @@ TEST(Client, BrokerWithoutQos1_IsUsedWithQos0) {
     EXPECT_TRUE(bus.failures.empty());
     EXPECT_TRUE(bus.until([&] { return probe.count("out") == 1 && !bus.published.empty(); }));
     EXPECT_THAT(bus.published, testing::ElementsAre("out"));
-}
-
-TEST(Client, HostGivenByName_IsLookedUpAndConnects) {
-    MosquittoBroker broker;
-    auto options = options_for(broker);
-    options.brokers[0].host = "localhost";
-    Recorder bus(options);
-    EXPECT_TRUE(bus.connect());
-    EXPECT_TRUE(bus.failures.empty());
 }
 
 TEST(Client, UserPropertiesThatNobodyKnows_AreDroppedWhenRead) {
@@ -91,30 +72,6 @@ TEST(Client, PropertiesOnVersion5_ArriveAndReturn) {
     EXPECT_THAT(bus.published, testing::ElementsAre("out"));
 }
 
-TEST(Client, Forced311_ConnectsAndLeavesPropertiesOut) {
-    MosquittoBroker broker;
-    BusProbe probe(broker.port());
-    auto options = options_for(broker);
-    options.version = mqtt::Version::kV311;
-    Recorder bus(options);
-    ASSERT_TRUE(bus.connect());
-    EXPECT_FALSE(bus.client->v5());
-    auto message = make_message("out", "x", 1);
-    message.response_topic = "answer";
-    EXPECT_NE(bus.client->publish(message), mqtt::PublishResult::kRefused);
-    ASSERT_TRUE(bus.until([&] { return probe.count("out") == 1; }));
-    EXPECT_EQ(probe.messages("out").at(0).response_topic, "");
-}
-
-TEST(Client, SubscribedBeforeConnecting_HearsWhatOnConnectedPublishes) {
-    MosquittoBroker broker;
-    Recorder bus(options_for(broker));
-    bus.client->subscribe("echo");
-    bus.at_connect = [&] { bus.client->publish(make_message("echo", "first")); };
-    ASSERT_TRUE(bus.connect());
-    EXPECT_TRUE(bus.received("echo", "first"));
-}
-
 TEST(Client, NoLocal_DoesNotHearItself) {
     MosquittoBroker broker;
     BusProbe probe(broker.port(), {});
@@ -149,21 +106,6 @@ TEST(Client, RetainedNotWanted_IsNotDeliveredOnVersion5AndMarkedOn311) {
     EXPECT_TRUE(replayed.retain);
 }
 
-TEST(Client, RetainedWithExpiry_IsForgottenByTheBroker) {
-    MosquittoBroker broker;
-    Recorder bus(options_for(broker));
-    ASSERT_TRUE(bus.connect());
-    auto message = make_message("t", "short", 1, true);
-    message.expiry_seconds = 1;
-    bus.client->publish(message);
-    ASSERT_TRUE(bus.until([&] { return bus.published.size() == 1; }));
-    EXPECT_TRUE(wait_until([&] {
-        BusProbe probe(broker.port(), {"t"});
-        probe.publish("marker", "x");
-        return !probe.wait_for("t", 100ms);
-    }));
-}
-
 TEST(Client, Destroyed_BrokerPublishesTheWill) {
     MosquittoBroker broker;
     BusProbe probe(broker.port());
@@ -195,40 +137,6 @@ TEST(Client, Stopped_SendsWhatIsQueuedAndNoWill) {
     EXPECT_EQ(probe.last("state"), "offline");
 }
 
-TEST(Client, StoppedInsideItsOwnHandler_Ends) {
-    MosquittoBroker broker;
-    Recorder bus(options_for(broker));
-    bool stopped = false;
-    bus.at_connect = [&] { bus.client->stop(2s, [&] { stopped = true; }); };
-    bus.client->start();
-    EXPECT_TRUE(bus.until([&] { return stopped; }));
-}
-
-TEST(Client, StoppedWhileTheBrokerHangs_EndsWithinTheLimit) {
-    MosquittoBroker broker;
-    Recorder bus(options_for(broker));
-    ASSERT_TRUE(bus.connect());
-    broker.freeze();
-    bus.client->publish(make_message("state", "offline", 1), Priority::kAnnouncement);
-    bool stopped = false;
-    const auto begin = std::chrono::steady_clock::now();
-    bus.client->stop(800ms, [&] { stopped = true; });
-    ASSERT_TRUE(bus.until([&] { return stopped; }));
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, time_limit(2s));
-}
-
-TEST(Client, NothingListens_ReportsUnreachableAndConnectsWhenItDoes) {
-    MosquittoBroker broker;
-    broker.stop();
-    Recorder bus(options_for(broker));
-    bus.client->start();
-    ASSERT_TRUE(bus.until([&] { return bus.failures.size() >= 2; }));
-    EXPECT_EQ(bus.failures[0].kind, Kind::kUnreachable);
-    EXPECT_FALSE(bus.failures[0].fatal());
-    broker.start();
-    EXPECT_TRUE(bus.until([&] { return bus.client->connected(); }, time_limit(4s)));
-}
-
 TEST(Client, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
     MosquittoBroker broker;
     Recorder bus(options_for(broker));
@@ -246,17 +154,6 @@ TEST(Client, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
     probe.publish("commands", "again");
     EXPECT_TRUE(bus.received("commands", "again"));
     EXPECT_TRUE(bus.client->v5());
-}
-
-TEST(Client, BrokerOfTheListDies_MovesToTheOther) {
-    MosquittoBroker first, second;
-    auto options = options_for(first);
-    options.brokers.push_back(*mqtt::parse_broker(second.url()));
-    Recorder bus(options);
-    ASSERT_TRUE(bus.connect());
-    first.kill();
-    ASSERT_TRUE(bus.until([&] { return bus.connects.size() == 2; }));
-    EXPECT_EQ(bus.connects[1].broker.port, second.port());
 }
 
 std::string identifier_of(const std::string& name, const MosquittoBroker& broker) {
@@ -324,23 +221,6 @@ TEST(Client, Password_LetsInOrIsFatalWithThatReason) {
         options.password = "right";
         EXPECT_TRUE(Recorder(options).connect());
     }
-}
-
-TEST(Client, MegabyteAndThousandsInbound_AllArriveInOrder) {
-    MosquittoBroker broker;
-    BusProbe probe(broker.port(), {});
-    auto options = options_for(broker);
-    options.max_packet_bytes = 0;
-    Recorder bus(options);
-    bus.client->subscribe("in", {.qos = 1});
-    ASSERT_TRUE(bus.connect());
-    probe.publish("in", std::string(1 << 20, 'm'));
-    for (int i = 0; i < 2000; ++i)
-        probe.publish("in", std::to_string(i), false, 0);
-    ASSERT_TRUE(bus.until([&] { return bus.messages.size() == 2001; }));
-    EXPECT_EQ(bus.messages[0].payload.size(), 1u << 20);
-    for (int i = 0; i < 2000; ++i)
-        ASSERT_EQ(bus.messages[static_cast<std::size_t>(i) + 1].payload, std::to_string(i));
 }
 
 class ClientVersions : public testing::TestWithParam<mqtt::Version> {};

@@ -71,13 +71,6 @@ TEST(MqttTls, Flood_LeavesOtherWorkOfTheLoopItsTurns) {
     EXPECT_LE(most, 64U);
 }
 
-TEST(MqttTls, SystemCertificateFile_IsTrustedWithoutCaOption) {
-    MosquittoBroker broker({.tls = true});
-    const EnvironmentVariable file("SSL_CERT_FILE", broker.certificates().ca);
-    Recorder bus(options_for(broker));
-    EXPECT_TRUE(bus.connect()) << (bus.failures.empty() ? "" : bus.failures[0].text);
-}
-
 TEST(MqttTls, SystemCertificateFolder_IsTrustedAlsoWithAClientCertificate) {
     MosquittoBroker broker({.tls = true, .require_client_certificate = true});
     TempDir folder;
@@ -130,17 +123,6 @@ TEST(MqttTls, CertificateNotYetValid_MayPassAndAsksForTheClock) {
     EXPECT_THAT(failure.text, testing::HasSubstr("not yet valid; is the clock right?"));
 }
 
-TEST(MqttTls, AnyCertificateButInsecure_Connects) {
-    MosquittoBroker broker(
-        {.tls = true,
-         .certificate = {
-             .names = "DNS:broker.example", .from = "20200101000000Z", .until = "20210101000000Z"}});
-    auto options = options_for(broker);
-    options.insecure = true;
-    Recorder bus(options);
-    EXPECT_TRUE(bus.connect());
-}
-
 TEST(MqttTls, CaFileIsNoCertificate_FailsNamingTheFile) {
     MosquittoBroker broker({.tls = true});
     TempDir folder;
@@ -149,18 +131,6 @@ TEST(MqttTls, CaFileIsNoCertificate_FailsNamingTheFile) {
     const auto failure = first_failure(options);
     EXPECT_EQ(failure.kind, Kind::kTls);
     EXPECT_THAT(failure.text, testing::HasSubstr(options.ca_file));
-}
-
-TEST(MqttTls, BadBrokerFirstInTheList_UsesTheNextAndIsNotHopeless) {
-    MosquittoBroker bad({.tls = true, .certificate = {.names = "DNS:broker.example"}});
-    MosquittoBroker good({.tls = true});
-    auto options = tls_options(good);
-    options.brokers.insert(options.brokers.begin(), *mqtt::parse_broker(bad.url()));
-    Recorder bus(options);
-    ASSERT_TRUE(bus.connect());
-    ASSERT_EQ(bus.failures.size(), 1u);
-    EXPECT_TRUE(bus.failures[0].fatal());
-    EXPECT_FALSE(bus.failures[0].hopeless);
 }
 
 TEST(MqttTls, SlowNameServer_DoesNotStopTheLoopAndTheNameIsVerified) {
@@ -204,15 +174,6 @@ TEST(MqttTls, BrokerSignedByOurCa_ConnectsByAddressAndByName) {
     }
 }
 
-TEST(MqttTls, ClientCertificateDemandedAndShown_Connects) {
-    MosquittoBroker broker({.tls = true, .require_client_certificate = true});
-    auto options = tls_options(broker);
-    options.cert_file = broker.certificates().client_cert;
-    options.key_file = broker.certificates().client_key;
-    Recorder bus(options);
-    EXPECT_TRUE(bus.connect());
-}
-
 TEST(MqttTls, ClientCertificateDemandedAndMissing_IsATlsFailureAfterAFewAttemptsAtMost) {
     MosquittoBroker broker({.tls = true, .require_client_certificate = true});
     Recorder bus(tls_options(broker));
@@ -221,16 +182,6 @@ TEST(MqttTls, ClientCertificateDemandedAndMissing_IsATlsFailureAfterAFewAttempts
     EXPECT_LE(bus.failures.size(), 3u);
     EXPECT_THAT(bus.failures.back().text, testing::HasSubstr("certificate"));
     EXPECT_TRUE(bus.failures.back().fatal());
-}
-
-TEST(MqttTls, BrokerSignedByAnotherCa_IsATlsFailure) {
-    MosquittoBroker broker({.tls = true});
-    auto options = tls_options(broker);
-    options.ca_file = broker.certificates().other_ca;
-    Recorder bus(options);
-    bus.client->start();
-    ASSERT_TRUE(bus.until([&] { return !bus.failures.empty(); }));
-    EXPECT_EQ(bus.failures[0].kind, Kind::kTls) << bus.failures[0].text;
 }
 
 TEST(MqttTls, BrokerSignedByAnotherCaButInsecure_Connects) {
@@ -250,35 +201,6 @@ TEST(MqttTls, PlainClientAtATlsPort_FailsWithoutHanging) {
     bus.client->start();
     ASSERT_TRUE(bus.until([&] { return !bus.failures.empty(); }));
     EXPECT_EQ(bus.failures[0].kind, Kind::kNoAnswer) << bus.failures[0].text;
-}
-
-TEST(MqttTls, ThousandsOfMessages_NoneStaysInTheDecryptedBuffer) {
-    MosquittoBroker broker({.tls = true});
-    BusProbe probe(broker.port(), {}, {.ca = broker.certificates().ca});
-    Recorder bus(tls_options(broker));
-    bus.client->subscribe("in", {.qos = 1});
-    ASSERT_TRUE(bus.connect());
-    for (int i = 0; i < 3000; ++i)
-        probe.publish("in", std::to_string(i), false, i % 2);
-    ASSERT_TRUE(bus.until([&] { return bus.messages.size() == 3000; }));
-    EXPECT_EQ(bus.messages.back().payload, "2999");
-}
-
-TEST(MqttTls, Stopped_SaysGoodbye) {
-    MosquittoBroker broker({.tls = true});
-    BusProbe probe(broker.port(), {"#"}, {.ca = broker.certificates().ca});
-    auto options = tls_options(broker);
-    options.will = make_message("state", "lost", 1);
-    Recorder bus(options);
-    ASSERT_TRUE(bus.connect());
-    bus.client->publish(make_message("state", "offline", 1));
-    bool stopped = false;
-    bus.client->stop(2s, [&] { stopped = true; });
-    ASSERT_TRUE(bus.until([&] { return stopped; }));
-    ASSERT_TRUE(probe.wait_for("state", "offline"));
-    probe.publish("end", "x");
-    ASSERT_TRUE(probe.wait_for("end"));
-    EXPECT_EQ(probe.count("state"), 1u);
 }
 
 }  // namespace

@@ -106,33 +106,10 @@ class MqttVersion : public testing::Test {
     std::vector<std::string> refused_filters;
 };
 
-TEST_F(MqttVersion, RefusedInTheWordsOf311_FallsBackUnnoticed) {
-    EXPECT_TRUE(connects(kRefusedVersion311, kAccepted311));
-    EXPECT_EQ(versions, (std::vector<int>{5, 4}));
-    EXPECT_TRUE(failures.empty());
-}
-
 TEST_F(MqttVersion, RefusedInTheWordsOf5_FallsBackUnnoticed) {
     EXPECT_TRUE(connects(kRefusedVersion5, kAccepted311));
     EXPECT_EQ(versions, (std::vector<int>{5, 4}));
     EXPECT_TRUE(failures.empty());
-}
-
-TEST_F(MqttVersion, ClosedWithoutAnAnswer_IsTried311AtTheSecondTime) {
-    EXPECT_TRUE(connects("", kAccepted311));
-    EXPECT_EQ(versions, (std::vector<int>{5, 5, 4}));
-}
-
-TEST_F(MqttVersion, OnlyVersion5Allowed_DoesNotFallBack) {
-    EXPECT_FALSE(connects(kRefusedVersion5, kAccepted311, mqtt::Version::kV5));
-    EXPECT_EQ(failures.at(0).kind, Kind::kRefused);
-    for (const int version : versions)
-        EXPECT_EQ(version, 5);
-}
-
-TEST_F(MqttVersion, ClosedInEveryVersion_TriesOn) {
-    EXPECT_FALSE(connects("", ""));
-    EXPECT_EQ(failures.at(0).kind, Kind::kNoAnswer);
 }
 
 TEST_F(MqttVersion, DisconnectedBecauseOfAnotherClientWithOurId_IsTakenOver) {

@@ -81,33 +81,6 @@ TEST_F(WalkOnSecuredBus, ViewerWhoSubscribes_MayDemandValues_InItsOwnNameOnly) {
     EXPECT_FALSE(may_publish("uno", "asip/servicebus/uno2/$demand/uno/c1")) << "a board demands nothing";
 }
 
-TEST_F(WalkOnSecuredBus, ViewerWhoPings_IsToldWhoWhatAndWhoMayGrantIt) {
-    ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
-    for (const char* version : {"5", "3.1.1"}) {
-        const auto refused = asipctl("bob", {"ping", "uno", "-n", "2", "--mqtt-version", version});
-        EXPECT_NE(refused.status, 0) << refused.output;
-        if (version == std::string_view("3.1.1")) continue;  // no acknowledgement there says why
-        EXPECT_THAT(refused.errors, HasSubstr("asip/uno/in")) << version;
-        EXPECT_THAT(refused.errors, HasSubstr("let user bob write")) << version;
-        EXPECT_THAT(refused.errors, HasSubstr("asipctl secure add operator")) << version;
-    }
-    EXPECT_EQ(asipctl("ann", {"ping", "uno", "-n", "2"}).status, 0);
-}
-
-TEST_F(WalkOnSecuredBus, AgentWithTheCredentialsOfAnotherBoard_SaysWhoWhatAndWhoMayGrantIt) {
-    add({"board", "uno2"});
-    // Only MQTT 5 tells a client that what it published was denied.
-    SimulatedBoards second{{"asip_uno"}};
-    ChildProcess wrong(Words{ASIP_TEST_AGENT, "--serial", second.serial(), "--name", "uno3", "--config",
-                             settings_file("mqtt-version = 5\n")} +
-                       as("uno2"));
-    EXPECT_TRUE(wrong.wait_for_errors("denied announcing board uno3")) << wrong.errors();
-    EXPECT_THAT(wrong.errors(), HasSubstr("User uno2 must be allowed to write asip/servicebus/$probe"));
-    EXPECT_THAT(wrong.errors(), HasSubstr("asipctl secure add board uno3"));
-    EXPECT_THAT(wrong.errors(), HasSubstr("--name uno2"));
-    EXPECT_THAT(asipctl("bob", {"list", "-o", "name"}).output, Not(HasSubstr("uno3")));
-}
-
 TEST_F(WalkOnSecuredBus, BoardWithoutAgent_IsFoundByItsServicesAndCannotNameAnother) {
     add({"board", "plain"});
     ASSERT_TRUE(listed_for("bob")) << agent_->errors() << registry_->errors();
@@ -120,16 +93,6 @@ TEST_F(WalkOnSecuredBus, BoardWithoutAgent_IsFoundByItsServicesAndCannotNameAnot
     again.publish("asip/servicebus/plain", "io");
     ASSERT_TRUE(wait_until([&] { return again.all_acknowledged(); }));
     EXPECT_EQ(asipctl("bob", {"list", "-o", "name"}).output, "plain\nuno\n");
-}
-
-TEST_F(WalkOnSecuredBus, RevokedOperator_IsToldWhoToAsk) {
-    const auto copy = place_.write("copy", run({"cat", credentials("ann")}).output);
-    ASSERT_EQ(secure({"revoke", "ann", "--reload-pid", std::to_string(broker_->pid())}).status, 0);
-    ASSERT_TRUE(
-        wait_until([&] { return run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).status == 3; }));
-    EXPECT_THAT(
-        run({ASIP_TEST_ASIPCTL, "list", "--credentials", copy}).errors,
-        HasSubstr("refused user \"ann\"; check user and password, or ask the administrator of the broker"));
 }
 
 TEST_F(WalkOnSecuredBus, Doctor_SaysThatItIsClosed) {

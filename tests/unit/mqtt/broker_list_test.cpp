@@ -40,16 +40,6 @@ TEST_F(BrokerListTest, WholeListFailed_ThenThereIsAPauseThatGrows) {
     EXPECT_GT(list.failed(ended(list, Kind::kUnreachable), true, random_).wait, first);
 }
 
-TEST_F(BrokerListTest, VersionRefused_SameBrokerIsTriedWithout5AndNothingIsReported) {
-    auto list = list_of(2);
-    EXPECT_TRUE(list.with_v5());
-    auto end = ended(list, Kind::kRefused);
-    end.version_refused = true;
-    EXPECT_FALSE(list.failed(end, true, random_).failure);
-    EXPECT_EQ(list.current().host, "broker0");
-    EXPECT_FALSE(list.with_v5());
-}
-
 TEST_F(BrokerListTest, SilenceForMqtt5_IsTriedWithout5AndBackWhereThatIsNoBetter) {
     auto list = list_of(1);
     for (int round = 0; round < 3; ++round) {
@@ -75,25 +65,6 @@ TEST_F(BrokerListTest, SilenceOfABrokerThatTook5_IsNoSuspicion) {
     for (int attempt = 0; attempt < 5; ++attempt)
         list.failed(ended(list, Kind::kNoAnswer), true, random_);
     EXPECT_TRUE(list.with_v5());
-}
-
-TEST_F(BrokerListTest, VersionRefusedWhereNoOtherIsAllowed_IsReported) {
-    auto list = list_of(1, Version::kV5);
-    auto end = ended(list, Kind::kRefused);
-    end.version_refused = true;
-    EXPECT_TRUE(list.failed(end, true, random_).failure);
-    EXPECT_TRUE(list.with_v5());
-}
-
-TEST_F(BrokerListTest, ClosedUnansweredTwice_TriesWithout5AndReturnsTo5WhenThatFailsToo) {
-    auto list = list_of(2);
-    list.failed(unanswered(list), true, random_);
-    EXPECT_EQ(list.current().host, "broker0") << "suspected: the same broker again";
-    EXPECT_TRUE(list.with_v5());
-    list.failed(unanswered(list), true, random_);
-    EXPECT_FALSE(list.with_v5());
-    list.failed(unanswered(list), false, random_);
-    EXPECT_EQ(list.current().host, "broker1") << "the suspicion was wrong";
 }
 
 TEST_F(BrokerListTest, TlsBrokerThatClosesUnansweredThreeTimes_IsReportedAsTls) {

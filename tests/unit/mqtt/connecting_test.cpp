@@ -33,18 +33,6 @@ TEST(Connecting, BrokerThere_IsReportedWithVersion5) {
     EXPECT_THAT(bus.failures, IsEmpty());
 }
 
-TEST(Connecting, BrokerKnowsNo5_IsUsedWith311Unnoticed) {
-    SimulatedBus bus;
-    bus.brokers[0].knows_v5 = false;
-    bus.start();
-    ASSERT_TRUE(bus.until([&] { return bus.core.connected(); }));
-    EXPECT_FALSE(bus.core.v5());
-    EXPECT_THAT(bus.failures, IsEmpty());
-    bus.close();
-    ASSERT_TRUE(bus.until([&] { return bus.core.connected(); }));
-    EXPECT_EQ(bus.brokers[0].attempts.size(), 3u) << "it is remembered";
-}
-
 TEST(Connecting, NothingListens_IsReportedAndTriedOnWithAGrowingPause) {
     SimulatedBus bus;
     bus.brokers[0].refuses = Kind::kUnreachable;
@@ -57,16 +45,6 @@ TEST(Connecting, NothingListens_IsReportedAndTriedOnWithAGrowingPause) {
     EXPECT_EQ(bus.core.counters().failures, bus.failures.size());
     bus.brokers[0].refuses.reset();
     EXPECT_TRUE(bus.until([&] { return bus.core.connected(); }, 2s));
-}
-
-TEST(Connecting, FirstOfTheListIsDown_TheNextIsUsedAtOnce) {
-    SimulatedBus bus(2);
-    bus.brokers[0].refuses = Kind::kUnreachable;
-    bus.start();
-    bus.pass(1ms);
-    EXPECT_TRUE(bus.core.connected());
-    EXPECT_EQ(bus.connects.at(0).broker.host, "broker1");
-    EXPECT_EQ(bus.failures.size(), 1u);
 }
 
 TEST(Connecting, BrokerThatHangs_IsGivenUpForTheNext) {
@@ -87,28 +65,6 @@ TEST(Connecting, ConnectionCutOff_TheNextBrokerIsUsed) {
     ASSERT_TRUE(bus.core.connected());
     EXPECT_EQ(bus.losses.at(0).kind, Kind::kStalled);
     EXPECT_EQ(bus.connects.back().broker.host, "broker1");
-}
-
-TEST(Connecting, ConnectionClosed_TheSameBrokerIsTriedFirst) {
-    SimulatedBus bus(2);
-    ASSERT_TRUE(bus.connect());
-    bus.pass(10s);
-    bus.close();
-    bus.brokers[0].refuses = Kind::kUnreachable;
-    bus.pass(1ms);
-    EXPECT_TRUE(bus.core.connected());
-    EXPECT_EQ(bus.brokers[0].attempts.size(), 2u);
-    EXPECT_EQ(bus.connects.back().broker.host, "broker1");
-}
-
-TEST(Connecting, BrokerThatClosesSubscribers_IsLeftAfterThreeConnections) {
-    SimulatedBus bus(2);
-    bus.brokers[0].closes_subscribers = true;
-    bus.subscribe("in");
-    bus.start();
-    ASSERT_TRUE(bus.until([&] { return bus.core.subscribed(); }));
-    EXPECT_EQ(bus.brokers[0].connects, 3);
-    EXPECT_EQ(bus.brokers[1].connects, 1);
 }
 
 TEST(Connecting, BrokersOfAList_SeeANewIdentifierOnEachConnection) {

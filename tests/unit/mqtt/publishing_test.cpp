@@ -13,7 +13,6 @@ namespace {
 using Kind = mqtt::ConnectionFailure::Kind;
 using mqtt::Priority;
 using mqtt::PublishResult;
-using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -106,28 +105,6 @@ TEST(Publishing, FloodWhileTheBrokerReadsNothing_DropsTheOldestContextAndKeepsRe
     EXPECT_EQ(with_qos_1(bus.broker()), 30);
     EXPECT_EQ(bus.broker().published.size(), 3030 - dropped);
     EXPECT_EQ(bus.broker().published.back().payload, "2999");
-}
-
-TEST(Publishing, Urgent_LeavesAheadOfAllThatWaits) {
-    SimulatedBus bus;
-    bus.publish("n", "first");
-    bus.publish({.topic = "stop", .payload = "stop"}, Priority::kUrgent);
-    ASSERT_TRUE(bus.connect());
-    EXPECT_THAT(payloads(bus.broker()), ElementsAre("stop", "first"));
-}
-
-TEST(Publishing, TimeOverWhileItWaited_IsNotSent) {
-    SimulatedBus bus;
-    for (const int qos : {0, 1})
-        bus.publish({.topic = "command", .payload = "late", .qos = qos, .expiry_seconds = 1},
-                    Priority::kReply);
-    bus.publish({.topic = "command", .payload = "new", .qos = 1, .expiry_seconds = 60}, Priority::kReply);
-    bus.pass(1100ms);
-    ASSERT_TRUE(bus.connect());
-    EXPECT_THAT(payloads(bus.broker()), ElementsAre("new"));
-    EXPECT_EQ(bus.broker().published[0].expiry_seconds, 58u) << "what is left of it";
-    EXPECT_EQ(bus.core.counters().expired, 2u);
-    EXPECT_THAT(bus.debug_lines, Each(HasSubstr("its time was over")));
 }
 
 TEST(Publishing, NothingAcknowledged_IsStalledAndTheNextBrokerGetsTheNewestState) {

@@ -34,17 +34,6 @@ class SubscriptionsTest : public testing::Test {
     Random random = [] { return ~std::uint64_t{0}; };
 };
 
-TEST_F(SubscriptionsTest, Granted_IsCompleteAndNotDueAgain) {
-    subscriptions.add("a", {});
-    EXPECT_FALSE(subscriptions.usable());
-    send_due();
-    EXPECT_THAT(send_due(), IsEmpty());
-    EXPECT_EQ(answer(true), std::nullopt);
-    EXPECT_TRUE(subscriptions.usable());
-    now += 1h;
-    EXPECT_THAT(send_due(), IsEmpty());
-}
-
 TEST_F(SubscriptionsTest, Refused_IsDueAgainAfterAGrowingPause) {
     subscriptions.add("a", {});
     Duration last{};
@@ -67,44 +56,6 @@ TEST_F(SubscriptionsTest, Refused_IsDueAgainAfterAGrowingPause) {
     EXPECT_TRUE(subscriptions.usable());
 }
 
-TEST_F(SubscriptionsTest, Refused_IsSaidUntilTheNextConnection) {
-    subscriptions.add("a", {.qos = 1, .no_local = true});
-    EXPECT_FALSE(send_due().at(0).was_refused);
-    answer(false);
-    now += 1min;
-    const auto again = send_due();
-    EXPECT_TRUE(again.at(0).was_refused);
-    EXPECT_TRUE(again.at(0).options.no_local);
-    subscriptions.restart();
-    EXPECT_FALSE(send_due().at(0).was_refused);
-}
-
-TEST_F(SubscriptionsTest, RequiredAndRefusedThreeTimes_GivesTheBrokerUp) {
-    subscriptions.add("a", {.required = true});
-    for (int i = 1; i <= 3; ++i) {
-        send_due();
-        EXPECT_EQ(answer(false)->give_up, i == 3);
-        now += 1min;
-    }
-}
-
-TEST_F(SubscriptionsTest, Required_AreAskedForBeforeTheOthersAndMakeItUsable) {
-    subscriptions.add("a", {});
-    subscriptions.add("b", {.required = true});
-    subscriptions.add("c", {.required = true});
-    for (int connection = 0; connection < 2; ++connection) {
-        EXPECT_THAT(filters(send_due()), testing::ElementsAre("b", "c", "a"));
-        subscriptions.answered(last_id - 2, true, now, random);
-        EXPECT_FALSE(subscriptions.usable());
-        subscriptions.answered(last_id - 1, true, now, random);
-        EXPECT_TRUE(subscriptions.usable());
-        answer(false);
-        EXPECT_TRUE(subscriptions.usable());
-        subscriptions.restart();
-        EXPECT_FALSE(subscriptions.usable());
-    }
-}
-
 TEST_F(SubscriptionsTest, CouldNotBeSent_IsDueAgain) {
     subscriptions.add("a", {});
     EXPECT_THAT(filters(subscriptions.take_due(now)), testing::ElementsAre("a"));
@@ -114,26 +65,6 @@ TEST_F(SubscriptionsTest, CouldNotBeSent_IsDueAgain) {
     subscriptions.remove("a");
     subscriptions.not_sent("a");
     EXPECT_THAT(subscriptions.take_due(now), IsEmpty());
-}
-
-TEST_F(SubscriptionsTest, NewConnection_MakesEverythingDueAndForgetsOldAnswers) {
-    subscriptions.add("a", {});
-    subscriptions.add("b", {});
-    send_due();
-    const int old = last_id;
-    subscriptions.restart();
-    EXPECT_EQ(subscriptions.answered(old, true, now, random), std::nullopt);
-    EXPECT_FALSE(subscriptions.usable());
-    EXPECT_EQ(subscriptions.waiting_since(), std::nullopt);
-    EXPECT_THAT(filters(send_due()), testing::ElementsAre("a", "b"));
-}
-
-TEST_F(SubscriptionsTest, Removed_IsNeitherMissedNorRefused) {
-    subscriptions.add("a", {});
-    send_due();
-    subscriptions.remove("a");
-    EXPECT_TRUE(subscriptions.usable());
-    EXPECT_EQ(answer(false), std::nullopt);
 }
 
 TEST_F(SubscriptionsTest, GrantedOneRemovedOrAskedForAnew_IsCountedOnce) {
