@@ -90,7 +90,7 @@ class Exporting(Bus):
 
 
 def resident(process):
-    """Of memory that is its own, in bytes."""
+    """The memory that is its own, in bytes."""
     for line in pathlib.Path(f"/proc/{process.pid}/smaps_rollup").read_text().splitlines():
         if line.startswith("Pss:"):
             return int(line.split()[1]) * 1024

@@ -49,7 +49,7 @@ def value_of(metric):
 
 
 def metrics(payload):
-    """Of each metric its name, which data does not have, its alias and its value."""
+    """The name of each metric, which data does not have, its alias and its value."""
     for number, data in fields(payload):
         if number == PAYLOAD_METRICS:
             metric = dict(fields(data))

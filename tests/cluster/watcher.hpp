@@ -7,11 +7,11 @@
 #include <set>
 #include <string>
 
-#include "asip/bus/registry/catalogue_view.hpp"
 #include "asip/bus/request/requester.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "tests/cluster/history.hpp"
+#include "tests/support/catalogue_view.hpp"
 
 namespace cluster {
 

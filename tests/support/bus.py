@@ -40,7 +40,7 @@ LAMP = {"name": "lamp", "board": "uno", "image": str(IMAGES / "asip_uno.elf"), "
 
 
 def paho_client(**options):
-    """Of paho-mqtt 1.6 or 2.x."""
+    """A client of paho-mqtt 1.6 or 2.x."""
     if hasattr(mqtt, "CallbackAPIVersion"):
         options["callback_api_version"] = mqtt.CallbackAPIVersion.VERSION2
     return mqtt.Client(**options)

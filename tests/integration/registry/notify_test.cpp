@@ -116,58 +116,6 @@ TEST_F(NotifyTest, ReceiverThatIsAwayOrRefusesOrHangs_IsTriedAgainAndHoldsNothin
     ASSERT_TRUE(registry_->wait_for_errors("delivered again"));
 }
 
-TEST_F(NotifyTest, ReceiverThatRefuses_IsLoggedAndTheNextMessageGoesOut) {
-    const auto hook = receiver({"--answers", "404,204"});
-    start_registry("http://127.0.0.1:" + port_ + "/old?key=hidden");
-    announce(0, 2);
-    say(0, 1, "lost");
-    ASSERT_TRUE(registry_->wait_for_errors("takes no messages.*status 404")) << registry_->errors();
-    EXPECT_THAT(registry_->errors(), ::testing::Not(HasSubstr("hidden")));
-    say(1, 2, "lost");
-    ASSERT_TRUE(hook->wait_for_output("b1 is lost"));
-}
-
-TEST_F(NotifyTest, ReceiverThatAnswersAtLengthAndNeverCloses_HasAnswered) {
-    const auto hook = receiver({"--raw", "HTTP/1.1 102 Processing\n\nHTTP/1.1 200 OK\n\n"});
-    start_registry("http://127.0.0.1:" + port_ + "/");
-    announce(0, 2);
-    say(0, 1, "lost");
-    ASSERT_TRUE(hook->wait_for_output("b0 is lost")) << registry_->errors();
-    say(1, 2, "lost");
-    ASSERT_TRUE(hook->wait_for_output("b1 is lost")) << registry_->errors();
-    EXPECT_EQ(bodies(*hook).size(), 2u) << "each once";
-    EXPECT_THAT(registry_->errors(), ::testing::Not(HasSubstr("no notice")));
-}
-
-TEST_F(NotifyTest, ReceiverThatMoved_IsNeverFollowedAndItsWordsAreLoggedOnce) {
-    const auto hook = receiver({"--answers", "308,204", "--words", "moved,", "--head",
-                                "Location: https://new.example/other?key=new"});
-    start_registry("http://127.0.0.1:" + port_ + "/old?key=hidden");
-    announce(0, 2);
-    say(0, 1, "lost");
-    ASSERT_TRUE(
-        registry_->wait_for_errors("status 308, another address, at https://new.example: moved, \\.\\.\\."))
-        << registry_->errors();
-    EXPECT_THAT(registry_->errors(),
-                ::testing::Not(::testing::AnyOf(HasSubstr("hidden"), HasSubstr("key=new"))));
-    say(1, 2, "lost");
-    ASSERT_TRUE(hook->wait_for_output("b1 is lost"));
-    EXPECT_EQ(bodies(*hook).size(), 2u) << "the first was dropped";
-}
-
-TEST_F(NotifyTest, ReceiverThatWantsAPause_GetsItAndUserAndPassword) {
-    const auto hook = receiver({"--answers", "429,204", "--head", "Retry-After: 4"});
-    start_registry("http://ann:p%40ss@127.0.0.1:" + port_ + "/topic");
-    announce(0, 1);
-    say(0, 1, "lost");
-    ASSERT_TRUE(wait_until([&] { return bodies(*hook).size() == 1; })) << registry_->errors();
-    const auto began = std::chrono::steady_clock::now();
-    ASSERT_TRUE(wait_until([&] { return bodies(*hook).size() == 2; })) << registry_->errors();
-    EXPECT_GT(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(3500));
-    EXPECT_THAT(hook->output(), HasSubstr("USER Basic YW5uOnBAc3M=")) << "ann:p@ss";
-    EXPECT_THAT(registry_->errors(), ::testing::Not(HasSubstr("p%40ss")));
-}
-
 TEST_F(NotifyTest, Https_IsVerified) {
     TempDir folder;
     const auto made = run({"openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj",

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <csignal>
 
-#include "asip/bus/registry/catalogue_view.hpp"
 #include "running_registry.hpp"
+#include "tests/support/catalogue_view.hpp"
 
 namespace asip::test {
 namespace {
@@ -63,28 +63,6 @@ TEST(Registry, TwoRegistries_AgreeAndTheDeathOfOneHarmsNobody) {
     RunningRegistry third(broker.address(), "r3");
     ASSERT_TRUE(third.complete());
     EXPECT_TRUE(wait_until([&] { return snapshot("r1") == snapshot("r3"); })) << "rebuilt from the bus alone";
-}
-
-TEST(Registry, TwoAgentsWithOneName_ConflictIsReportedAndTheyNeverAlternate) {
-    MosquittoBroker broker;
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port());
-    for (int seq = 1; seq < 6; ++seq) {
-        probe.publish(announcement("uno1", description_text("uno1", "aaaa", seq), 60));
-        probe.publish(announcement("uno1", description_text("uno1", "bbbb", seq), 60));
-    }
-    ASSERT_TRUE(wait_until([&] {
-        const auto answer = ask(probe, R"({"find":"boards"})");
-        return answer && answer->boards.size() == 1 && answer->boards[0].conflict;
-    }));
-    const auto item = ask(probe, R"({"find":"boards"})")->boards.at(0);
-    EXPECT_EQ(item.conflict->holder, "bbbb");
-    EXPECT_EQ(item.conflict->other, "aaaa");
-    int conflicts = 0;
-    for (const auto& event : events_of(probe))
-        conflicts += event.kind == Kind::kConflict ? 1 : 0;
-    EXPECT_EQ(conflicts, 1);
 }
 
 TEST(Registry, WatcherThatJoinsDuringAFlood_EndsWithTheSameBoards) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "asip/model/model_set.hpp"
 #include "running_registry.hpp"
@@ -11,79 +9,6 @@
 
 namespace asip::test {
 namespace {
-
-TEST(Registry, BadQuery_IsAnsweredWithAReason) {
-    MosquittoBroker broker;
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port());
-    for (const char* query :
-         {R"({"find":"shoes"})", R"({"find":"boards","limit":-1})", "{}", R"({"find":"boards","sort":"x"})",
-          R"({"find":"boards","state":["undead"]})", R"({"find":"boards","cursor":"x"})"}) {
-        const auto answer = ask(probe, query);
-        ASSERT_TRUE(answer) << query;
-        EXPECT_EQ(answer->refused, "invalid") << query;
-        EXPECT_NE(answer->error, "") << query;
-    }
-    EXPECT_EQ(ask(probe, R"({"forget":"nobody"})")->refused, "unknown-board");
-    EXPECT_EQ(ask(probe, R"({"find":"history"})")->refused, "no-history");
-}
-
-TEST(Registry, TellsTheModelsOfServices_ThoseOfItsFolderToo) {
-    MosquittoBroker broker;
-    const TempDir folder;
-    std::ofstream(folder.path() / "lights.json")
-        << R"({"name":"lights","version":3,"id":"Z","title":"Lights","commands":{"on":{"tag":"O"}}})";
-    RunningRegistry registry(broker.address(), "r1", {"--services", folder.path().string()});
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port());
-    const auto all = ask(probe, R"({"find":"models"})");
-    ASSERT_TRUE(all);
-    EXPECT_EQ(all->models.size(), model::ModelSet::standard().all().size() + 1);
-    const auto lights = ask(probe, R"({"find":"models","kind":"lights"})");
-    ASSERT_TRUE(lights);
-    ASSERT_EQ(lights->models.size(), 1U);
-    EXPECT_EQ(model::parse_service_model(lights->models.front())->ref(), "lights@3");
-}
-
-TEST(Registry, QueryOverMqtt311_IsAnsweredByReplyToAndId) {
-    MosquittoBroker broker;
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    BusProbe::Options old;
-    old.v5 = false;
-    BusProbe probe(broker.port(), {"#"}, old);
-    probe.publish("asip/registry/query", R"({"find":"boards","reply_to":"answers/here","id":"77"})");
-    const auto message = probe.wait_for("answers/here");
-    ASSERT_TRUE(message);
-    EXPECT_EQ(bus::parse_answer(message->payload)->id, "77");
-}
-
-TEST(Registry, PagesOfAQuery_HoldEachBoardOnce) {
-    MosquittoBroker broker;
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port(), {"nothing"});
-    for (int i = 0; i < 250; ++i) {
-        const std::string board = "board" + std::to_string(i);
-        probe.publish(announcement(board, description_text(board, "a", 1), 60));
-    }
-    ASSERT_TRUE(becomes(probe, "board249", "online"));
-    std::set<std::string> seen;
-    std::string cursor;
-    int pages = 0;
-    do {
-        const auto answer =
-            ask(probe, R"({"find":"services","kind":"distance","limit":40,"cursor":")" + cursor + "\"}");
-        ASSERT_TRUE(answer);
-        for (const auto& item : answer->services)
-            EXPECT_TRUE(seen.insert(item.board).second) << item.board;
-        cursor = answer->cursor;
-        ++pages;
-    } while (!cursor.empty() && pages < 20);
-    EXPECT_EQ(seen.size(), 250u);
-    EXPECT_EQ(pages, 7);
-}
 
 TEST(Registry, ForgottenBoard_LeavesNoRetainedTopicBehind) {
     MosquittoBroker broker;

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-
-#include <thread>
+#include <gtest/gtest.h>
 
 #include "running_registry.hpp"
 
@@ -9,24 +7,6 @@ namespace asip::test {
 namespace {
 
 using Kind = bus::ChangeEvent::Kind;
-
-TEST(Registry, BoardAnnouncedBeforeItStarted_IsListedAtOnce) {
-    MosquittoBroker broker;
-    BusProbe probe(broker.port());
-    probe.publish(announcement("uno1", description_text("uno1", "a", 1), 60));
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    const auto answer =
-        ask(probe, R"({"find":"services","kind":["distance"],"state":["online"],"count":true})");
-    ASSERT_TRUE(answer);
-    EXPECT_EQ(answer->registry, "r1");
-    EXPECT_EQ(answer->total, 1u);
-    ASSERT_EQ(answer->services.size(), 1u);
-    EXPECT_EQ(answer->services[0].board, "uno1");
-    EXPECT_EQ(answer->services[0].title, "A thing");
-    EXPECT_TRUE(probe.wait_for("asip/registry/r1/$state", "online"));
-    EXPECT_TRUE(probe.wait_for("asip/servicebus/$probe")) << "asks the living to speak up";
-}
 
 // Changes that follow each other faster than the broker takes them become one event.
 TEST(Registry, LifeOfABoard_IsReportedAsNumberedEvents) {
@@ -53,87 +33,6 @@ TEST(Registry, LifeOfABoard_IsReportedAsNumberedEvents) {
     EXPECT_EQ(events[2].reason, "stopped");
     for (std::size_t i = 0; i < 3; ++i)
         EXPECT_EQ(events[i].seq, i + 1);
-}
-
-TEST(Registry, WillOfADyingAgent_MakesItsBoardLost) {
-    MosquittoBroker broker;
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port());
-    BusProbe::Options options;
-    options.will =
-        mqtt::Message{.topic = "asip/servicebus/uno1/$state", .payload = "lost", .qos = 1, .retain = true};
-    BusProbe agent(broker.port(), {}, options);
-    agent.publish(announcement("uno1", description_text("uno1", "a", 1), 60));
-    ASSERT_TRUE(becomes(probe, "uno1", "online"));
-    agent.drop();
-    EXPECT_TRUE(becomes(probe, "uno1", "lost"));
-    EXPECT_EQ(events_of(probe).back().reason, "agent-gone");
-}
-
-TEST(Registry, LeaseRunsOutWithoutAWill_BoardIsLost) {
-    MosquittoBroker broker;
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port());
-    probe.publish(announcement("uno1", description_text("uno1", "a", 1, 1), 1));
-    ASSERT_TRUE(probe.wait_for("asip/registry/r1/events"));
-    EXPECT_TRUE(becomes(probe, "uno1", "lost"));
-    EXPECT_EQ(events_of(probe).back().reason, "expired");
-}
-
-TEST(Registry, GhostOnABrokerWithoutExpiry_ItsDescriptionIsEmptied) {
-    MosquittoBroker broker;
-    BusProbe::Options old;
-    old.v5 = false;
-    BusProbe agent(broker.port(), {}, old);
-    agent.publish(announcement("uno1", description_text("uno1", "a", 1, 1)));
-    RunningRegistry registry(broker.address(), "r1", {"--config", settings_file("mqtt-version = 3.1.1\n")});
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port(), {"#"}, old);
-    EXPECT_TRUE(probe.wait_for("asip/servicebus/uno1/$description", ""));
-    EXPECT_TRUE(becomes(probe, "uno1", "lost")) << "the board stays listed, marked";
-    BusProbe late(broker.port());
-    EXPECT_TRUE(late.wait_for("asip/registry/r1/$state", "online"));
-    EXPECT_EQ(late.count("asip/servicebus/uno1/$description"), 0u);
-}
-
-TEST(Registry, RetainedBoardThatDoesNotAnswerItsProbe_IsNotLostBeforeItsLease) {
-    MosquittoBroker broker;
-    BusProbe::Options old;
-    old.v5 = false;
-    BusProbe agent(broker.port(), {}, old);
-    agent.publish(announcement("uno1", description_text("uno1", "a", 1, 60)));
-    RunningRegistry registry(broker.address(), "r1", {"--config", settings_file("mqtt-version = 3.1.1\n")});
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port(), {"#"}, old);
-    ASSERT_TRUE(becomes(probe, "uno1", "online"));
-    std::this_thread::sleep_for(13s);  // longer than a reconnection gives, and than the clearing behind it
-                                       // takes
-    EXPECT_EQ(state_of(probe, "uno1"), "online");
-    EXPECT_EQ(probe.count("asip/servicebus/uno1/$description"), 1u) << "it was cleared";
-    for (const auto& event : events_of(probe))
-        EXPECT_NE(event.reason, "expired");
-}
-
-TEST(Registry, BoardWithThePublishedNamesOnly_IsAFullMemberAndItsTrafficRenewsIt) {
-    MosquittoBroker broker;
-    RunningRegistry registry(broker.address());
-    ASSERT_TRUE(registry.complete());
-    BusProbe probe(broker.port());
-    probe.publish("asip/servicebus", "esp1");
-    probe.publish("asip/servicebus/esp1", "Distance\n");
-    ASSERT_TRUE(becomes(probe, "esp1", "online"));
-    ASSERT_TRUE(wait_until([&] {
-        const auto answer = ask(probe, R"({"find":"services","board":"esp1"})");
-        return answer && answer->services.size() == 1 && answer->services[0].name == "Distance";
-    }));
-    const auto last_seen = [&] { return ask(probe, R"({"find":"boards"})")->boards.at(0).last_seen; };
-    const auto before = last_seen();
-    EXPECT_TRUE(wait_until([&] {
-        probe.publish("asip/esp1/out", "@D,e,1,{42}");
-        return last_seen() > before;
-    })) << "traffic counts as a sign of life";
 }
 
 TEST(Registry, HostileAnnouncements_AreRefusedCountedAndHarmNobody) {

@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "asip/bus/registry/catalogue_view.hpp"
 #include "messages.hpp"
+#include "tests/support/catalogue_view.hpp"
 
 namespace asip::registry {
 namespace change_feed_test {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "asip/bus/registry/catalogue_view.hpp"
-#include "asip/bus/pattern.hpp"
+#include "tests/support/catalogue_view.hpp"
 
 #include <utility>
+
+#include "asip/bus/pattern.hpp"
 
 namespace asip::bus {
 
