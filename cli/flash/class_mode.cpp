@@ -132,7 +132,7 @@ class ClassRoom {
         seat->link = description.link.path;
         seat->sketch = description.firmware.sketch;
         seat->chip = description.firmware.chip;
-        // Of ASIP 0.4 without extensions: it could not keep a name, for one.
+        // A sketch of ASIP 0.4 without extensions could not keep a name, for one.
         const bool old = online && description.firmware.extensions.empty();
         seat->force = old || (online && options_.load.force);
         if (online && !seat->force && lacks_name(board, description)) {

@@ -36,7 +36,7 @@ struct Call {
 /// application/problem+json (RFC 9457).
 http::Response problem(int status, const std::string& detail);
 http::Response problem(int status, const std::string& detail, nlohmann::json members);
-/// Of one asker: a cache may keep it for no other.
+/// It belongs to one asker: a cache may keep it for no other.
 http::Response json_response(const nlohmann::json& body, int status = 200);
 http::Response text_response(std::string json_text, int status = 200);
 

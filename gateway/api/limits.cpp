@@ -22,7 +22,7 @@ bool sees_pins(const Rights& rights, std::string_view board) {
 void limit_names(const Rights& rights, const std::string& board, json& object) {
     if (object.contains("/names/pins"_json_pointer) && !sees_pins(rights, board))
         object["names"].erase("pins");
-    // Of a property the service stands first in its id.
+    // The id of a property begins with its service.
     for (const auto& pointer : {"/names/services"_json_pointer, "/meanings"_json_pointer}) {
         if (!object.contains(pointer) || !object[pointer].is_object()) continue;
         auto& named = object[pointer];
@@ -31,7 +31,7 @@ void limit_names(const Rights& rights, const std::string& board, json& object) {
     }
 }
 
-// Of a board, or of a description, as JSON.
+// `object`: a board, or a description, as JSON.
 void limit_services(const Rights& rights, const std::string& board, json& object) {
     limit_names(rights, board, object);
     if (!sees_pins(rights, board))

@@ -69,7 +69,7 @@ std::vector<Answer> command_answers() {
             fault(504, "No proof in time: it may or may not have been executed")};
 }
 
-/// Of a property that is written, or an action.
+/// Those of an action, and of writing a property.
 std::vector<Answer> setting_answers() {
     auto answers = command_answers();
     answers[0] = {204, "The board executed it", ""};

@@ -13,7 +13,7 @@ inline constexpr double kMaxHz = 1000;  ///< of values of a service
 
 /// Answers with a stream of Server-Sent Events, or with 429 where its client has too much.
 void start_sse(const Call& call, std::unique_ptr<Feed> feed);
-/// Of a feed of the properties of a board, or of those of one service, as this client sees them.
+/// For a feed of the properties of a board, or of those of one service, as this client sees them.
 PropertyFeed::Options feed_options(const Call& call, const std::string& board, const std::string& service,
                                    double max_hz);
 /// Behind what a client resumes a stream. Fails with a sentence.

@@ -119,7 +119,7 @@ std::unique_ptr<ValueFeed> values_of(const Call& call, const std::string& board,
     return std::make_unique<ValueFeed>(call.gateway.mirror().values(), std::move(options));
 }
 
-/// Of a board that reports on demand the value may be old: then the next one is waited for.
+/// A board that reports on demand may have reported long ago: then the next value is waited for.
 void read_value(Call& call, const Thing& thing, const Property& property) {
     auto& gateway = call.gateway;
     const auto& board = thing.board->board;

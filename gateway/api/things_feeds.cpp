@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Of another feed what becomes something else.
+/// What another feed gives, each message made into another one or left out.
 class Translated : public Feed {
   public:
     explicit Translated(std::unique_ptr<Feed> feed) : feed_(std::move(feed)) {

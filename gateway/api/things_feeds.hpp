@@ -9,10 +9,10 @@
 
 namespace asip::gateway::api {
 
-/// Of a PropertyFeed the values of one property, each a message; the same value is sent once.
+/// The values of one property of a PropertyFeed, each a message; the same value is sent once.
 std::unique_ptr<Feed> property_values(std::unique_ptr<Feed> values, std::string id);
 
-/// Of a feed of the catalogue's changes those of things: `thing_created`, `thing_updated`, `thing_deleted`.
+/// The changes of things in a feed of the catalogue: `thing_created`, `thing_updated`, `thing_deleted`.
 /// `only`: one of these; empty: all.
 std::unique_ptr<Feed> things_feed(std::unique_ptr<Feed> changes, exports::WebOfThings dialect,
                                   std::string only);

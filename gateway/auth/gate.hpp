@@ -83,7 +83,7 @@ class Gate {
     bool still_admitted(const Principal& principal, const Instant& now) const;
     /// The value of our cookie; empty: none.
     std::string cookie_of(const http::Request& request) const { return cookie_of(request, options_.cookie); }
-    /// Of any cookie, by its name.
+    /// The value of any cookie, by its name.
     static std::string cookie_of(const http::Request& request, std::string_view name);
     /// The origin of the request, if it is one that answers may be given to; empty: none.
     std::string allowed_origin(const http::Request& request) const;

@@ -63,7 +63,7 @@ struct Rights {
     std::string mark() const;
     /// A dashboard's link gives them; no token of the file has such a name.
     bool of_link() const { return lesson.empty() && name.find('@') != std::string::npos; }
-    /// Of what is seen: equal for rights that see the same by the same patterns; empty: everything.
+    /// Names what is seen: equal for rights that see the same by the same patterns; empty: everything.
     std::string seen() const;
     friend bool operator==(const Rights&, const Rights&) = default;
 };

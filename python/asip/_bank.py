@@ -165,7 +165,7 @@ class Bank:
         self._look()
 
     def _on_report(self, payload: dict[str, Any], now: float, _stored: bool) -> None:
-        """Of the service io."""
+        """What the service io reports."""
         with self.changed:
             self._keep(payload, now)
         self._look()

@@ -19,7 +19,7 @@ _SILENT_UNTIL_311 = 1
 
 
 class VersionChoice:
-    """Of one broker."""
+    """Which version of MQTT one broker is met with."""
 
     def __init__(self) -> None:
         self._refused = self._took = False

@@ -300,7 +300,7 @@ class Catalogue:
             entry.description, entry.session, entry.seq = document, document["session"], document["seq"]
 
     def look_away(self, followed: Any) -> None:
-        """Of boards that are not followed any more the state stays as it is: nothing is heard that would renew a lease."""
+        """Boards that are not followed any more keep their state: nothing is heard that would renew a lease."""
         for name, entry in self.boards.items():
             entry.listed = entry.listed or not followed(name)
 

@@ -103,7 +103,7 @@ def _opening(number: int, address: int, what: bytes | int) -> list[Command]:
 
 
 def _counts(count: int) -> list[tuple[int, bool]]:
-    """Of the parts of a reading, and whether more of it follow."""
+    """The sizes of the parts of a reading, and whether more parts follow."""
     full, rest = divmod(count, READ)
     sizes = [READ] * full + ([rest] if rest else [])
     return [(size, at < len(sizes) - 1) for at, size in enumerate(sizes)]

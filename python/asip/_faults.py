@@ -12,7 +12,7 @@ _MAX_KINDS = 100
 
 
 class Faults:
-    """Of one bus."""
+    """The faults of one bus: each is counted, and each kind is logged once."""
 
     def __init__(self) -> None:
         self.count = 0

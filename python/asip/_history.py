@@ -56,7 +56,7 @@ def query(board: str, property: str, days: float, hours: float, points: int) -> 
 
 
 def read(answer: dict[str, Any]) -> History:
-    """Of what a registry answers; what is no point is passed over."""
+    """From the answer of a registry; what is no point is passed over."""
     history = History()
     history.level, history.registry = str(answer.get("level") or ""), str(answer.get("registry") or "")
     items = answer.get("items")

@@ -66,7 +66,7 @@ class Topics:
         return f"{self.root}/{board}/$values"
 
     def question(self, board: str) -> str:
-        """Of an agent how its board stands. A level of its own: the demand of this program stays as it is."""
+        """Asks an agent how its board stands. A level of its own: the demand of this program stays as it is."""
         return f"{self.demand(board)}-values"
 
     def query(self) -> str:

@@ -75,7 +75,7 @@ LIGHTS = {"name": "lights", "version": 3, "id": "Z", "title": "Lights", "command
 
 
 class Models(Memory):
-    """Of a service that only its name and version describe, on a board that another program announces."""
+    """A service that only its name and version describe, on a board that another program announces."""
 
     def announce(self, reference):
         self.memory._publish("servicebus/shed/$description", {"board": "shed", "session": "1", "seq": 1, "lease": 600, "services": [

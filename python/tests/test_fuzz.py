@@ -201,7 +201,7 @@ class Numbers(unittest.TestCase):
 
 
 class Faults(Memory):
-    """Of what nobody thought of."""
+    """What nobody thought of."""
 
     def test_message_that_raises_is_counted_logged_once_and_dropped(self):
         with unittest.mock.patch.object(self.bus._engine.session.catalogue, "on_state", side_effect=OverflowError("x")), self.assertLogs("asip", "ERROR") as logged:

@@ -52,7 +52,7 @@ class Phones:
             self.windows.append(eventually(lambda known=known: next(iter(set(driver.window_handles) - known), None), "the phone's window"))
 
     def ask(self, method, **parameters):
-        """Of the whole browser: chromedriver asks a page only."""
+        """Asks the whole browser: chromedriver asks a page only."""
         self.tools.send(json.dumps({"id": 1, "method": method, "params": parameters}))
         while (answer := json.loads(self.tools.recv())).get("id") != 1:
             pass

@@ -129,7 +129,7 @@ class Trace:
         return message
 
     def scrolled_frames_per_second(self):
-        """Of frames that were presented while something scrolled."""
+        """The frames that were presented while something scrolled."""
         frames = {}  # one frame may be reported twice: by the compositor and by the main thread
         for event in self.events:
             report = event.get("args", {}).get("frame_reporter")
@@ -138,7 +138,7 @@ class Trace:
         return (len(frames) - 1) * 1e6 / (max(frames.values()) - min(frames.values()))
 
     def frames_per_second(self):
-        """Of all pages together; only one should be moving."""
+        """Counts all pages together; only one should be moving."""
         times = sorted(event["ts"] for event in self.events if event["name"] == "DrawFrame")
         return (len(times) - 1) * 1e6 / (times[-1] - times[0])
 

@@ -23,7 +23,7 @@ class Chip:
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=die_with_parent)
 
     def word(self, address):
-        """Of the chip's memory, as its registers show it."""
+        """The chip's memory, as its registers show it."""
         with socket.create_connection(("127.0.0.1", self.control), timeout=20) as control:
             stream = control.makefile("rw")
             for command in ({"execute": "qmp_capabilities"},

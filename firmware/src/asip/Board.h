@@ -117,8 +117,8 @@ class Board {
     void useExtensions(bool on) __attribute__((noinline));
     void giveUpRate();
 
-    // Of the service with the longest requests. Where there is none they are never written, and compiled as
-    // the constants that they are.
+    // The buffer of the service with the longest requests. Where there is none these are never written, and
+    // compiled as the constants that they are.
     static void (*readAhead_)();
     static char* longLine_;
     static uint8_t longLineSize_;

@@ -69,7 +69,7 @@ inline bool losesPwm(uint8_t) {
     return false;
 }
 
-// Of the I2C bus, once a service has taken them.
+// The pins of the I2C bus, once a service has taken them.
 constexpr uint8_t kNoPin = 255;
 extern uint8_t busPins[2];
 inline bool isBusPin(uint16_t pin) {
@@ -105,7 +105,7 @@ inline uint8_t milliseconds() {
 }
 
 #if ASIP_HAS_EEPROM
-// Of a core that keeps EEPROM in its flash: read once, written back when the last byte of a name is there.
+// A core that keeps EEPROM in its flash: it is read once, and written back with the last byte of a name.
 // That stops the chip for some 50 milliseconds; a peer waits for the answer to #,I.
 constexpr uint16_t kEepromEnd = ASIP_EEPROM_SIZE - 1;
 inline void openEeprom() {

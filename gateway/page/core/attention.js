@@ -6,7 +6,7 @@ import { reason_text } from "./text.js";
 const kNamed = 5;
 const kBurstMs = 5000; // boards that are lost within this time are one loss
 
-/// Of the rows of the catalogue: {lost: [row], stopped: [row], bare: [row], reasons: [[reason, count]]}; lost ones the newest first.
+/// What the rows of the catalogue show: {lost: [row], stopped: [row], bare: [row], reasons: [[reason, count]]}; lost ones the newest first.
 /// `bare`: boards that speak no ASIP, which were never there to be lost.
 export function attention_of(rows) {
   const lost = [];

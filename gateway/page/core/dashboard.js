@@ -22,7 +22,7 @@ export function offers_of(board, properties) {
   })).slice(0, kMaxOffers);
 }
 
-// Of what moves there is none: it runs only while it is held.
+// What moves has no widget: it runs only while it is held.
 function kinds_of(property) {
   if (property.access !== "read" && property.advanced && property.service !== "io") return [];
   const slider = range_of(property) ? ["slider"] : [];

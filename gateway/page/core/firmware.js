@@ -2,7 +2,7 @@
 // Boards that speak no ASIP: their port is known, and their agent can load firmware into them.
 import { known_text, t } from "./language.js";
 
-/// Of a row of the table or a board of the API: a port where nothing has ever answered.
+/// `board`: a row of the table, or a board of the API. True: nothing has ever answered at its port.
 export function speaks_no_asip(board) {
   return board.state === "lost" && board.reason === "silent" && !board.chip && (board.services?.length ?? 0) === 0;
 }

@@ -225,7 +225,7 @@ class Dashboard extends Part {
     }
   }
 
-  /// Of what another editor has changed meanwhile nothing is overwritten: the change is refused, and what there is now is shown.
+  /// Nothing that another editor has changed meanwhile is overwritten: the change is refused, and what there is now is shown.
   async change(edit) {
     const document_ = edit(this.document);
     this.saving = true;

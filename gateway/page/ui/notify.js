@@ -27,7 +27,7 @@ boards.addEventListener("change", () => {
   if (!boards.catalogue.complete) return;
   const text = losses.of(boards.catalogue.rows.values(), Date.now());
   if (!text || !wanted()) return;
-  // Of several tabs, and of a loss that grows, one notice stays: that is what its tag is for.
+  // One notice stays of several tabs, and of a loss that grows: that is what its tag is for.
   tell(text);
 });
 

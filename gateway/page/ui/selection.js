@@ -82,7 +82,7 @@ class Selection extends Part {
       field(t("label-within"), input, "text"), h("button", { class: "main" }, t("label-them")));
   }
 
-  /// Of the services that all of them have, and where there is none of those that any has.
+  /// The services that all of them have; where there is none, those that any has.
   services() {
     const rows = [...this.picked].map((name) => boards.catalogue.rows.get(name)).filter(Boolean);
     const counts = new Map();
