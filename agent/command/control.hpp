@@ -78,7 +78,8 @@ class Control {
         Time deadline;
         std::optional<Duration> hold;
         model::ModelPtr model;
-        std::vector<std::string> encoded;  // the lines of commands for a service
+        std::string encoded;               // the line of a command for a service
+        std::vector<std::string> listed;   // the lines of a list of commands
         bool is_list = false;              // {"commands":[...]}: its answer is a list, too
         std::vector<std::string> answers;  // of a list: by the place of the command; empty: it has none
         std::size_t lines = 0;
@@ -90,7 +91,7 @@ class Control {
     };
     /// A request of a command, checked and not sent yet.
     struct Line {
-        protocol::Request request;  // views into the command or into Execution::encoded
+        protocol::Request request;  // views into the command or into what Execution holds
         char answer_tag = 0;
         Duration answer_time = session::kDefaultAnswerTime;
         std::string safe{};  // what undoes it
@@ -113,7 +114,8 @@ class Control {
     /// The same for a command that is a list of commands.
     Expected<std::vector<Line>> read_list(const nlohmann::json& list, Execution& execution,
                                           const session::ServiceTable::Entry& service) const;
-    static Expected<Line> line_of(Expected<model::EncodedCommand> encoded, Execution& execution);
+    /// `kept`: what the line is a view into.
+    static Expected<Line> line_of(Expected<model::EncodedCommand> encoded, std::string& kept);
     /// The first raw line for which the client has no room, else empty. It reads none: a flood must cost
     /// little.
     std::string_view first_of_too_many(const Command& command, const Execution& execution) const;

@@ -60,8 +60,8 @@ Expected<std::vector<Control::Line>> Control::read(const Command& command, Execu
     }
     if (!raw) {
         const auto list = envelope.object.find("commands");
-        const bool own = service->model && service->model->command("commands") != nullptr;
-        if (list != envelope.object.end() && !own) {
+        const auto is_own = [&] { return service->model && service->model->command("commands") != nullptr; };
+        if (list != envelope.object.end() && !is_own()) {
             if (envelope.object.size() > 1) return fail("commands: stands beside another command");
             return read_list(*list, execution, *service);
         }
@@ -69,16 +69,16 @@ Expected<std::vector<Control::Line>> Control::read(const Command& command, Execu
     const auto* model = service->model.get();
     auto line = line_of(raw ? model::encode_control_text(model, service->letter, envelope.text)
                             : model::encode_control_json(model, service->letter, envelope.object),
-                        execution);
+                        execution.encoded);
     if (!line) return fail(line.error());
     result.push_back(std::move(*line));
     return result;
 }
 
-Expected<Control::Line> Control::line_of(Expected<model::EncodedCommand> encoded, Execution& execution) {
+Expected<Control::Line> Control::line_of(Expected<model::EncodedCommand> encoded, std::string& kept) {
     if (!encoded) return fail(encoded.error());
-    execution.encoded.push_back(std::move(encoded->line));
-    const auto request = protocol::parse_request(execution.encoded.back());
+    kept = std::move(encoded->line);
+    const auto request = protocol::parse_request(kept);
     if (!request) return fail(request.error());
     Line line{*request, encoded->answer};
     line.safe = std::move(encoded->safe);
@@ -95,13 +95,13 @@ Expected<std::vector<Control::Line>> Control::read_list(const nlohmann::json& li
     std::vector<Line> result;
     execution.is_list = true;
     execution.answers.resize(list.size());
-    execution.encoded.reserve(list.size());  // lines are views into it
+    execution.listed.resize(list.size());
     for (const auto& command : list) {
         auto line = line_of(
             command.is_string()
                 ? model::encode_control_text(model, service.letter, command.get_ref<const std::string&>())
                 : model::encode_control_json(model, service.letter, command),
-            execution);
+            execution.listed[result.size()]);
         if (!line) return fail("commands: number " + std::to_string(result.size() + 1) + ": " + line.error());
         result.push_back(std::move(*line));
     }
