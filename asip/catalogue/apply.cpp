@@ -118,15 +118,21 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
 }
 
 // The state that a description holds. An agent publishes it before the same on `$state`: so a retained
-// `$state` that says something else of a board that was there is newer, and the word of the broker.
+// `$state` that says something else of a board that was there is newer, and the word of the broker, unless
+// the description is the younger one. A board that was there behind what is known of it is gone anew.
 void Catalogue::Impl::take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a,
                                       bool new_session, Time now) {
     const Time said_at = a.ages_are_of_now ? now : published(a, b.lease_seconds, now).value_or(now);
-    const bool newer = b.reported_since != Time{} && said_at > b.reported_since + kApart;
-    const bool gone_since = a.retained && b.epoch_gone == epoch_ && !model::is_there(b.reported) &&
-                            members.state->state != b.reported && !newer;
+    const bool dated = a.ages_are_of_now || a.expiry_seconds;
+    const auto is_behind = [&](Time time) { return dated && time != Time{} && said_at > time + kApart; };
+    const bool word = a.retained && b.epoch_gone == epoch_ && !model::is_there(b.reported) &&
+                      members.state->state != b.reported;
+    if (word && !is_behind(b.said_at)) {
+        if (!is_behind(b.reported_since)) return;
+        b.reported_since = Time{};
+        return say(b, {b.reported, model::reason_of_word(b.reported)}, b.said_at, now);
+    }
     b.said_at = said_at;
-    if (gone_since) return;
     const auto age = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(members.state->age));
     // Another session came into its state when it says, though the one before it had been in the same.
     if (new_session) b.reported_since = Time{};

@@ -56,15 +56,22 @@ class Board {
   }
 
   // An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
-  // board that was there is newer, and the word of the broker.
-  takeSaidState(retained, saidAt, newSession, epoch, now) {
+  // board that was there is newer, and the word of the broker, unless the description is the younger one. A board that was there behind
+  // what is known of it is gone anew.
+  takeSaidState(retained, published, newSession, epoch, now) {
     const said = this.description.state;
     this.saysState = said !== undefined;
     if (!this.saysState) return;
-    const newer = this.reportedSince !== -Infinity && saidAt > this.reportedSince + APART;
-    const goneSince = retained && this.epochGone === epoch && !isThereWord(this.reported) && said.is !== this.reported && !newer;
+    const word = retained && this.epochGone === epoch && !isThereWord(this.reported) && said.is !== this.reported;
+    const isBehind = (time) => time !== -Infinity && published > time + APART;
+    if (word && !isBehind(this.saidAt)) {
+      if (!isBehind(this.reportedSince)) return;
+      this.reportedSince = -Infinity;
+      this.say(this.reported, REASON_OF_WORD[this.reported] ?? '', this.saidAt, now);
+      return;
+    }
+    const saidAt = published === -Infinity ? now : published;
     this.saidAt = saidAt;
-    if (goneSince) return;
     if (newSession) this.reportedSince = -Infinity; // it came into its state when it says, though the one before it had been in the same
     this.say(said.is, said.reason ?? '', saidAt - (said.age ?? 0), now);
   }
@@ -189,7 +196,7 @@ class Boards {
     if (verdict === 'refuse') return undefined;
     if (verdict === 'accept') {
       Object.assign(board, { session: document.session, seq: document.seq, lease: document.lease, description: document, described: true });
-      board.takeSaidState(retained, published === -Infinity ? now : published, other || !described, this.epoch, now);
+      board.takeSaidState(retained, published, other || !described, this.epoch, now);
       if (!board.saysState && !retained && described && other && !isThereWord(board.reported)) board.say('online', '', now, now);
     }
     if (!retained) {

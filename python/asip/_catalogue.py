@@ -89,7 +89,7 @@ class Catalogue:
             return False
         if verdict == "accept":
             entry.session, entry.seq, entry.description, entry.lease, entry.described = session, seq, document, float(document["lease"]), True
-            self._take_said_state(entry, retained, now if published == NEVER else published, other or not described, now)
+            self._take_said_state(entry, retained, published, other or not described, now)
             if not entry.says_state and not retained and described and other and entry.reported not in THERE:
                 self._say(entry, "online", "", now, now)
         if not retained:
@@ -173,18 +173,21 @@ class Catalogue:
                 entry.challenger = None
         entry.session, entry.seq, entry.session_ends, entry.deadline, entry.proven, entry.epoch_heard = session, 0, NEVER, NEVER, False, 0
 
-    def _take_said_state(self, entry: Entry, retained: bool, said_at: float, new_session: bool, now: float) -> None:
+    def _take_said_state(self, entry: Entry, retained: bool, published: float, new_session: bool, now: float) -> None:
         """An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
-        board that was there is newer, and the word of the broker."""
+        board that was there is newer, and the word of the broker, unless the description is the younger one. A board that was there behind
+        what is known of it is gone anew."""
         said = entry.description.get("state")
         entry.says_state = said is not None
         if said is None:
             return
-        newer = entry.reported_since != NEVER and said_at > entry.reported_since + _APART
-        gone_since = retained and entry.epoch_gone == self._epoch and entry.reported not in THERE and said["is"] != entry.reported and not newer
-        entry.said_at = said_at
-        if gone_since:
+        word = retained and entry.epoch_gone == self._epoch and entry.reported not in THERE and said["is"] != entry.reported
+        if word and not published > entry.said_at + _APART > NEVER:
+            if published > entry.reported_since + _APART > NEVER:
+                entry.reported_since = NEVER
+                self._say(entry, entry.reported, _REASON_OF_WORD.get(entry.reported, ""), entry.said_at, now)
             return
+        said_at = entry.said_at = now if published == NEVER else published
         if new_session:  # it came into its state when it says, though the one before it had been in the same
             entry.reported_since = NEVER
         self._say(entry, said["is"], said.get("reason", ""), said_at - said.get("age", 0), now)
