@@ -124,7 +124,8 @@ void Announcer::set_state(model::BoardState state, model::StateReason reason, Ti
 
 void Announcer::publish_state(bool retain, Announcements& out) {
     auto state = retained(topics_.state(options_.board), std::string(to_text(state_)));
-    state.retain = retain;
+    // No session is told by this word: each program takes one that the board is gone.
+    state.retain = retain || !is_there(state_);
     state.expiry_seconds = model::kStateExpirySeconds;
     state_said_ = true;
     out.publish.push_back({std::move(state), mqtt::Priority::kAnnouncement});

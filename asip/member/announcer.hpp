@@ -138,8 +138,11 @@ class Announcer {
     void publish_names(Announcements& out);
     /// Renews the lease. False: there is none yet, or it may not be sent.
     bool publish_description(int qos, bool retain, Time now, Announcements& out);
-    /// The broker is due to retain the same again.
-    bool retains(Time now) const { return expires_ || !retained_until_ || now >= *retained_until_; }
+    /// The broker is due to retain the same again. While it is open whether a later session lives, what the
+    /// broker has of that one stays: programs that start see what those see that were there.
+    bool retains(Time now) const {
+        return !challenge_ && (expires_ || !retained_until_ || now >= *retained_until_);
+    }
     std::string description_text() const;
     void publish_state(bool retain, Announcements& out);
     void on_foreign_description(const mqtt::Message& message, Time now, Announcements& out);

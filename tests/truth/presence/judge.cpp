@@ -57,7 +57,7 @@ std::string Judge::says(View& view, const std::string& board, const BoardTruth& 
     const Really really = truth.really(now);
     // A change that is still under way, or a will that its agent puts right.
     if (now - really.since < kPromised || now - truth.last_will < settling()) return {};
-    if (!setting_.in_order && truth.unordered_will != Time{}) return {};
+    if (!setting_.in_order && truth.unordered_word) return {};
     const auto seen = view.board(board, now);
     if (!view.is_complete()) return now - view.connected_at() > kComplete ? "is not complete" : "";
     ++compared;
@@ -70,23 +70,18 @@ std::string Judge::says(View& view, const std::string& board, const BoardTruth& 
         return {};
     if (!seen) return "has no such board";
     if (seen->state != to_text(really.state)) return "says " + seen->state;
-    return reason_and_time(view, board, *seen, truth, now);
+    return reason_and_time(view, *seen, truth, now);
 }
 
-std::string Judge::reason_and_time(const View& view, const std::string& board,
-                                   const asip::bus::BoardItem& seen, const BoardTruth& truth,
-                                   Time now) const {
+std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem& seen,
+                                   const BoardTruth& truth, Time now) const {
     const Really really = truth.really(now);
     const bool judged = really.reason == StateReason::kExpired;
     // The broker has the word of the state alone where an agent is gone for longer than a lease, or where
     // another overwrote its description before it ended.
-    const bool overwritten = truth.overwritten_at != Time{};
-    const bool stored = !overwritten && broker_.stores("asip/servicebus/" + board + "/$description", now);
-    const Time stored_until =
-        overwritten ? truth.overwritten_at : last_description(board) + std::chrono::seconds(setting_.lease);
-    const bool knows_why =
-        setting_.says_state &&
-        (view.heard(really.since) || (!judged && (stored || view.connected_at() + kPromised < stored_until)));
+    const bool knows_why = setting_.says_state &&
+                           (view.heard(really.said_at) ||
+                            (!judged && std::min(now, view.connected_at() + kPromised) < truth.stored_until));
     if (!knows_why) return {};
     const bool in_conflict = seen.reason == "conflict" && really.reason == StateReason::kNone;
     if (seen.reason != to_text(really.reason) && !in_conflict)
@@ -98,7 +93,7 @@ std::string Judge::reason_and_time(const View& view, const std::string& board,
     };
     // Another will of a board that was lost already changes nothing but what is stored.
     const bool again = really.reason == StateReason::kAgentGone &&
-                       !(view.heard(really.since) && view.heard(truth.last_will));
+                       !(view.heard(really.said_at) && view.heard(truth.last_will));
     if (is_since(really.since) || (again && is_since(truth.last_will))) return {};
     return fmt::format("says {} since {:.3f} s", seen.state,
                        std::chrono::duration<double>(seen.since - instant(kBegin).wall).count());

@@ -39,8 +39,8 @@ class Judge {
     Time last_description(const std::string& board) const;
 
   private:
-    std::string reason_and_time(const View& view, const std::string& board, const asip::bus::BoardItem& seen,
-                                const BoardTruth& truth, Time now) const;
+    std::string reason_and_time(const View& view, const asip::bus::BoardItem& seen, const BoardTruth& truth,
+                                Time now) const;
 
     const Setting& setting_;
     const SimBroker& broker_;

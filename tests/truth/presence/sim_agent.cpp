@@ -53,35 +53,38 @@ Before BoardTruth::before(const SimAgent& agent, Time now) const {
 }
 
 void BoardTruth::say(const Really& what) {
+    const bool again = said.announced && word_of(said) == word_of(what) && said.since == what.since;
+    const Time said_at = again ? said.said_at : what.said_at;
     said = what;
+    said.said_at = said_at;
     taken_back = true;
     words.push_back({word_of(what), std::nullopt});
 }
 
-// A will that no agent took back before it ended, too.
+// A word that no agent took back before it ended, too.
 Really BoardTruth::last_word() const {
-    if (unordered_will == Time{} || taken_back || is_heard()) return said;
-    return {true, BoardState::kLost, StateReason::kAgentGone, unordered_will};
+    return !unordered_word || taken_back || is_heard() ? said : *unordered_word;
 }
 
 Really BoardTruth::really(Time now) const {
     const Really last = last_word();
     if (last.announced && !is_heard() && asip::model::is_there(last.state) && now >= lease_end)
-        return {true, BoardState::kLost, StateReason::kExpired, lease_end};
+        return {true, BoardState::kLost, StateReason::kExpired, lease_end, lease_end};
     return last;
 }
 
 // Also of a name that was claimed and not announced yet. An agent that is heard takes it back; of a board
-// that is lost it changes nothing.
-void BoardTruth::will(SimBroker::Client of, Time now) {
+// that has the state already it changes nothing.
+void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really before = last_word();
-    say({true, BoardState::kLost, StateReason::kAgentGone, now});
+    const Really what{true, state, asip::model::reason_of_word(state), now, now};
+    say(what);
     last_will = now;
-    const bool lost = before.announced && before.state == BoardState::kLost;
+    const bool again = before.announced && before.state == state;
     const bool lives = is_heard();
-    if (lost || lives) said = before;
-    if (lost || (!lives && (of == described_by || now > described_at + kReordered))) return;
-    unordered_will = now;
+    if (again || lives) said = before;
+    if (again || (!lives && (of == described_by || now > described_at + kReordered))) return;
+    unordered_word = what;
     taken_back = !lives;
 }
 
@@ -90,18 +93,18 @@ bool BoardTruth::counts(const std::string& by, Time now) const {
 }
 
 void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::Client over,
-                          int lease_seconds, Time now) {
+                          int lease_seconds, bool stored, Time now) {
     session = by;
     lease_end = now + std::chrono::seconds(lease_seconds);
     described_by = over;
     described_at = now;
-    overwritten_at = Time{};
-    if (now > unordered_will + kReordered) unordered_will = Time{};
+    if (stored) stored_until = lease_end;
+    if (unordered_word && now > unordered_word->since + kReordered) unordered_word.reset();
     say(what);
 }
 
-void BoardTruth::describe_in_vain(const Really& what, Time now) {
-    if (overwritten_at == Time{}) overwritten_at = now;
+void BoardTruth::describe_in_vain(const Really& what, bool stored, Time now) {
+    if (stored) stored_until = std::min(stored_until, now);
     words.push_back({word_of(what), described_at});
 }
 
@@ -160,7 +163,8 @@ void SimAgent::stop(Time now) {
     announcer_->goodbye(now, out);
     const bool told = client_ != 0 && !out.publish.empty();
     perform(out, now);
-    if (told) truth_.say({true, BoardState::kOffline, StateReason::kStopped, now});
+    if (told && truth_.session == announcer_->session())
+        truth_.say({true, BoardState::kOffline, StateReason::kStopped, now, now});
     broker_.end(std::exchange(client_, 0), false, now);
     announcer_.reset();
 }
@@ -171,7 +175,7 @@ void SimAgent::kill(Time now) {
     if (client_ == 0) return;
     const auto client = std::exchange(client_, 0);
     broker_.end(client, true, now);
-    truth_.will(client, now);
+    truth_.word(BoardState::kLost, client, now);
 }
 
 void SimAgent::cut_off(Time now) {
@@ -213,7 +217,7 @@ void SimAgent::take(const Message& message, Time now) {
 void SimAgent::tick(Time now) {
     if (will_due_ && now >= *will_due_) {
         broker_.end(lingering_, true, now);
-        truth_.will(lingering_, now);
+        truth_.word(BoardState::kLost, lingering_, now);
         will_due_.reset();
     }
     if (!announcer_) return;
@@ -235,18 +239,19 @@ void SimAgent::perform(Announcements& out, Time now) {
         auto& message = publication.message;
         if (message.topic == description_topic_) {
             // What older agents say on `$state` is of no session.
-            const Really what{true, state_, reason_, since_};
+            const Really what{true, state_, reason_, since_, now};
             if (!says_state_ || truth_.counts(announcer_->session(), now)) {
-                truth_.describe(what, announcer_->session(), client_, lease_seconds_, now);
+                truth_.describe(what, announcer_->session(), client_, lease_seconds_, message.retain, now);
             } else {
-                truth_.describe_in_vain(what, now);
+                truth_.describe_in_vain(what, message.retain, now);
             }
             if (!says_state_) leave_out_state(message.payload);
         }
         // A word on `$state` is of no session: that of an agent that is not believed is taken for a will.
-        if (message.topic.ends_with("/$state") && message.payload == "lost" &&
-            truth_.session != announcer_->session())
-            truth_.will(client_, now);
+        if (message.topic.ends_with("/$state") && truth_.session != announcer_->session()) {
+            const auto state = asip::model::board_state_from_text(message.payload);
+            if (!asip::model::is_there(*state)) truth_.word(*state, client_, now);
+        }
         if (client_ != 0) broker_.publish(client_, std::move(message), now);
     }
     if (!out.fatal) return;

@@ -21,6 +21,7 @@ struct Really {
     BoardState state = BoardState::kLost;
     StateReason reason = StateReason::kNone;
     Time since{};
+    Time said_at{};  ///< first
 };
 
 class SimAgent;
@@ -30,15 +31,15 @@ struct BoardTruth {
     Really said;          ///< the last words, of an agent or of the broker in its place
     Time lease_end{};     ///< of them
     std::string session;  ///< of them: the later one, while its lease runs
-    Time last_will{};
+    Time last_will{};     ///< or another word of no session
     /// One beside a description of another connection, until a renewal behind it: nothing says which of them
     /// bridged brokers deliver last.
-    Time unordered_will{};
+    std::optional<Really> unordered_word;
     bool taken_back = false;  ///< an agent has put it right
     SimBroker::Client described_by = 0;
     Time described_at{};
-    /// An earlier session has described itself behind it, and nothing that is stored tells of it since.
-    Time overwritten_at{};
+    /// The broker has the description until then, its lease or one of an earlier session behind it.
+    Time stored_until{};
     std::vector<const SimAgent*> agents;
     /// All that was said, as "lost unplugged".
     struct Word {
@@ -53,11 +54,12 @@ struct BoardTruth {
     bool counts(const std::string& by, Time now) const;
     /// An agent's description.
     void describe(const Really& what, const std::string& by, SimBroker::Client over, int lease_seconds,
-                  Time now);
+                  bool stored, Time now);
     /// The description of an earlier session beside a later one.
-    void describe_in_vain(const Really& what, Time now);
-    /// The broker speaks in the place of an agent.
-    void will(SimBroker::Client of, Time now);
+    void describe_in_vain(const Really& what, bool stored, Time now);
+    /// `$state` says that the board is gone: the broker in the place of an agent, or one of an earlier
+    /// session.
+    void word(BoardState state, SimBroker::Client of, Time now);
     bool is_heard() const;
     /// Several agents run for the name.
     bool is_disputed() const;

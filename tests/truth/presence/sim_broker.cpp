@@ -136,9 +136,4 @@ void SimBroker::deliver_until(Time now) {
     }
 }
 
-bool SimBroker::stores(const std::string& topic, Time now) const {
-    const auto found = stored_.find(topic);
-    return found != stored_.end() && left_of(found->second, now);
-}
-
 }  // namespace truth::presence

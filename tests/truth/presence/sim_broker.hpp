@@ -47,8 +47,6 @@ class SimBroker {
     /// Told of each message that a client gets.
     std::function<void(Client to, const Message&, Time)> watch;
 
-    /// Whether the topic has a stored message that has not expired.
-    bool stores(const std::string& topic, Time now) const;
     /// Announcements so far, with the time at which each was published.
     const std::deque<std::pair<Time, Message>>& published() const { return published_; }
 

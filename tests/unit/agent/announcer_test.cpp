@@ -28,6 +28,10 @@ std::string foreign_description(const std::string& session, std::uint64_t seq = 
     return model::to_text(other);
 }
 
+model::Description last_description(const BridgeBench& bench) {
+    return *model::parse_description(bench.on(kDescription).back());
+}
+
 TEST(Announcer, BoardAndBusThere_NameIsProbedThenAnnouncedInBothLayers) {
     BridgeBench bench;
     bench.plug();
@@ -256,6 +260,33 @@ TEST(Announcer, LaterSessionAnnouncesOurNameAndSaysGoodbye_WeStayAsTheLaterOne) 
     }
 }
 
+TEST(Announcer, WhileALaterSessionIsAsked_WhatTheBrokerHasOfItStays) {
+    OnlineBench bench;
+    bench.published.clear();
+    bench.hear(kDescription, foreign_description("ffffffffffffffff", 7, model::BoardState::kOffline), true);
+    bench.hear(kState, "offline");
+    bench.pass(500ms);
+    ASSERT_FALSE(bench.on(kDescription).empty());
+    for (const auto& [message, priority] : bench.published)
+        EXPECT_FALSE(message.retain) << message.topic << " " << message.payload;
+    bench.published.clear();
+    bench.pass(1500ms);
+    EXPECT_GT(last_description(bench).session, "ffffffffffffffff");
+    EXPECT_TRUE(std::any_of(bench.published.begin(), bench.published.end(), [](const auto& one) {
+        return one.message.topic == kDescription && one.message.retain;
+    }));
+}
+
+TEST(Announcer, GoneWhileALaterSessionIsAsked_TheWordIsStoredAlone) {
+    OnlineBench bench;
+    bench.hear(kDescription, foreign_description("ffffffffffffffff"), true);
+    bench.published.clear();
+    bench.unplug();
+    ASSERT_THAT(bench.on(kState), ElementsAre("lost"));
+    for (const auto& [message, priority] : bench.published)
+        EXPECT_EQ(message.retain, message.topic == kState) << message.topic;
+}
+
 TEST(Announcer, BrokerLostWhileALaterSessionIsAsked_ItIsAskedAgainAndOursBecomesTheLaterOne) {
     OnlineBench bench;
     bench.hear(kDescription, foreign_description("ffffffffffffffff"));
@@ -332,10 +363,6 @@ TEST(Announcer, BoardLostAndBack_StateFollows) {
     bench.unplug();
     bench.plug();
     EXPECT_THAT(bench.on(kState), ElementsAre("online", "lost", "online"));
-}
-
-model::Description last_description(const BridgeBench& bench) {
-    return *model::parse_description(bench.on(kDescription).back());
 }
 
 TEST(Announcer, BoardUnplugged_EachDescriptionSaysForHowLongAndWhyUntilItIsBack) {
