@@ -180,7 +180,7 @@ class Lesson(PageTest):
         self.assertIn("Phones do not reach this machine by this address", self.browser.text(".lesson"))
         phones = Phones(1, address.replace(self.bus.url, self.outside))
         self.addCleanup(phones.close)
-        self.assertEqual(phones[0].shown("input.class-code").get_property("value"), code)
+        eventually(lambda: phones[0].shown("input.class-code").get_property("value") == code, "the code of the address")
         self.assertEqual(self.bus.get("/api/lessons")["items"][0]["free"], PUPILS, "nobody joins without a press")
         phones[0].button("Join").click()
         eventually(lambda: phones.browser.text("asip-pupil").startswith("You are student-1."), "joined", 40)
