@@ -171,6 +171,8 @@ class BoardPage(PageTest):
         for route, there in (("", "Pins, Distance"), ("board/desk", "Servo 0 angle"), ("history", "Set the mode of pin 13: unallocated"), ("settings", "Gateway"), ("dashboards", "changed by this machine"),
                              ("dashboard/lit", "has no pin 12 now")):
             self.open(route, anew=True)
+            if route == "history":
+                self.every_command()
             eventually(lambda: there in self.browser.text(), f"{route}: {there}", 40)  # noqa: B023
             self.browser.run("document.querySelectorAll('asip-share details').forEach((each) => { each.open = true; })")
             eventually(lambda: not self.browser.find("asip-share") or "made by this machine" in self.browser.text(), "who shared it")
@@ -185,7 +187,8 @@ class BoardPage(PageTest):
                 eventually(lambda: "Stopped by this machine" in self.browser.text(), "who stopped it")
                 self.bus.post("/api/boards/desk/resume", {})
         self.open("history", anew=True)
-        for told in ("Set the mode of pin 13: output", "Turn servo 7: 90°, invalid device number", "Set the level: pin 13, high"):
+        self.every_command()
+        for told in ("Set the mode of pin 13: output", "Servo 7 to 90°, by", "error, invalid device number", "Pin 13 on"):
             eventually(lambda: told in self.browser.text(), told)  # noqa: B023
 
     def test_AnalogInputThatNothingSaysIsConnected_IsNoValue(self):

@@ -243,6 +243,12 @@ class PageTest(unittest.TestCase):
     def history(self):
         """Unfolds what happened to the board."""
         self.browser.run("document.querySelector('details.history').open = true")
+        self.every_command()
+
+    def every_command(self):
+        """Unfolds the commands in a history, from now on."""
+        self.browser.shown("asip-history .check")
+        self.browser.run("document.querySelectorAll('asip-history .check input:not(:checked)').forEach((each) => each.click())")
 
     def all_commands(self):
         self.browser.run("document.querySelectorAll('asip-board details').forEach((each) => { each.open = true; })")

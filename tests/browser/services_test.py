@@ -169,7 +169,7 @@ class Services(PageTest):
     def test_History_ShowsWhatHappenedToTheBoardAndOnTheBus(self):
         self.open_board()
         self.history()
-        eventually(lambda: "online" in self.browser.text("asip-history"), "history of the board")
+        eventually(lambda: "Online" in self.browser.text("asip-history"), "history of the board")
         self.open("history")
         eventually(lambda: "desk" in self.browser.text("asip-history") and "lamp" in self.browser.text("asip-history"), "history of the bus")
         self.open_board()
@@ -180,7 +180,8 @@ class Services(PageTest):
 
         def who_did_what():
             self.open("history")
-            return "this machine: Turn servo 0: 33°" in eventually(lambda: self.browser.text("asip-history"), "the history")
+            self.every_command()
+            return "Servo 0 to 33°, by this machine" in eventually(lambda: self.browser.text("asip-history"), "the history")
 
         eventually(who_did_what, "who moved the servo")
         self.browser.screenshot("history")

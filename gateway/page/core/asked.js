@@ -37,10 +37,24 @@ function pair_text([argument, value], alone) {
   return alone ? with_unit(value, argument.unit) : `${argument.name} ${with_unit(value, argument.unit)}`;
 }
 
-function model_text(model, name, args) {
+const on_off = { low: t("off"), high: t("on"), off: t("off") };
+
+/// "Servo 0 to 45°", "Pin 13 on", where a command sets one number of one element; undefined of others. `pins`: what they are called.
+function set_text(model, pairs, chosen, pins) {
+  const [argument, value] = pairs?.length === 2 && chosen !== undefined ? pairs.find(([each]) => each.name !== model.element) : [];
+  if (typeof value !== "number") return undefined;
+  const called = Object.entries(argument.names ?? {}).find(([, number]) => number === value)?.[0];
+  const what = (model.name === "io" && pins[chosen]) || `${model.name === "io" ? t("pin") : words(model.element)} ${chosen}`;
+  if (called) return on_off[called] && `${what} ${on_off[called]}`;
+  return t("to-value", { what, value: with_unit(value, argument.unit) });
+}
+
+function model_text(model, name, args, pins) {
   const command = model.commands[name];
   const pairs = pairs_of(command, args);
   const chosen = pairs?.find(([argument]) => argument.name === model.element)?.[1];
+  const set = set_text(model, pairs, chosen, pins);
+  if (set) return set;
   const title = button_text(command, name, model.element, chosen === undefined ? undefined : String(chosen));
   const rest = (pairs ?? []).filter(([argument]) => argument.name !== model.element || !title.includes(`${model.element} ${chosen}`));
   const told = rest.map((each) => pair_text(each, rest.length === 1 && each[0].name !== model.element)).join(", ");
@@ -48,11 +62,11 @@ function model_text(model, name, args) {
   return [title + of, pairs ? told : "…"].filter(Boolean).join(": ");
 }
 
-/// "Turn servo 0: 90°" for {"write":[0,90]} and for "W,0,90".
-export function asked_text(request, service = "", models = new Map()) {
+/// "Servo 0 to 90°" for {"write":[0,90]} and for "W,0,90".
+export function asked_text(request, service = "", models = new Map(), pins = {}) {
   const { model, name, args } = read(request, service, models);
   if (!service && ["labels", "names", "meanings"].includes(name)) return t("names-and-labels");
-  if (model?.commands?.[name]) return model_text(model, name, args);
+  if (model?.commands?.[name]) return model_text(model, name, args, pins);
   if (!name) return t("raw-request");
   const values = (Array.isArray(args) ? args : args === true || args === null ? [] : typeof args === "object" ? Object.entries(args).map((each) => each.join(" ")) : [args]).map((each) => (typeof each === "object" ? "…" : each));
   return [`${service && `${service_text(service)}, `}${words(name).toLowerCase()}`, values.join(", ")].filter((each) => each !== "").join(" ");

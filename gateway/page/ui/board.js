@@ -58,7 +58,7 @@ class Board extends Part {
       this.problem, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
       h("section", { "aria-label": t("links") }, h("h2", {}, t("links")), document.createElement("asip-links").begin(this.name)),
       h("section", { "aria-label": t("about") }, h("h2", {}, t("about")), this.facts, this.names, this.advanced),
-      h("details", { class: "history", ontoggle: (event) => { if (!this.past) event.target.append((this.past = document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false))); } },
+      h("details", { class: "history", ontoggle: (event) => { if (!this.past) event.target.append((this.past = document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false, () => this.board?.names?.pins))); } },
         h("summary", {}, h("h2", {}, t("history")))));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
     this.listen(boards, "change", () => this.show_state());

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened to one board, or on the whole bus.
 import { model_name } from "../core/asked.js";
-import { fits, folded, row_of } from "../core/history.js";
+import { fits, folded, row_of, some_of } from "../core/history.js";
 import { t } from "../core/language.js";
-import { moment_text } from "../core/text.js";
+import { first_up, moment_text, state_text } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
-import { h, page_of, Part, set_text, state_mark } from "./dom.js";
+import { h, page_of, Part, set_text } from "./dom.js";
 import { boards } from "./model.js";
 
 const models = new Map(); // by name
@@ -26,20 +26,25 @@ async function load_models(items) {
 }
 
 const kPage = 50;
+const kEnough = 20; // rows; where commands or boards fill what was asked for with fewer, more is
+const kMorePages = 4;
+let each_command = false; // kept from board to board
 const kSearched = 1000; // a page of the search
 const kSearchedPages = 10;
 
 class History extends Part {
-  /// Call before it is put into the page. `path` of the API; `with_board`: a column with the board's name.
-  begin(path, with_board) {
-    Object.assign(this, { path, with_board });
+  /// Call before it is put into the page. `path` of the API; `with_board`: a column with the board's name. `pins`: what those of
+  /// the board are called, now.
+  begin(path, with_board, pins = () => undefined) {
+    Object.assign(this, { path, with_board, pins });
     return this;
   }
 
   shown() {
     this.rows = [];
+    this.turn = 0;
     this.body = h("tbody", {});
-    const heads = [t("time"), this.with_board && t("board"), t("state"), t("what-happened")].filter(Boolean);
+    const heads = [t("time"), this.with_board && t("board"), t("what-happened")].filter(Boolean);
     this.table = h("div", { class: "wide", tabindex: "0", role: "region", "aria-label": t("history") },
       h("table", {}, h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col" }, head)))), this.body));
     this.note = h("p", { class: "muted", role: "status" });
@@ -49,9 +54,11 @@ class History extends Part {
       clearTimeout(typing);
       typing = setTimeout(() => this.load(), 300);
     } });
-    this.append(h("div", { class: "toolbar" }, this.search), this.table, this.note, this.more);
+    const each = h("input", { type: "checkbox", onchange: () => { each_command = each.checked; this.show(); } });
+    each.checked = each_command;
+    this.append(h("div", { class: "toolbar" }, this.search, h("label", { class: "check" }, each, t("each-command"))), this.table, this.note, this.more);
     this.load();
-    const again = () => { if (this.isConnected && !document.hidden && !this.paged && this.search.value.trim() === "") this.load(); };
+    const again = () => { if (this.isConnected && !document.hidden && !this.earlier && this.search.value.trim() === "") this.refresh(); };
     this.every(5000, again); // commands are told to the registry alone
     let timer;
     this.listen(boards, "board", () => {
@@ -62,41 +69,70 @@ class History extends Part {
     });
   }
 
+  /// {rows, cursor} of one page; undefined where something else is looked for by now.
+  async page(limit, cursor, turn) {
+    const answer = await request(`${this.path}?limit=${limit}${cursor ? `&cursor=${encodeURIComponent(cursor)}` : ""}`);
+    const known = await load_models(answer.items);
+    return turn === this.turn ? { rows: answer.items.map((item) => row_of(item, known, this.pins())), cursor: answer.cursor } : undefined;
+  }
+
+  /// What is new, before what is there. A page that does not reach that begins anew.
+  async refresh() {
+    const before = this.rows;
+    if (before.length === 0 || before.length > kSearched * kMorePages) return this.load();
+    const turn = this.turn;
+    const page = await this.page(kPage, undefined, turn).catch(() => undefined);
+    if (!page || turn !== this.turn) return;
+    const end = page.rows.at(-1)?.at;
+    if (!(end <= before[0].at)) return this.load();
+    const key = (row) => `${row.at} ${row.board} ${row.text} ${row.raw}`;
+    const fresh = new Set(page.rows.map(key));
+    this.rows = [...page.rows, ...before.filter((row) => row.at <= end && !fresh.has(key(row)))];
+    this.show();
+  }
+
   async load(cursor) {
     const text = this.search.value.trim();
-    const turn = (this.turn = (this.turn ?? 0) + 1);
+    const turn = ++this.turn;
+    this.earlier = Boolean(cursor);
     const rows = cursor ? this.rows : [];
     const wanted = rows.length + kPage;
+    const shown = text || cursor ? 0 : kEnough;
     let searched = 0;
+    let pages = 0;
     let problem;
     try {
       do {
-        const answer = await request(`${this.path}?limit=${text ? kSearched : kPage}${cursor ? `&cursor=${encodeURIComponent(cursor)}` : ""}`);
-        const known = await load_models(answer.items);
-        if (turn !== this.turn) return; // something else is looked for by now
-        searched += answer.items.length;
-        const found = answer.items.map((item) => row_of(item, known));
-        rows.push(...(text ? found.filter((row) => fits(row, text)) : found));
-        cursor = answer.cursor;
-      } while (text && cursor && rows.length < wanted && searched < kSearched * kSearchedPages);
-      this.paged = rows.length > kPage;
+        const page = await this.page(text || pages ? kSearched : kPage, cursor, turn);
+        if (!page) return;
+        searched += page.rows.length;
+        rows.push(...(text ? page.rows.filter((row) => fits(row, text)) : page.rows));
+        cursor = page.cursor;
+      } while (cursor && (text ? rows.length < wanted && searched < kSearched * kSearchedPages : ++pages <= kMorePages && folded(rows, false).length < shown));
     } catch (fault) {
       problem = fault.message;
       cursor = undefined;
     }
-    this.rows = rows;
-    this.cursor = cursor;
-    this.body.replaceChildren(...folded(rows).map((row) => this.row(row)));
+    Object.assign(this, { rows, cursor, searched, problem, asked: text });
+    this.show();
+  }
+
+  show() {
+    const { rows, cursor, searched, problem, asked: text } = this;
+    this.body.replaceChildren(...folded(rows, Boolean(text) || each_command).map((row) => this.row(row)));
     set_text(this.note, problem ?? (rows.length > 0 ? "" : !text ? t("nothing-happened-yet") : cursor ? t("not-among", { n: searched }) : t("not-among-n", { n: searched })));
     this.table.hidden = rows.length === 0;
     this.more.hidden = !this.cursor;
   }
 
   row(row) {
-    const times = row.times > 1 && `, ${t("n-times", { n: row.times })}${row.until !== row.at ? `, ${t("since-since", { since: moment_text(row.until) })}` : ""}`;
+    const since = row.until !== row.at && (row.times > 1 || row.command) ? `, ${t("since-since", { since: moment_text(row.until) })}` : "";
+    const times = row.times > 1 && `, ${t("n-times", { n: row.times })}`;
+    const boards = row.boards ?? [row.board];
     return h("tr", {}, h("td", {}, moment_text(row.at)),
-      this.with_board && h("td", {}, h("a", { href: page_of("board", row.board) }, row.board)),
-      h("td", { class: row.status && "muted" }, row.state ? state_mark(row.state) : row.status), h("td", {}, row.text, times));
+      this.with_board && h("td", {}, boards.length > 1 ? t("n-boards", { n: boards.length }) : h("a", { href: page_of("board", row.board) }, row.board)),
+      h("td", {}, row.state && h("span", { class: `state ${row.state}` }, first_up(state_text(row.state))), row.state && row.text && ": ", row.text,
+        times, since, boards.length > 1 && this.with_board && `: ${some_of(boards)}`));
   }
 }
 

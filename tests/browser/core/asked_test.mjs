@@ -8,9 +8,11 @@ const models = new Map(["io", "servo", "distance", "motors", "tone", "lcd", "pix
 const told = (request, service) => asked_text(request, service, models);
 
 test("JSON and a line of text that ask the same are told the same", () => {
-  for (const request of ['{"write":[0,90]}', '{"write":{"servo":0,"angle":90}}', "W,0,90"]) assert.equal(told(request, "servo"), "Turn servo 0: 90°");
+  for (const request of ['{"write":[0,90]}', '{"write":{"servo":0,"angle":90}}', "W,0,90"]) assert.equal(told(request, "servo"), "Servo 0 to 90°");
   for (const request of ['{"mode":[13,3]}', "P,13,3"]) assert.equal(told(request, "io"), "Set the mode of pin 13: output");
-  assert.equal(told("I,d,13,1"), "Set the level: pin 13, high"); // a raw line
+  assert.equal(told("I,d,13,1"), "Pin 13 on"); // a raw line
+  assert.equal(asked_text("I,d,13,0", "", models, { 13: "LED" }), "LED off");
+  assert.equal(told('{"pwm":[9,128]}', "io"), "Pin 9 to 128");
 });
 
 test("a service says what it is where its command does not", () => {
@@ -21,7 +23,7 @@ test("a service says what it is where its command does not", () => {
 });
 
 test("the second one of a kind has the words of the first", () => {
-  assert.equal(told("W,0,90", "servo2"), "Turn servo 0: 90°");
+  assert.equal(told("W,0,90", "servo2"), "Servo 0 to 90°");
 });
 
 test("what is long is named only", () => {

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fits, folded, row_of } from "../../../gateway/page/core/history.js";
+import { fits, folded, row_of, some_of } from "../../../gateway/page/core/history.js";
 
 const at = (second) => `2026-11-26T10:00:${String(second).padStart(2, "0")}.000Z`;
 const command = (second, request, more = {}) => row_of({ board: "desk", at: at(second), what: "command", by: "ann", service: "servo", request, status: "ok", ...more });
 const state = (second, now, was, board = "desk") => row_of({ board, at: at(second), what: "state", state: now, was });
 
-test("a command is who, what and how it ended", () => {
-  const row = command(1, '{"write":[0,90]}', { count: 3, status: "timeout" });
-  assert.equal(row.text, "ann: Servo, write 0, 90");
-  assert.equal(row.status, "no answer");
-  assert.equal(row.times, 3);
-  assert.equal(command(1, '{"write":[0,90]}', { by: "loopback", status: "error", reason: "INVALID_DEVICE_NUMBER" }).text, "this machine: Servo, write 0, 90, invalid device number");
-  assert.equal(command(1, undefined, { by: "home-assistant", what: "stop" }).text, "Home Assistant: stopped it");
+test("a command is a sentence: what, by whom, and what went wrong", () => {
+  assert.equal(command(1, '{"write":[0,90]}', { count: 3, status: "timeout" }).text, "Servo, write 0, 90, by ann: the board gave no proof in time");
+  assert.equal(command(1, '{"write":[0,90]}', { by: "loopback", status: "error", reason: "INVALID_DEVICE_NUMBER" }).text, "Servo, write 0, 90, by this machine: error, invalid device number");
+  assert.equal(command(1, '{"write":[0,90]}', { by: "node-red", status: "refused", reason: "stopped" }).text, "Servo, write 0, 90, by Node-RED: the board was stopped");
+  assert.equal(command(1, '{"write":[0,90]}', { by: "(unnamed)", status: "sent" }).text, "Servo, write 0, 90, by a program that gives no name");
+  assert.equal(command(1, undefined, { by: "home-assistant", what: "stop" }).text, "Stopped, by Home Assistant");
+  assert.equal(command(1, '{"write":[0,90]}', { what: "undone" }).text, "Not renewed, undone: Servo, write 0, 90, by ann");
 });
 
 test("a link is named behind what it did, with its cause", () => {
@@ -25,6 +25,29 @@ test("a board that was stopped, and is resumed, says so", () => {
   assert.equal(row_of({ ...now, reason: "latched" }).text, "STOPPED until it is resumed");
   assert.equal(row_of(now).text, "resumed");
   assert.equal(row_of({ ...now, was: "lost" }).text, "was lost");
+  assert.equal(row_of({ board: "desk", at: at(1), what: "forgotten" }).text, "Forgotten");
+});
+
+test("what befell many boards at once is one row, what befell two is two", () => {
+  const lost = (second, board) => row_of({ board, at: at(second), what: "state", state: "lost", was: "online", reason: "agent-gone" });
+  const rows = folded(Array.from({ length: 2000 }, (_, i) => lost(5 - Math.floor(i / 1000), `board${i}`)).concat(lost(3, "board7")));
+  assert.deepEqual(rows.map((row) => [row.state, row.boards.length, row.at - row.until]), [["lost", 2000, 2000]]);
+  assert.equal(rows[0].text, "its agent died or lost the broker");
+  assert.equal(folded([lost(5, "a"), lost(5, "b")]).length, 2);
+  assert.equal(folded([lost(30, "a"), lost(20, "b"), lost(10, "c")]).length, 3, "each by itself");
+});
+
+test("a robot at twenty commands a second is one row, and what happened between them is seen", () => {
+  const driven = (second) => command(second, `{"power":[0,${second * 3}]}`, { by: "node-red", service: "motors", count: 20, status: second === 7 ? "timeout" : "ok" });
+  const rows = [...Array.from({ length: 29 }, (_, i) => driven(59 - i)), state(30, "online", "lost"), ...Array.from({ length: 29 }, (_, i) => driven(29 - i)), command(0, undefined, { what: "stop" })];
+  assert.deepEqual(folded(rows, false).map((row) => row.text), ["580 commands, by Node-RED", "was lost", "580 commands, by Node-RED: 20 were not executed", "Stopped, by ann"]);
+  assert.equal(folded(rows, true).length, rows.length);
+  assert.equal(folded([driven(1), driven(2), driven(3)], false).length, 3, "a few are told");
+});
+
+test("names of many are three, and how many more", () => {
+  assert.equal(some_of(["a", "b", "c"]), "a, b, c");
+  assert.equal(some_of(["a", "b", "c", "d", "e"]), "a, b, c and 2 more");
 });
 
 test("equal rows are one, with how often and since when", () => {
