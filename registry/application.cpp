@@ -46,6 +46,9 @@ Application::Application(RegistryOptions options)
         ValueFile::Options file;
         file.path = values_file(options_.history);
         file.max_bytes = options_.values_bytes;
+        for (std::size_t level = 0; level < kLevels; ++level)
+            file.max_age[level] =
+                std::chrono::duration_cast<std::chrono::milliseconds>(options_.values_age[level]).count();
         if (options_.keeps_values)
             values_ = std::make_unique<ValueKeeper>(io_, std::move(file), value_handlers(), now());
     }

@@ -50,6 +50,7 @@ struct Raw {
     std::string values = "named";
     std::uint64_t values_bytes = std::uint64_t{1} << 30;
     double values_demand = 0;
+    std::string values_age = "48h,90d,1826d";
 };
 
 void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
@@ -102,6 +103,10 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                          ->type_name("SIZE")
                          ->default_str("1G")
                          ->group("History"));
+    settings.setting(app.add_option("--values-age", raw.values_age,
+                                    "How long each change, each minute and each hour of values is kept")
+                         ->capture_default_str()
+                         ->group("History"));
     settings.setting(app.add_option("--values-demand", raw.values_demand,
                                     "Values a second that boards are to report for it; 0: as they do anyway")
                          ->check(CLI::Range(0.0, 1.0))
@@ -134,6 +139,24 @@ Expected<std::vector<std::string>> parse_value_patterns(const std::string& text)
     return patterns;
 }
 
+/// "48h,90d,1826d"
+Expected<std::array<Duration, 3>> parse_value_ages(const std::string& text) {
+    std::array<Duration, 3> ages{};
+    std::size_t at = 0;
+    for (auto& age : ages) {
+        const auto comma = std::min(text.find(',', at), text.size());
+        const auto parsed = at > text.size() ? fail("three times are needed, such as 48h,90d,1826d")
+                                             : parse_period(text.substr(at, comma - at));
+        if (!parsed) return Unexpected<std::string>(parsed.error());
+        age = *parsed;
+        at = comma + 1;
+    }
+    if (at <= text.size()) return fail("three times are needed, such as 48h,90d,1826d");
+    if (ages[0] > ages[1] || ages[1] > ages[2])
+        return fail("what is coarser is kept for longer, such as 48h,90d,1826d");
+    return ages;
+}
+
 template <class Value, class Parse>
 bool convert(const char* option, const std::string& text, const Parse& parse, Value& value) {
     const auto parsed = parse(text);
@@ -163,10 +186,11 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
-    settings.arrange({"id", "services", "history", "notify", "broker", "credentials", "user", "password-file",
-                      "ca", "log-level"},
-                     {"forget-after", "max-boards", "stats-interval", "history-age", "history-size", "values",
-                      "values-size", "values-demand", "mqtt-version", "credentials-dir", "log-format"});
+    settings.arrange(
+        {"id", "services", "history", "notify", "broker", "credentials", "user", "password-file", "ca",
+         "log-level"},
+        {"forget-after", "max-boards", "stats-interval", "history-age", "history-size", "values",
+         "values-size", "values-age", "values-demand", "mqtt-version", "credentials-dir", "log-format"});
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
     const Unexpected<int> usage(program::kExitUsage);
@@ -179,6 +203,7 @@ Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
     options.keeps_values = raw.values != "none";
     if (options.keeps_values && !convert("values", raw.values, parse_value_patterns, options.values))
         return usage;
+    if (!convert("values-age", raw.values_age, parse_value_ages, options.values_age)) return usage;
     options.values_bytes = static_cast<std::size_t>(raw.values_bytes);
     options.values_demand = raw.values_demand;
     options.history_bytes = static_cast<std::size_t>(raw.history_bytes);

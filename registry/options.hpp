@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ struct RegistryOptions {
     bool keeps_values = true;         ///< beside the history
     double values_demand = 0;         ///< values a second that are demanded of these; 0: none
     std::size_t values_bytes = std::size_t{1} << 30;
+    /// How long changes, minutes and hours are kept.
+    std::array<Duration, 3> values_age{std::chrono::hours(48), std::chrono::hours(90 * 24),
+                                       std::chrono::hours(1826 * 24)};
     std::string notify;  ///< address that is told of boards that are lost and back; empty: none
 };
 

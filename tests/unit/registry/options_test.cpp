@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 
 #include <optional>
@@ -32,6 +33,22 @@ TEST(RegistryOptions, Sizes_AreBytesWithAUnit) {
     EXPECT_EQ(history_bytes("2GB"), std::size_t{2} * 1024 * 1024 * 1024);
     for (const char* bad : {"", "k", "1", "-1M", "1x", "99999999999999G"})
         EXPECT_FALSE(history_bytes(bad)) << bad;
+}
+
+std::optional<std::array<Duration, 3>> ages_of_values(const std::string& text) {
+    const TempDir folder;
+    const auto file = folder.write("asip.conf", "values-age = " + text + "\n");
+    const char* const arguments[] = {"asip-registry", "--config", file.c_str()};
+    const auto options = read_options(3, arguments);
+    return options ? std::optional(options->values_age) : std::nullopt;
+}
+
+TEST(RegistryOptions, AgesOfValues_AreThree_TheCoarserTheLonger) {
+    EXPECT_EQ(ages_of_values("48h,90d,1826d"), RegistryOptions().values_age);
+    EXPECT_EQ(ages_of_values("6h,1d,1d"), (std::array<Duration, 3>{6h, 24h, 24h}));
+    for (const char* bad : {"48h", "48h,90d", "48h,90d,1826d,", "48h,90d,1826d,9999d", "48h,,90d",
+                            "90d,48h,1826d", "48h,90d,1d", "1,2,x", ",,"})
+        EXPECT_FALSE(ages_of_values(bad)) << bad;
 }
 
 TEST(RegistryOptions, Periods_AreASecondOrMore) {

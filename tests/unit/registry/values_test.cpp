@@ -61,11 +61,13 @@ class Machine {
         ValueFile::Options result;
         result.path = disk.path();
         result.max_bytes = max_bytes;
+        result.max_age = max_age;
         return result;
     }
 
     HistoryFile disk;
     std::size_t max_bytes = std::size_t{1} << 30;
+    std::array<Tick, kLevels> max_age = ValueFile::Options{}.max_age;
     Recorder::Options memory{};
     std::int64_t wall_clock = kMonday;
     Duration monotonic = seconds(100);
@@ -300,6 +302,26 @@ TEST(Values, MemoryFull_GapThenGoesOn_LostAreCounted) {
 TEST(Values, TooOld_ChangesGo_MinutesStay) {
     Machine machine;
     for (int i = 0; i < 4 * 24 * 60; ++i) {
+        machine.set(i % 50);
+        machine.pass(minutes(1));
+        if (i % 60 == 0) machine.write();
+    }
+    machine.write();
+    bus::Query query;
+    query.board = kTemperature.board;
+    query.property = kTemperature.property;
+    query.from = wall(kMonday + 3'600'000);
+    query.to = wall(kMonday + 7'200'000);
+    query.limit = 1000;
+    EXPECT_EQ(machine.file->find(query, machine.recorder->present(machine.now())).level, "minutes");
+    EXPECT_EQ(machine.ask(hours(1), 1000).level, "changes");
+}
+
+TEST(Values, OtherAges_Hold) {
+    Machine machine;
+    machine.max_age = {6 * kHourTicks, 3 * kDayTicks, 3 * kDayTicks};
+    machine.start();
+    for (int i = 0; i < 16 * 60; ++i) {
         machine.set(i % 50);
         machine.pass(minutes(1));
         if (i % 60 == 0) machine.write();
