@@ -63,6 +63,10 @@ void Bridge::link_down(const std::string& why, Time now, Effects& out) {
     // A connection that this agent closes because the board is silent is not the reason.
     const bool closed_here =
         describer_.link().kind == "tcp" && announcer_ && announcer_->state() == model::BoardState::kLost;
+    if (options_.lent && announcer_) {
+        unreached_ = why;
+        show_warnings(now);
+    }
     if (announcer_ && !closed_here)
         announcer_->set_state(model::BoardState::kLost, model::StateReason::kUnplugged, now, out);
     safety_.board_gone(out);

@@ -43,6 +43,7 @@ struct BridgeOptions {
     std::string name;  ///< empty: the one stored on the board, else from the link
     int lease_seconds = model::kDefaultLeaseSeconds;
     bool takeover = false;
+    bool lent = false;  ///< by a browser: its name begins with link::kLentPrefix
     std::uint64_t started_unix = 0;
     bool on_shared_topic = true;  ///< see AnnouncerOptions
     bool keep_outputs = false;    ///< do not stop the board's services when it is found first
@@ -217,6 +218,9 @@ class Bridge {
     void on_action(const session::Garbage& garbage, Time now, Effects& out);
     void on_action(const session::Finished& end, Time now, Effects& out);
     std::string letters() const;
+    /// The one stored on the board, as it is called on the bus; empty: none is stored.
+    std::string stored_name() const;
+    std::string name_of_port() const;
     void choose_name();
     bool is_another_name() const;
     void leave_for_another(Time now, Effects& out);

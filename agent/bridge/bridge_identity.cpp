@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which board is at the port: its name, and what is done where it is another one than before.
 #include "agent/bridge/bridge.hpp"
+#include "asip/link/cable_frames.hpp"
+#include "asip/model/names.hpp"
 #include "asip/program/exit_status.hpp"
 
 namespace asip::agent {
@@ -25,23 +27,32 @@ std::string Bridge::letters() const {
     return text;
 }
 
-void Bridge::choose_name() {
+std::string Bridge::stored_name() const {
     const auto& stored = session().identity().stored_name;
+    return stored.empty() || !options_.lent ? stored
+                                            : model::suggest_name(std::string(link::kLentPrefix) + stored);
+}
+
+std::string Bridge::name_of_port() const {
+    const auto name = describer_.name_from_link();
+    return options_.lent ? model::suggest_name(std::string(link::kLentPrefix) + name) : name;
+}
+
+void Bridge::choose_name() {
+    const auto stored = stored_name();
     named_by_board_ = options_.name.empty() && !stored.empty();
-    board_.name = !options_.name.empty() ? options_.name
-                  : named_by_board_      ? stored
-                                         : describer_.name_from_link();
+    board_.name = !options_.name.empty() ? options_.name : named_by_board_ ? stored : name_of_port();
 }
 
 bool Bridge::is_another_name() const {
     if (!options_.name.empty()) return false;
-    const auto& stored = session().identity().stored_name;
+    const auto stored = stored_name();
     return named_by_board_ ? stored != name() : !stored.empty();
 }
 
 // Whatever is said of, or sent to, the name of before is not for this board.
 void Bridge::leave_for_another(Time now, Effects& out) {
-    const auto& stored = session().identity().stored_name;
+    const auto stored = stored_name();
     out.log(Level::kWarning, "the board at this port has another name; beginning anew with that",
             {{"board", name()}, {"its name", stored.empty() ? "none" : stored}});
     port_.identified(traits(), out);
@@ -106,7 +117,7 @@ void Bridge::announce_unreached(model::StateReason reason, Time now, Effects& ou
 }
 
 void Bridge::name_unanswered(Time now, Effects& out) {
-    board_.name = options_.name.empty() ? describer_.name_from_link() : options_.name;
+    board_.name = options_.name.empty() ? name_of_port() : options_.name;
     name_board(now, out);
     out.board_known = true;
     describe_again(now);

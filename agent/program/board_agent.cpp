@@ -155,6 +155,7 @@ void BoardAgent::perform(Effects& effects) {
         log_.board_is(bridge_.name());
         reset_timer_.cancel();
         if (!bus_) connect_bus();
+        handlers_.on_changed();
     }
     if (bus_ && effects.name_claimed) subscribe_to_commands();
     if (options_.mqtt.has_user()) drop_stray_answers(effects);
@@ -187,7 +188,8 @@ void BoardAgent::perform(Effects& effects) {
 }
 
 void BoardAgent::load(Effects::Load wanted) {
-    const auto usb = link::usb_port_of(wanted.path);
+    auto usb = link::usb_port_of(wanted.path);
+    if (options_.lent) usb.vendor = options_.lent->vendor, usb.product = options_.lent->product;
     auto loaders = link::boot_loaders(wanted.board, usb.vendor, usb.product);
     auto done = [this](const Expected<void>& result) {
         with_bridge([&](Time now, Effects& out) { bridge_.loaded(result, now, out); });

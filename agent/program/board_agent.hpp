@@ -62,6 +62,8 @@ class BoardAgent {
     /// Makes the board safe, says goodbye and ends, within 1.5 s; then on_ended is called.
     void stop();
 
+    /// Empty: not known yet.
+    const std::string& name() const { return bridge_.name(); }
     /// The board answers and is on the bus.
     bool online() const { return presence_ == Presence::kOnline; }
     /// Why board or broker cannot be reached, as far as known.

@@ -62,7 +62,9 @@ void BoardAgent::link_lost(const link::StreamError& error) {
     reset_timer_.cancel();
     // Opened and closed without a byte from the board: the same as not opened.
     if (bridge_.session().counters().bytes_in == 0) link_failed(error);
-    with_bridge([&](Time now, Effects& out) { bridge_.link_down(error.text, now, out); });
+    const bool pulled = options_.lent && !options_.lent->why_gone.empty();
+    const auto& why = pulled ? options_.lent->why_gone : error.text;
+    with_bridge([&](Time now, Effects& out) { bridge_.link_down(why, now, out); });
 }
 
 void BoardAgent::board_heard() {

@@ -109,6 +109,15 @@ Expected<model::ModelSet> load_models(const std::string& folder) {
 
 Expected<AgentOptions> checked_options(RawOptions raw) {
     AgentOptions options;
+    if (!raw.cables.empty()) {
+        for (const auto* other : {&raw.serial, &raw.tcp, &raw.name})
+            if (!other->empty())
+                return fail("--cables: the boards that browsers lend have an agent of their own");
+        if (!raw.listen.empty()) return fail("--cables: lent boards have no port for clients");
+        raw.serial = raw.cables + "/board";
+        raw.reset = "never";
+        options.bridge.lent = options.bridge.session.opens_for_rate = true;
+    }
     if (raw.serial.empty() == raw.tcp.empty())
         return fail(
             "say where the board is: --serial PORT or --tcp HOST:PORT (one of them). --help has examples");

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "agent/bridge/bridge.hpp"
+#include "agent/cable/lent.hpp"
 #include "agent/clients/client_framing.hpp"
 #include "asip/expected.hpp"
 #include "asip/link/tcp_stream.hpp"
@@ -41,6 +43,7 @@ struct AgentOptions {
     Duration statistics = std::chrono::seconds(15);  ///< between two documents; 0: none
     unsigned baud = 57600;                           ///< at which a serial board starts
     ResetPolicy reset = ResetPolicy::kIfSilent;
+    std::shared_ptr<const Lent> lent;  ///< by a browser; null: not lent
     std::string avrdude = "avrdude";
     std::string firmware_folder;  ///< of the images that may be loaded into boards
 };

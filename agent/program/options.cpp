@@ -13,6 +13,10 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
                "--tcp", raw.tcp,
                "HOST:PORT of a board with a network, HOST:PORT/frames behind a bridge of the Java programs")
             ->group("Board"));
+    settings.setting(app.add_option("--cables", raw.cables,
+                                    "Folder for boards that browsers lend at the page of asip-gateway, which "
+                                    "is given the same; the agent serves no other board")
+                         ->group("Board"));
     settings.setting(
         app.add_option("--name", raw.name,
                        "Name of the board on the bus; default: stored on the board, else from the port")
@@ -120,7 +124,7 @@ void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
-    settings.arrange({"serial", "tcp", "name", "label", "services", "reports", "listen", "broker",
+    settings.arrange({"serial", "tcp", "cables", "name", "label", "services", "reports", "listen", "broker",
                       "credentials", "log-level"},
                      {"firmware-dir", "avrdude", "reset", "max-baud", "checksum", "topics", "statistics",
                       "resting-period", "fastest-period", "line-terminator", "retain-values",

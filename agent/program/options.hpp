@@ -20,7 +20,7 @@ struct RawOptions {
     std::string avrdude = "avrdude", firmware_dir = "/usr/share/asip/firmware";
     std::string listen_silence = "5s", statistics = "15s";
     std::string reports = "shared", fastest_period = "20ms", resting_period = "0s";
-    std::string name, serial, tcp, services, reset = "if-silent", terminator;
+    std::string name, serial, tcp, cables, services, reset = "if-silent", terminator;
     std::string topics = "board-side";
     unsigned baud = 57600;
     unsigned max_baud = 1'000'000;

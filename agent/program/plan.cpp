@@ -44,6 +44,8 @@ constexpr const char* kExamples =
     "          serial = /dev/serial/by-id/usb-Arduino_LLC_Arduino_Leonardo-if00\n"
     "          [board porch]\n"
     "          tcp = 192.168.1.20:5005\n"
+    "  asip-agent --cables /run/asip/cables\n"
+    "      Boards that browsers lend at the page of asip-gateway --cables /run/asip/cables.\n"
     "\n"
     "Exit status: 0 stopped by a signal; 1 cannot listen for clients, or failed while running;\n"
     "2 bad option; 3 the broker refused the connection; 5 port busy, no permission, or no ASIP board\n"
@@ -60,7 +62,8 @@ std::vector<OfOneBoard> of_one_board(const RawOptions& raw) {
     return {{"serial", !raw.serial.empty()},
             {"tcp", !raw.tcp.empty()},
             {"name", !raw.name.empty()},
-            {"listen", !raw.listen.empty()}};
+            {"listen", !raw.listen.empty()},
+            {"cables", !raw.cables.empty()}};
 }
 
 Unexpected<int> usage_error(const std::string& text) {
@@ -159,6 +162,8 @@ class SectionReader {
             if (line.name == "name")
                 return fail(at(line.number, "the name of a board stands in the section's title: [board " +
                                                 line.value + "]"));
+            if (line.name == "cables")
+                return fail(at(line.number, "boards that browsers lend have an agent of their own"));
             if (line.name == "log-level" || line.name == "log-format")
                 return fail(at(line.number, line.name + " holds for all boards: put it above the sections"));
         }
@@ -208,11 +213,15 @@ Expected<Plan, int> read_plan(int argc, const char* const* argv) {
     }
     auto models = load_models(raw.services);
     if (!models) return usage_error(models.error());
+    const std::string cables = raw.cables;
     auto options = checked_options(std::move(raw));
     if (!options) return usage_error(options.error());
     options->models = std::move(*models);
     Plan plan;
-    plan.boards.push_back({{}, {}, std::move(*options)});
+    if (cables.empty())
+        plan.boards.push_back({{}, {}, std::move(*options)});
+    else
+        plan.lending = Lending{cables, std::move(*options)};
     return plan;
 }
 

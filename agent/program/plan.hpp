@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,14 +15,21 @@ struct PlannedBoard {
     AgentOptions options;
 };
 
+/// Boards that browsers lend.
+struct Lending {
+    std::string folder;    ///< see Cables
+    AgentOptions options;  ///< of each, but for its port
+};
+
 /// Which boards one process serves.
 struct Plan {
     std::vector<PlannedBoard> boards;
+    std::optional<Lending> lending;
     /// The configuration file with the sections `[board NAME]`. Empty: there is one board, and the process
     /// ends with it.
     std::string file;
 
-    bool several() const { return !file.empty(); }
+    bool several() const { return !file.empty() || lending; }
 };
 
 /// From command line, environment and configuration file. The error is the exit status; all has been printed.

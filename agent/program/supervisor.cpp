@@ -11,6 +11,7 @@
 #include <map>
 #include <utility>
 
+#include "agent/program/running_board.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/log.hpp"
 #include "asip/program/open_files.hpp"
@@ -22,11 +23,6 @@ namespace log = program::log;
 
 namespace {
 
-constexpr Duration kFirstPause = std::chrono::seconds(4);
-constexpr Duration kLongestPause = std::chrono::minutes(1);
-// For a board with a process to itself, which waits for a person, or for a broker that comes up.
-constexpr Duration kFirstPauseAlone = std::chrono::minutes(1);
-constexpr Duration kLongestPauseAlone = std::chrono::minutes(5);
 // A board that was served for so long begins with short pauses again.
 constexpr Duration kServedLong = std::chrono::minutes(1);
 // The start of each is a probe, which all agents of the bus get.
@@ -64,23 +60,6 @@ bool can_reach_terminal() {
 
 }  // namespace
 
-struct Supervisor::Board : std::enable_shared_from_this<Supervisor::Board> {
-    Board(boost::asio::io_context& io, PlannedBoard planned, bool several)
-        : plan(std::move(planned)),
-          pause(several ? kFirstPause : kFirstPauseAlone, several ? kLongestPause : kLongestPauseAlone),
-          start_timer(io) {}
-
-    PlannedBoard plan;
-    std::unique_ptr<BoardAgent> agent;  // none: it waits to be started
-    mqtt::Backoff pause;
-    boost::asio::steady_timer start_timer;
-    Time started{};
-    int last_status = 0;
-    bool name_taken = false;  // another agent took it: to take it back would never end
-    bool wanted = true;       // not: it leaves
-    bool changed = false;     // it ends to be started by its new plan
-};
-
 Supervisor::Supervisor(Plan plan, std::function<Expected<Plan>()> read_again)
     : several_(plan.several()),
       read_again_(std::move(read_again)),
@@ -92,6 +71,7 @@ Supervisor::Supervisor(Plan plan, std::function<Expected<Plan>()> read_again)
       report_timer_(io_) {
     for (auto& board : plan.boards)
         boards_.push_back(std::make_shared<Board>(io_, std::move(board), several_));
+    if (plan.lending) serve_cables(std::move(*plan.lending));
 }
 
 Supervisor::~Supervisor() {
@@ -105,7 +85,7 @@ int Supervisor::run() {
     }
     if (several_) {
         program::allow_many_open_files();  // each board needs four, and one more for each client
-        log::info("serving the boards of the configuration file", {{"boards", boards_.size()}});
+        if (!cables_) log::info("serving the boards of the configuration file", {{"boards", boards_.size()}});
     }
     start_all();
     program::tell_service_manager("READY=1");
@@ -138,7 +118,10 @@ void Supervisor::serve(Board& board) {
         BoardAgent::Host{io_, disk_, stops_, agents_, several_ || program::supervised(), several_},
         std::move(options),
         BoardAgent::Handlers{[this, &board](int status) { ended(board, status); },
-                             [this] { report_soon(); }});
+                             [this, &board] {
+                                 tell_lender(board);
+                                 report_soon();
+                             }});
     board.agent->start();
 }
 
@@ -180,6 +163,7 @@ void Supervisor::stop() {
     if (std::exchange(stopping_, true)) return;
     program::tell_service_manager("STOPPING=1");
     if (several_) log::info("stopping", {{"boards", boards_.size()}});
+    if (cables_) cables_->stop();
     std::erase_if(boards_, [](const auto& board) { return !board->agent; });
     for (auto& board : boards_)
         board->agent->stop();
@@ -195,7 +179,7 @@ void Supervisor::wait_for_reload() {
 }
 
 void Supervisor::reload() {
-    if (!several_) return nothing_to_reload();
+    if (!several_ || cables_) return nothing_to_reload();
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);
     program::tell_service_manager("RELOADING=1\nMONOTONIC_USEC=" +

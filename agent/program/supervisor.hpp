@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "agent/cable/cables.hpp"
 #include "agent/program/board_agent.hpp"
 #include "agent/program/plan.hpp"
 #include "asip/mqtt/backoff.hpp"
@@ -39,6 +40,13 @@ class Supervisor {
     void ended(Board& board, int status);
     void start_again(Board& board, int status);
     void remove(Board& board);
+    // Boards that browsers lend (supervisor_cables.cpp)
+    void serve_cables(Lending lending);
+    void plugged(const std::string& place, const std::string& port, std::shared_ptr<const Lent> lent,
+                 AgentOptions options);
+    void left(const std::string& place);
+    void tell_lender(const Board& board);
+    std::shared_ptr<Board> find(const std::string& key) const;
     // Signals: the end, and a changed file
     void stop();
     void wait_for_reload();
@@ -58,6 +66,7 @@ class Supervisor {
     const bool has_terminal_;
     Random random_;
     std::vector<std::shared_ptr<Board>> boards_;
+    std::unique_ptr<Cables> cables_;  // none: no browser lends a board here
     program::StopSignal stop_signal_;
     boost::asio::signal_set reload_signal_;
     boost::asio::steady_timer report_timer_;

@@ -44,6 +44,9 @@ enum class ChecksumPolicy {
 struct SessionOptions {
     /// The rate to step up to at most; 0: the line keeps its rate.
     unsigned max_baud = 1'000'000;
+    /// A rate is set by opening the port anew, which restarts many boards: those, as their banner shows, keep
+    /// the start rate, and all are given time there.
+    bool opens_for_rate = false;
     ChecksumPolicy checksum = ChecksumPolicy::kAuto;
     /// After it the board is probed.
     Duration silence = std::chrono::seconds(2);

@@ -73,7 +73,7 @@ void Machine::search(Time quiet_until, Time now, Actions& out) {
     if (identifying == nullptr && !std::holds_alternative<Searching>(state_)) progress_at_ = now;
     Search search;
     search.start(wire_.start_baud(), wire_.has_rates(), identifying ? Search::longer(identifying->turn) : 1,
-                 quiet_until, now);
+                 quiet_until, now, options_.opens_for_rate);
     asked_at_.reset();
     state_ = Searching{search, now};
     ask(std::get<Searching>(state_), now, out);
@@ -96,6 +96,7 @@ void Machine::identify(Time now, Actions& out) {
 
 void Machine::set_up_line(Identity found, Time now, Actions& out) {
     const bool can_step = wire_.has_rates() && options_.max_baud != 0 &&
+                          !(options_.opens_for_rate && banner_) &&
                           found.extensions.has(protocol::kLineRate) && found.extensions.has(protocol::kEcho);
     const bool changed = !known_ || !same_board(identity_, found);
     changed_ = changed_ || changed;

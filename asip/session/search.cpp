@@ -19,6 +19,7 @@ constexpr Duration kAtOtherRates = std::chrono::milliseconds(200);
 // is asked again soon.
 constexpr Duration kSilence = std::chrono::milliseconds(1100);
 constexpr int kLongestTurn = 4;
+constexpr std::size_t kPatientTurns = 6;  // 5 s: a boot loader and the sketch's own start
 
 }  // namespace
 
@@ -26,8 +27,8 @@ int Search::longer(int turn) {
     return std::min(2 * turn, kLongestTurn);
 }
 
-void Search::start(unsigned start_baud, bool rates, int turn, Time quiet_until, Time now) {
-    rates_.assign(1, start_baud);
+void Search::start(unsigned start_baud, bool rates, int turn, Time quiet_until, Time now, bool patient) {
+    rates_.assign(patient ? kPatientTurns : 1, start_baud);
     if (rates)
         for (unsigned rate : {500'000u, 1'000'000u, 250'000u, 115'200u})
             if (rate != start_baud) rates_.push_back(rate);
@@ -46,7 +47,7 @@ Search::Step Search::next(Time now) {
         return {baud, false, false};
     }
     // At the start rate twice, the second time behind a newline.
-    const bool at_start = index_ == 0;
+    const bool at_start = baud == rates_.front();
     const Step step{baud, true, !at_start || asked_ % 2 == 1};
     Duration listens = (at_start ? kAtStartRate / 2 : kAtOtherRates) * turn_;
     if (at_start && ++asked_at_start_ % 4 == 3) listens = std::max(listens, kSilence);

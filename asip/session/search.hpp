@@ -21,8 +21,9 @@ class Search {
     };
 
     /// `quiet_until`: the board restarts; only listen until then. `turn`: of a search whose board turned out
-    /// to be none, else 1.
-    void start(unsigned start_baud, bool rates, int turn, Time quiet_until, Time now);
+    /// to be none, else 1. `patient`: a change of rate may restart the board, which is given 5 s at the start
+    /// rate in each cycle.
+    void start(unsigned start_baud, bool rates, int turn, Time quiet_until, Time now, bool patient = false);
     /// The factor by which rates have longer turns now: 1, 2 or 4.
     int turn() const { return turn_; }
     static int longer(int turn);

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/cable/cables.hpp"
+
+#include <sys/stat.h>
+
+#include <boost/asio/post.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "asip/model/names.hpp"
+#include "asip/program/log.hpp"
+
+namespace asip::agent {
+namespace {
+
+namespace fs = std::filesystem;
+namespace log = program::log;
+using link::CableKind;
+
+constexpr auto kLookAround = std::chrono::minutes(1);
+constexpr mode_t kUserAndGroup = 0660;
+
+/// Of an agent that was killed.
+void remove_left_over(boost::asio::io_context& io, const std::string& path) {
+    boost::asio::local::stream_protocol::socket probe(io);
+    boost::system::error_code error;
+    probe.connect(path, error);
+    if (!error) throw std::runtime_error("another asip-agent listens at " + path);
+    fs::remove(path);
+}
+
+}  // namespace
+
+Cables::Cables(boost::asio::io_context& io, fs::path folder, Handlers handlers)
+    : io_(io), folder_(std::move(folder)), handlers_(std::move(handlers)), acceptor_(io), timer_(io) {
+    const auto socket = (folder_ / kSocket).string();
+    std::error_code made;
+    if (fs::create_directories(folder_, made))
+        fs::permissions(folder_, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec);
+    try {
+        if (fs::exists(socket)) remove_left_over(io, socket);
+        for (const auto& entry : fs::directory_iterator(folder_))
+            if (entry.is_symlink()) fs::remove(entry.path());
+        acceptor_.open();
+        acceptor_.bind(socket);
+        acceptor_.listen();
+    } catch (const std::exception& error) {
+        throw std::runtime_error("--cables: cannot listen at " + socket + ": " + error.what());
+    }
+    ::chmod(socket.c_str(), kUserAndGroup);
+    log::info("boards that browsers lend are served here", {{"socket", socket}});
+    accept();
+    forget_old();
+}
+
+Cables::~Cables() {
+    stop();
+}
+
+void Cables::stop() {
+    if (!acceptor_.is_open()) return;
+    boost::system::error_code ignored;
+    acceptor_.close(ignored);
+    timer_.cancel();
+    for (const auto& [number, cable] : cables_)
+        cable->tell(CableKind::kEnd, "the agent of lent boards was stopped");
+    std::error_code error;
+    fs::remove(folder_ / kSocket, error);
+    for (const auto& [place, at] : places_)
+        fs::remove(port_of(place), error);
+}
+
+void Cables::accept() {
+    acceptor_.async_accept([this](const boost::system::error_code& error, Protocol::socket socket) {
+        if (error == boost::asio::error::operation_aborted) return;
+        if (!error) {
+            const unsigned number = ++last_;
+            cables_[number] = std::make_unique<Cable>(
+                io_, std::move(socket),
+                Cable::Handlers{[this, number](const Cable::Hello& hello) { plug(number, hello); },
+                                [this, number](const std::string& why) { pulled(number, why); }});
+        }
+        accept();
+    });
+}
+
+// One without a name of its own takes that of a board that is there no more: the same place, again.
+std::string Cables::place_for(const std::string& by) const {
+    const auto base = model::suggest_name(by == kSocket ? by + "-1" : by);
+    for (std::size_t i = 1; i <= kMaxOfOneLender; ++i) {
+        auto place = i == 1 ? base : base + "-" + std::to_string(i);
+        const auto found = places_.find(place);
+        if (found == places_.end()) return places_.size() < kMaxPlaces ? place : std::string();
+        if (found->second.cable == 0) return place;
+    }
+    return {};
+}
+
+void Cables::refuse(unsigned number, const std::string& why) {
+    log::warning("a lent board is not served", {{"why", why}});
+    cables_[number]->tell(CableKind::kEnd, why);
+}
+
+void Cables::plug(unsigned number, const Cable::Hello& hello) {
+    const auto place = place_for(hello.by);
+    if (place.empty()) return refuse(number, "as many boards are lent as may be");
+    const auto terminal = cables_[number]->open_port();
+    if (!terminal) return refuse(number, terminal.error());
+    std::error_code error;
+    fs::remove(port_of(place), error);
+    fs::create_symlink(*terminal, port_of(place), error);
+    if (error) return refuse(number, port_of(place).string() + ": " + error.message());
+    auto& at = places_[place];
+    at.cable = number;
+    if (!at.lent) at.lent = std::make_shared<Lent>();
+    *at.lent = {hello.vendor, hello.product, {}};
+    log::info("board lent", {{"by", hello.by}, {"port", port_of(place).string()}});
+    handlers_.on_plugged(place, port_of(place).string(), at.lent);
+}
+
+void Cables::pulled(unsigned number, const std::string& why) {
+    for (auto& [place, at] : places_) {
+        if (at.cable != number) continue;
+        log::info("board not lent any more", {{"place", place}, {"why", why}});
+        at.cable = 0;
+        at.lent->why_gone = why;
+        at.pulled = Clock::now();
+        std::error_code error;
+        fs::remove(port_of(place), error);
+    }
+    boost::asio::post(io_, [this, number, alive = std::weak_ptr(alive_)] {
+        if (!alive.expired()) cables_.erase(number);
+    });
+}
+
+void Cables::named(const std::string& place, const std::string& board) {
+    const auto at = places_.find(place);
+    if (at == places_.end()) return;
+    if (const auto cable = cables_.find(at->second.cable); cable != cables_.end())
+        cable->second->tell(CableKind::kName, board);
+}
+
+void Cables::forget_old() {
+    timer_.expires_after(kLookAround);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+        if (error) return;
+        std::erase_if(places_, [this](const auto& each) {
+            const bool old = each.second.cable == 0 && Clock::now() >= each.second.pulled + kKept;
+            if (old) handlers_.on_left(each.first);
+            return old;
+        });
+        forget_old();
+    });
+}
+
+}  // namespace asip::agent

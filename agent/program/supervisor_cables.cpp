@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Boards that browsers lend come and go while the process runs.
+#include <algorithm>
+#include <utility>
+
+#include "agent/program/running_board.hpp"
+#include "agent/program/supervisor.hpp"
+
+namespace asip::agent {
+
+void Supervisor::serve_cables(Lending lending) {
+    cables_ = std::make_unique<Cables>(
+        io_, lending.folder,
+        Cables::Handlers{[this, options = std::move(lending.options)](
+                             const std::string& place, const std::string& port,
+                             std::shared_ptr<const Lent> lent) { plugged(place, port, lent, options); },
+                         [this](const std::string& place) { left(place); }});
+}
+
+std::shared_ptr<Supervisor::Board> Supervisor::find(const std::string& key) const {
+    const auto found =
+        std::find_if(boards_.begin(), boards_.end(), [&](const auto& each) { return each->plan.key == key; });
+    return found == boards_.end() ? nullptr : *found;
+}
+
+// An agent that is there finds the board as it finds one that is plugged in again.
+void Supervisor::plugged(const std::string& place, const std::string& port, std::shared_ptr<const Lent> lent,
+                         AgentOptions options) {
+    if (const auto board = find(place)) {
+        board->wanted = true;
+        if (board->agent) return;
+        board->pause.reset();
+        return start(*board, {});
+    }
+    options.serial = port;
+    options.lent = std::move(lent);
+    boards_.push_back(std::make_shared<Board>(io_, PlannedBoard{place, {}, std::move(options)}, several_));
+    start(*boards_.back(), {});
+}
+
+void Supervisor::left(const std::string& place) {
+    const auto board = find(place);
+    if (!board) return;
+    board->wanted = false;
+    if (board->agent) return board->agent->stop();
+    remove(*board);
+}
+
+void Supervisor::tell_lender(const Board& board) {
+    if (cables_ && board.agent && !board.agent->name().empty())
+        cables_->named(board.plan.key, board.agent->name());
+}
+
+}  // namespace asip::agent
