@@ -13,6 +13,7 @@
 #include "asip/program/path.hpp"
 #include "asip/random.hpp"
 #include "asip/text/wall_time.hpp"
+#include "gateway/cable/agent_way.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -113,6 +114,10 @@ Gateway::Port Application::port() {
     port.now = present;
     port.server = [this] { return server_->counters(); };
     port.exports = [this] { return exports_stand(); };
+    if (!options_.cables.empty())
+        port.cable = [this](CableWay::Handlers handlers) {
+            return agent_way(io_, options_.cables, std::move(handlers));
+        };
     port.soon = [this](std::function<void()> then) {
         soon_.expires_after(kSoon);
         soon_.async_wait([then = std::move(then)](const boost::system::error_code& error) {

@@ -18,6 +18,7 @@
 #include "gateway/api/many_boards.hpp"
 #include "gateway/api/things.hpp"
 #include "gateway/auth/gate.hpp"
+#include "gateway/cable/cable_way.hpp"
 #include "gateway/commands/commands.hpp"
 #include "gateway/dashboard/dashboards.hpp"
 #include "gateway/http/server.hpp"
@@ -109,6 +110,8 @@ class Gateway {
         std::function<Instant()> now{};                  ///< never earlier than before
         std::function<http::ServerCounters()> server{};  ///< for metrics
         std::function<std::vector<ExportStanding>()> exports{};
+        /// Begins a cable; empty: no agent takes lent boards.
+        std::function<std::unique_ptr<CableWay>(CableWay::Handlers)> cable{};
         /// Calls back within a millisecond or two, behind what is under way.
         std::function<void(std::function<void()>)> soon{};
     };
@@ -167,6 +170,8 @@ class Gateway {
     api::ManyBoards& many_boards() { return many_boards_; }
     http::ServerCounters server_counters() const { return port_.server(); }
     std::vector<ExportStanding> exports() const { return port_.exports(); }
+    bool has_cables() const { return static_cast<bool>(port_.cable); }
+    std::unique_ptr<CableWay> cable(CableWay::Handlers handlers) { return port_.cable(std::move(handlers)); }
     /// As JSON, made once.
     const std::string& openapi();
 

@@ -43,7 +43,7 @@ struct Raw {
     program::BrokerOptions broker;
     program::LogOptions log;
     std::vector<std::string> http{"127.0.0.1:8080"}, hosts, origins;
-    std::string cert, key, tokens, anonymous = "none", loopback, base_path, services;
+    std::string cert, key, tokens, anonymous = "none", loopback, base_path, services, cables;
     std::string forget_after = "7d", idle = "75s", header = "10s", body = "30s";
     bool trusted_proxy = false, no_page = false, no_metrics = false;
     http::ServerLimits limits;
@@ -110,6 +110,9 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
             ->group("Gateway"));
     settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
                          ->group("Gateway"));
+    settings.setting(app.add_option("--cables", raw.cables,
+                                    "Folder of asip-agent --cables: browsers may lend boards of theirs")
+                         ->group("Gateway"));
     settings.setting(app.add_option("--forget-after", raw.forget_after,
                                     "How long a board that left is shown (90s, 15m, 12h, 7d)")
                          ->capture_default_str()
@@ -122,8 +125,8 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
     settings.add_broker_options(raw.broker);
     settings.add_credentials_dir(raw.broker);
     settings.add_log_options(raw.log);
-    settings.arrange({"http", "tokens", "anonymous", "http-cert", "http-key", "home-assistant", "homie",
-                      "broker", "credentials", "log-level"},
+    settings.arrange({"http", "cables", "tokens", "anonymous", "http-cert", "http-key", "home-assistant",
+                      "homie", "broker", "credentials", "log-level"},
                      {"forget-after",
                       "no-page",
                       "no-metrics",
@@ -248,6 +251,7 @@ Expected<void> take_options(Raw& raw, const CLI::App& app, ProgramOptions& optio
     options.addresses = raw.http;
     options.tokens = raw.tokens;
     options.services = raw.services;
+    options.cables = raw.cables;
     options.http_cert = raw.cert;
     options.http_key = raw.key;
     if (raw.cert.empty() != raw.key.empty()) return fail("--http-cert and --http-key belong together");

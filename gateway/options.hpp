@@ -20,6 +20,7 @@ struct ProgramOptions {
     std::string http_cert, http_key;  ///< PEM; empty: no TLS
     std::string tokens;               ///< file; empty: none
     std::string services;             ///< folder of further models; empty: none
+    std::string cables;               ///< folder of the agent of lent boards; empty: none are lent
     http::ServerLimits limits;
     /// One for each dialect; where it is not enabled what it left on the broker is cleared.
     std::vector<exports::MakeExport> exports;

@@ -8,6 +8,7 @@ namespace asip::gateway::api {
 namespace {
 
 constexpr std::string_view kText = R"({"type":"string"})";
+constexpr std::string_view kUsbNumber = R"({"type":"string","pattern":"^[0-9a-f]{4}$"})";
 constexpr std::string_view kTruth = R"({"type":"boolean"})";
 
 std::vector<Parameter> query_parameters(bool boards) {
@@ -182,6 +183,7 @@ std::vector<Route> make_routes() {
         {"GET", "/api/events", "streamEvents", "Changes of the catalogue as Server-Sent Events", Need::kRead, {{"board", kText, "Pattern of board names", R"("*")"}, kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotReady, kTooMany}, get_events},
         {"GET", "/api/boards/{board}/services/{service}/stream", "streamValues", "Values of a service as Server-Sent Events", Need::kRead, {{"max_hz", R"({"type":"number","minimum":0,"maximum":1000})", "The newest value at most so often; 0: each, else at least 0.01", "20"}, kLastEventId}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady, kTooMany}, get_service_stream},
         {"GET", "/api/stream", "stream", "WebSocket: many subscriptions, commands and answers", Need::kShown, {{"session", kText, "Names the session to which ids of commands belong", ""}}, "", {{101, "The protocol is WebSocket from here on", ""}, fault(426, "No WebSocket was asked for"), kTooMany}, get_stream},
+        {"GET", "/api/cable", "lendBoard", "WebSocket: the cable to a board in the computer of this browser", Need::kLend, {{"vendor", kUsbNumber, "USB vendor of the board's port", R"("2341")"}, {"product", kUsbNumber, "USB product of the board's port", R"("0043")"}}, "", {{101, "The protocol is WebSocket from here on", ""}, fault(404, "No agent takes lent boards here"), fault(426, "No WebSocket was asked for"), kTooMany}, get_cable},
         {"GET", "/api/status", "getStatus", "Broker, registries, this gateway, and what you may do", Need::kShown, {}, "", {{200, "How it is", "Status"}}, get_status},
         {"POST", "/api/codes", "makeCode", "A code that logs a browser in, once, within 30 s", Need::kRead, {}, "", {{200, "The code", "Code"}, kTooMany}, post_code},
         {"DELETE", "/api/session", "endSession", "Log out", Need::kNothing, {}, "", {{204, "Logged out", ""}}, delete_session},

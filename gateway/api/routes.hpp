@@ -15,7 +15,20 @@ namespace asip::gateway::api {
 /// duty: see limits.hpp.
 /// kShown: to read something, of the own dashboard if nothing else; kUse: to use a control of a dashboard;
 /// kArrange: to make and share dashboards, and to hold lessons.
-enum class Need { kNothing, kShown, kRead, kCommand, kUse, kStop, kResume, kLabel, kRaw, kArrange, kForget };
+enum class Need {
+    kNothing,
+    kShown,
+    kRead,
+    kCommand,
+    kUse,
+    kStop,
+    kResume,
+    kLabel,
+    kRaw,
+    kLend,
+    kArrange,
+    kForget
+};
 
 /// A parameter behind `?`. One that no route has is refused, and so is one that is given twice.
 struct Parameter {
@@ -100,6 +113,7 @@ void delete_link(Call& call);
 void get_events(Call& call);
 void get_service_stream(Call& call);
 void get_stream(Call& call);
+void get_cable(Call& call);
 void get_status(Call& call);
 void post_code(Call& call);
 void delete_session(Call& call);

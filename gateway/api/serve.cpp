@@ -37,6 +37,8 @@ bool allowed(const Rights& rights, Need need) {
             return rights.may_label();
         case Need::kRaw:
             return rights.may_send_raw();
+        case Need::kLend:
+            return rights.may_lend();
         case Need::kForget:
             return rights.may_forget();
     }
@@ -153,6 +155,10 @@ void refuse_right(const Principal& principal, const http::Reply& reply, Need nee
         return reply.send(problem(403,
                                   "a token that is limited to some boards or services may not change "
                                   "dashboards, nor hold lessons"));
+    if (need == Need::kLend && principal.rights.may_command())
+        return reply.send(problem(403,
+                                  "a token that is limited to some boards may lend one if lent-* is among "
+                                  "them, and no services are named"));
     const std::string role(to_string(principal.rights.role));
     const bool whole_boards = need != Need::kNothing && need != Need::kRead && need != Need::kCommand;
     if (whole_boards && principal.rights.may_command() && !principal.rights.services.empty())

@@ -72,6 +72,7 @@ void get_status(Call& call) {
              {"arrange", rights.may_arrange()},
              {"resume", rights.may_resume()},
              {"limited", rights.limited()},
+             {"lend", gateway.has_cables() && rights.may_lend()},
              {"session", call.principal.kind == Principal::Kind::kSession}};
     if (!rights.dashboard.empty()) {
         you["dashboard"] = rights.dashboard;

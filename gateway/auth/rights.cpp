@@ -5,6 +5,7 @@
 #include <array>
 
 #include "asip/bus/pattern.hpp"
+#include "asip/link/cable_frames.hpp"
 #include "asip/text/nearest.hpp"
 #include "gateway/auth/secret.hpp"
 
@@ -27,6 +28,10 @@ std::string_view to_string(Role role) {
 
 bool Rights::sees_board(std::string_view board) const {
     return dashboard.empty() && any_matches(boards, board);
+}
+
+bool Rights::may_lend() const {
+    return may_label() && sees_board(std::string(link::kLentPrefix) + "board");
 }
 
 bool Rights::sees_service(std::string_view board, std::string_view service) const {

@@ -52,6 +52,8 @@ struct Rights {
     bool may_label() const { return may_stop() && lesson.empty(); }
     bool may_send_raw() const { return may_stop() && (raw || role == Role::kAdmin); }
     bool may_forget() const { return role == Role::kAdmin && services.empty(); }
+    /// A board in its browser's computer. It sees what all browsers lend, so that it sees its own.
+    bool may_lend() const;
     /// Make, change, share and remove dashboards. A shared dashboard gives its viewers rights of its editor.
     bool may_arrange() const { return may_command() && !limited(); }
     /// By the patterns alone: whether anything may be read is the role's to say.

@@ -42,7 +42,9 @@ class Channel {
     /// False: there is none; `wake` is called later.
     virtual bool take(std::string& message) = 0;
     virtual bool more() const { return false; }
-    /// A whole text. False: the client breaks the rules too often, and is closed.
+    /// Messages are bytes, in both directions; else they are text.
+    virtual bool binary() const { return false; }
+    /// A whole message. False: the client breaks the rules too often, and is closed.
     virtual bool received(std::string_view message) = 0;
     /// Non-zero: close with this code (1008: not allowed any more).
     virtual std::uint16_t close_code() const { return 0; }

@@ -59,7 +59,7 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
         stream_.set_option(timeout);
         stream_.write_buffer_bytes(512);
         stream_.auto_fragment(false);  // else a message is written in pieces of that size, one a turn
-        stream_.text(true);
+        stream_.binary(channel_->binary());
     }
 
     void run(const Request& request) {
@@ -100,13 +100,14 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     void received() {
         if (!open_) return;
         const auto data = in_.data();
-        const bool text = stream_.got_text();
-        const bool goes_on = text && channel_->received({static_cast<const char*>(data.data()), data.size()});
+        const bool its_kind = stream_.got_binary() == channel_->binary();
+        const bool goes_on =
+            its_kind && channel_->received({static_cast<const char*>(data.data()), data.size()});
         in_.consume(in_.size());
         if (in_.capacity() > kKeptBytes) in_.shrink_to_fit();
         if (!goes_on)
-            return close_with(text ? websocket::close_code::policy_error
-                                   : websocket::close_code::unknown_data);
+            return close_with(its_kind ? websocket::close_code::policy_error
+                                       : websocket::close_code::unknown_data);
         read();
     }
 

@@ -157,6 +157,7 @@ RESOURCES = {
     "GET /api/events": ("viewer", "?board=*o*d*", ""),
     "GET /api/boards/{board}/services/{service}/stream": ("viewer", "?max_hz=1000", ""),
     "GET /api/stream": ("viewer", "", ""),
+    "GET /api/cable": ("operator", "?vendor=2341&product=0043", ""),
     "GET /api/status": ("kiosk", "", ""),
     "POST /api/codes": ("viewer", "", "{}"),
     "DELETE /api/session": ("nobody", "", ""),

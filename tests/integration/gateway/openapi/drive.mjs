@@ -165,6 +165,7 @@ const cases = {
     getModel: { 200: get("/api/models/servo"), 404: get("/api/models/none") },
     streamEvents: { 200: get("/api/events"), 429: () => streams("/api/events") },
     streamValues: { 200: get("/api/boards/uno1/services/distance/stream?max_hz=5"), 404: get("/api/boards/none/services/none/stream"), 429: () => streams("/api/boards/uno1/services/distance/stream") },
+    lendBoard: { 404: get("/api/cable", upgrade), 426: get("/api/cable") },
     stream: { 101: get("/api/stream", upgrade), 426: get("/api/stream"), 429: () => streams("/api/stream", upgrade) },
     getStatus: { 200: get("/api/status") },
     endSession: { 204: () => send("DELETE", "/api/session") },
@@ -280,9 +281,9 @@ const cases = {
   nohistory: { getKeptValues: { 404: get(kept) }, getBoardHistory: { 404: get("/api/boards/uno1/history") }, getHistory: { 404: get("/api/history") } },
 };
 
-// What no board here does: api_things_test.cpp and tests/box bring it about. What a second editor or a gateway that has just begun
+// What no board here does: api_things_test.cpp, tests/box and tests/cable bring it about. What a second editor or a gateway that has just begun
 // meets: api_dashboards_test.cpp.
-const elsewhere = { loadBoard: [200], writeProperty: [422], putBoardValue: [422], useWidget: [422], invokeAction: [204, 409, 422, 429, 503, 504],
+const elsewhere = { lendBoard: [101, 429], loadBoard: [200], writeProperty: [422], putBoardValue: [422], useWidget: [422], invokeAction: [204, 409, 422, 429, 503, 504],
   getDashboard: [503], putDashboard: [409], deleteDashboard: [409], makeLink: [409], deleteLink: [409] };
 
 const document = JSON.parse((await send("GET", "/api/openapi.json")).text);
