@@ -7,14 +7,11 @@
 
 #include <gmock/gmock.h>
 
-#include "asip/bus/registry/catalogue_view.hpp"
-
 namespace asip::bus {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 text::WallTime wall(std::int64_t milliseconds) {
     return text::WallTime(std::chrono::milliseconds(milliseconds));
@@ -177,68 +174,6 @@ TEST(QueryWire, Patterns) {
     EXPECT_FALSE(matches_pattern("a*b", "abc"));
     EXPECT_FALSE(matches_pattern("?", ""));
     EXPECT_FALSE(matches_pattern(std::string(60, '*') + "x", std::string(2000, 'a')));
-}
-
-class CatalogueViewTest : public testing::Test {
-  protected:
-    std::vector<std::string> changes;
-    CatalogueView view{[this](const CatalogueView::Change& change) {
-        changes.push_back(std::string(to_string(change.kind)) + " " + change.board.board + " " +
-                          change.board.state);
-    }};
-};
-
-TEST_F(CatalogueViewTest, PagesAndEventsBetweenThem_JoinWithoutGapOrDuplicate) {
-    ASSERT_TRUE(view.next_query());
-    view.event(change(1, ChangeEvent::Kind::kAdded, some_board("a")));  // already in the first page
-    ASSERT_TRUE(view.page(page(2, {some_board("a"), some_board("b")}, "b//")));
-    EXPECT_EQ(view.next_query()->cursor, "b//");
-    view.event(change(2, ChangeEvent::Kind::kAdded, some_board("b")));
-    view.event(change(3, ChangeEvent::Kind::kState, some_board("a", "lost")));     // after a's page: must be
-                                                                                   // applied
-    view.event(change(4, ChangeEvent::Kind::kState, some_board("c", "offline")));  // before c's page: is in
-                                                                                   // it
-    ASSERT_TRUE(view.page(page(4, {some_board("c", "offline")})));
-    EXPECT_FALSE(view.next_query());
-    EXPECT_EQ(view.boards().at("a").state, "lost");
-    EXPECT_EQ(view.boards().at("c").state, "offline");
-    EXPECT_THAT(changes, ElementsAre("added a online", "added b online", "added c offline", "state a lost"));
-    view.event(change(5, ChangeEvent::Kind::kForgotten, some_board("b")));
-    EXPECT_EQ(view.boards().count("b"), 0u);
-}
-
-TEST_F(CatalogueViewTest, LostEventResetOrRestart_AsksForANewSnapshotAndReportsOnlyWhatDiffers) {
-    view.page(page(1, {some_board("a"), some_board("b")}));
-    view.event(change(2, ChangeEvent::Kind::kState, some_board("a", "lost")));
-    changes.clear();
-    view.event(change(4, ChangeEvent::Kind::kState, some_board("b", "lost")));
-    ASSERT_TRUE(view.needs_snapshot());
-    EXPECT_EQ(view.boards().size(), 2u) << "the old ones stay until then";
-    view.page(page(5, {some_board("a", "lost"), some_board("c")}));
-    EXPECT_THAT(changes, ElementsAre("forgotten b online", "added c online"));
-    view.event(change(5, ChangeEvent::Kind::kReset, {}));
-    EXPECT_FALSE(view.needs_snapshot()) << "known already";
-    view.event(change(6, ChangeEvent::Kind::kReset, {}));
-    EXPECT_TRUE(view.needs_snapshot());
-    view.page(page(6, {}));
-    ChangeEvent restarted = change(1, ChangeEvent::Kind::kAdded, some_board("a"));
-    restarted.epoch = "other";
-    view.event(restarted);
-    EXPECT_TRUE(view.needs_snapshot());
-}
-
-TEST_F(CatalogueViewTest, OtherRegistries_AreIgnored) {
-    view.page(page(1, {some_board("a")}, "a//"));
-    Answer other = page(1, {some_board("z")});
-    other.registry = "r2";
-    EXPECT_FALSE(view.page(other));
-    view.page(page(1, {some_board("b")}));
-    EXPECT_FALSE(view.page(page(1, {some_board("z")})));
-    ChangeEvent event = change(9, ChangeEvent::Kind::kAdded, some_board("z"));
-    event.registry = "r2";
-    view.event(event);
-    EXPECT_EQ(view.boards().size(), 2u);
-    EXPECT_FALSE(view.needs_snapshot());
 }
 
 }  // namespace
