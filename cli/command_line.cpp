@@ -143,7 +143,7 @@ std::vector<std::string> CommandLine::arguments_last(std::vector<std::string> wo
 
 /// A verb that users of other programs type first, or that had a name of its own, and what does it here.
 std::optional<std::string> CommandLine::usual_name(const std::vector<std::string>& words) const {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kNames{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kNames{
         {{"ls", "list"},
          {"devices", "list"},
          {"boards", "list"},
@@ -156,8 +156,7 @@ std::optional<std::string> CommandLine::usual_name(const std::vector<std::string
          {"logs", "events --logs"},
          {"models", "model"},
          {"explain", "model KIND"},
-         {"prune", "forget --leftovers"},
-         {"registries", "doctor --registries"}}};
+         {"prune", "forget --leftovers"}}};
     const auto read = program::classify(app_, words);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (read[i].kind != program::CommandWord::Kind::kUnknownSubcommand) continue;

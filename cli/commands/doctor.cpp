@@ -9,7 +9,6 @@
 #include "cli/declaration.hpp"
 #include "cli/doctor/agents.hpp"
 #include "cli/doctor/findings.hpp"
-#include "cli/doctor/registries.hpp"
 #include "cli/environment.hpp"
 #include "cli/output.hpp"
 #include "cli/secure/try_out.hpp"
@@ -21,8 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct DoctorOptions {
-    bool registries = false;  ///< list them instead
-    bool agents = false;      ///< list what they counted instead
+    bool agents = false;  ///< list what they counted instead
     OutputOptions output{};
 };
 
@@ -209,25 +207,14 @@ int run_doctor(const DoctorOptions& options, Environment& environment) {
 
 Run declare_doctor(Declaration& verb) {
     auto options = std::make_shared<DoctorOptions>();
-    verb.flag("--registries", options->registries,
-              "List the registries and what they counted, as they publish it");
     verb.flag("--agents", options->agents,
               "List what agents counted since they started: lines, commands, round trips, losses");
     verb.output(options->output, {Output::kTable, Output::kName},
-                {"level",       "what",     "advice",    "registry", "state",
-                 "version",     "epoch",    "seq",       "at",       "uptime",
-                 "boards",      "services", "conflicts", "messages", "messages_per_second",
-                 "renewals",    "expired",  "refused",   "queries",  "events",
-                 "connections", "board",    "line",      "commands", "round_trip",
-                 "queue",       "holds",    "stops",     "bus",      "number",
-                 "interval",    "session"});
+                {"level", "what", "advice", "board", "version", "seq", "at", "uptime", "line", "commands",
+                 "round_trip", "queue", "holds", "stops", "bus", "number", "interval", "session"});
     return [options](Environment& environment) {
-        if (options->registries && options->agents)
-            return environment.fail_with(
-                {program::kExitUsage, "--registries and --agents do not go together"});
-        return options->registries ? list_registries(options->output, environment)
-               : options->agents   ? list_agents(options->output, environment)
-                                   : run_doctor(*options, environment);
+        return options->agents ? list_agents(options->output, environment)
+                               : run_doctor(*options, environment);
     };
 }
 
@@ -237,10 +224,10 @@ Verb doctor_verb() {
     return {
         "doctor", "Find what is wrong with broker, registry, boards and this machine",
         "Each finding names what to do. Exit status: 0 nothing is wrong, 1 something is, 3 the broker is.\n"
-        "Of --registries and --agents: 4, there is none.\n"
+        "With --agents: 4, there is none.\n"
         "Examples:\n"
         "  asipctl doctor --broker pi.local\n"
-        "  asipctl doctor --registries -o json | jq '.[].boards'",
+        "  asipctl doctor --agents -o json | jq '.[].round_trip'",
         declare_doctor};
 }
 

@@ -7,12 +7,10 @@
 
 #include "asip/catalogue/bus_view.hpp"
 #include "asip/model/board_state.hpp"
-#include "asip/model/json.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/ask/board_source.hpp"
 #include "cli/declaration.hpp"
 #include "cli/environment.hpp"
-#include "cli/events/context_event.hpp"
 #include "cli/find/target.hpp"
 #include "cli/output.hpp"
 #include "cli/text/state_text.hpp"
@@ -21,26 +19,21 @@ namespace asip::cli {
 namespace {
 
 struct WaitOptions {
-    std::string target;           ///< BOARD or BOARD/SERVICE
-    std::string what = "online";  ///< a state of the board, or the name of an event
+    std::string board;
+    std::string state = "online";
     OutputOptions output{};
 };
 
-/// Watches one board until what is waited for has come.
+/// Watches one board until it is in the state.
 class Waiter {
   public:
-    Waiter(const WaitOptions& options, Environment& environment, Target target)
-        : options_(options),
-          environment_(environment),
-          targets_{std::move(target)},
-          for_state_(model::board_state_from_text(options.what).has_value()),
-          session_(environment) {}
+    Waiter(const WaitOptions& options, Environment& environment)
+        : options_(options), environment_(environment), session_(environment) {}
 
     int run() {
         session_.caller().watch(board());
         session_.caller().watch_names(board());
         retained_ = session_.mark_retained();
-        if (!for_state_) watch_events();
         if (const auto connected = session_.connect(); !connected)
             return environment_.fail_with(connected.error());
         const auto deadline = Clock::now() + environment_.timeout;
@@ -51,32 +44,13 @@ class Waiter {
                            std::max(deadline, Clock::now() + kMarkPatience));
         if (came()) return print();
         if (session_.stopped()) return environment_.fail_with(interrupted().value());
-        return environment_.fail_with(
-            session_.unanswered(targets_.front().text() + ": no " + options_.what + " within " +
-                                std::to_string(environment_.timeout.count()) + " ms; " + present()));
+        return environment_.fail_with(session_.unanswered(board() + ": no " + options_.state + " within " +
+                                                          std::to_string(environment_.timeout.count()) +
+                                                          " ms; " + present()));
     }
 
   private:
-    const std::string& board() const { return targets_.front().board; }
-
-    void watch_events() {
-        want_ = session_.want(board(), targets_.front().service);
-        for (const auto& filter : context_filters(environment_.topics, targets_, false)) {
-            subscriptions_.push_back(session_.subscribe(filter, [this](const mqtt::Message& message) {
-                if (!message.retain && !event_) take_event(message);
-            }));
-        }
-    }
-
-    void take_event(const mqtt::Message& message) {
-        auto event = context_event(environment_.topics, message.topic, message.payload);
-        if (!event || event->kind != ContextEvent::Kind::kValue) return;
-        if (!is_wanted(*event, targets_, session_.boards().description(board()))) return;
-        const auto document = model::parse_json(event->payload);
-        if (!document || !document->is_object() || !document->contains(options_.what)) return;
-        event->time = std::chrono::system_clock::now();
-        event_ = std::move(event);
-    }
+    const std::string& board() const { return options_.board; }
 
     /// What it is now, for people.
     std::string present() const {
@@ -94,67 +68,56 @@ class Waiter {
     }
 
     bool came() const {
-        if (!for_state_) return event_.has_value();
         const auto known = session_.boards().board(board(), catalogue::instant_now());
-        if (!known || known->state != options_.what || !reported(*known)) return false;
+        if (!known || known->state != options_.state || !reported(*known)) return false;
         // An online board can be used once it has a description.
-        return options_.what != "online" || known->names_only ||
+        return options_.state != "online" || known->names_only ||
                session_.boards().description(board()) != nullptr;
     }
 
     int print() const {
-        if (!options_.output.for_people()) {
-            auto record = event_ ? event_json(*event_)
-                                 : nlohmann::json{{"board", board()},
-                                                  {"state", options_.what},
-                                                  {"time", text::iso_time(text::wall_now())}};
-            RecordPrinter(options_.output, RecordPrinter::Count::kOne, environment_.out).print(record);
-        } else if (event_) {
-            environment_.out << event_text(*event_, event_->payload, false, false, environment_.colour)
-                             << std::endl;
-        }
+        if (!options_.output.for_people())
+            RecordPrinter(options_.output, RecordPrinter::Count::kOne, environment_.out)
+                .print({{"board", board()},
+                        {"state", options_.state},
+                        {"time", text::iso_time(text::wall_now())}});
         return program::kExitOk;
     }
 
     const WaitOptions& options_;
     Environment& environment_;
-    std::vector<Target> targets_;
-    bool for_state_;
     BusSession session_;
     std::optional<BusSession::Mark> retained_;
-    std::optional<ContextEvent> event_;
-    std::vector<BusSession::Subscription> subscriptions_;
-    bus::Demander::Want want_{};
 };
 
-/// `asipctl wait`: returns kExitOk once the board is in the state (at once when it is already), or once the
-/// event was reported; kExitNoAnswer when it did not come within the context's timeout.
+/// `asipctl wait`: returns kExitOk once the board is in the state (at once when it is already); kExitNoAnswer
+/// when it did not come within the context's timeout.
 int run_wait(const WaitOptions& options, Environment& environment) {
-    auto target = parse_target(options.target);
+    const auto target = parse_target(options.board);
     if (!target) return environment.fail_with(target.error());
-    return Waiter(options, environment, std::move(*target)).run();
+    if (!target->service.empty())
+        return environment.fail_with({program::kExitUsage, "wait takes a board, not a service"});
+    return Waiter(options, environment).run();
 }
 
 Run declare_wait(Declaration& verb) {
     auto options = std::make_shared<WaitOptions>();
-    verb.argument("BOARD[/SERVICE]", options->target, "Which");
-    verb.option("--for", "online|offline|lost|sleeping|updating|...", options->what,
-                "A state of the board, or the name of an event");
-    verb.output(options->output, {Output::kText}, {"board", "state", "time", "service", "event", "age"});
+    verb.argument("BOARD", options->board, "Which");
+    verb.option("--for", "online|offline|lost|sleeping|updating", options->state, "Its state");
+    verb.output(options->output, {Output::kText}, {"board", "state", "time"});
     return [options](Environment& environment) { return run_wait(*options, environment); };
 }
 
 }  // namespace
 
 Verb wait_verb() {
-    return {"wait", "Wait until a board is in a state, or reports an event",
+    return {"wait", "Wait until a board is in a state",
             "Ends at once when the board is in that state. --timeout says how long to wait, 0: only look; "
             "status 4\n"
-            "when it did not come. A state prints nothing, an event is printed.\n"
+            "when it did not come.\n"
             "Examples:\n"
             "  asipctl wait uno1 --timeout 1m && asipctl send uno1/servo write 0 90\n"
-            "  asipctl wait uno1 --for lost --timeout 12h\n"
-            "  asipctl wait uno1/io --for digital --timeout 30s",
+            "  asipctl wait uno1 --for lost --timeout 12h",
             declare_wait};
 }
 

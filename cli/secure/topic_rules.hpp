@@ -42,7 +42,4 @@ const std::vector<TopicRule>& topic_rules();
 bool may_read(const TopicRule& rule, const RoleOfUser& user, std::string_view topic);
 bool may_write(const TopicRule& rule, const RoleOfUser& user, std::string_view topic);
 
-/// As the table of SECURITY.md.
-std::string rules_table();
-
 }  // namespace asip::cli

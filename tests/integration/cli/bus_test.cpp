@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "tests/integration/cli/bus_fixture.hpp"
 #include "tests/support/temp_dir.hpp"
@@ -14,7 +13,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using ::testing::StartsWith;
 
 TEST(NoBroker, AnyCommand_EndsWithStatus3AndSaysWhere) {
     const auto address = "127.0.0.1:" + std::to_string(free_port());
@@ -35,18 +33,6 @@ TEST_F(BusTest, FirstBrokerOfTheListIsOfNoUse_UsesTheSecond) {
         EXPECT_EQ(list.status, 0) << list.errors;
         EXPECT_EQ(list.output, "uno1\n");
     }
-}
-
-TEST(NoBroker, EveryBrokerOfTheListRefuses_EndsWithStatus3AndNamesThemAll) {
-    MosquittoBroker one({.users = {{"ada", "right"}}});
-    MosquittoBroker two({.users = {{"ada", "right"}}});
-    const TempDir folder;
-    const auto list =
-        run({ASIP_PROGRAMS "/asipctl", "list", "--broker", one.address(), "--broker", two.address(), "--user",
-             "ada", "--password-file", folder.write("password", "wrong\n")});
-    EXPECT_EQ(list.status, 3);
-    EXPECT_THAT(list.errors, HasSubstr(one.address()));
-    EXPECT_THAT(list.errors, HasSubstr(two.address()));
 }
 
 /// Others on the machine see it among the arguments.
@@ -77,19 +63,6 @@ TEST(WrongUse, EachEndsWithStatus2) {
     }
 }
 
-TEST(WrongUse, MoreThanACommandTakes_IsToldWithWhatItTakes) {
-    const auto asipctl = [](std::vector<std::string> words) {
-        words.insert(words.begin(), ASIP_PROGRAMS "/asipctl");
-        return run(words);
-    };
-    const auto third = asipctl({"flash", "uno1", "uno2", "new.hex"});
-    EXPECT_EQ(third.status, 2);
-    EXPECT_THAT(third.errors, HasSubstr("flash takes BOARD FILE; \"new.hex\" is one too many"));
-    EXPECT_THAT(asipctl({"doctor", "more"}).errors, HasSubstr("doctor takes no arguments; \"more\""));
-    const auto flash = asipctl({"flash", "uno1,uno2", "new.hex", "--no-mdns"});
-    EXPECT_EQ(flash.status, 2);
-}
-
 TEST_F(BusTest, NoRegistry_ListReadsTheBusAndReportsThat) {
     announce("uno1");
     announce("uno2", "lost");
@@ -102,58 +75,6 @@ TEST_F(BusTest, NoRegistry_ListReadsTheBusAndReportsThat) {
     EXPECT_THAT(list.errors, HasSubstr("no registry"));
     EXPECT_THAT(asipctl({"list", "--from-bus", "--state", "lost", "-o", "name"}).output, "uno2\n");
     EXPECT_THAT(asipctl({"list", "--from-bus"}).errors, IsEmpty());
-}
-
-TEST_F(BusTest, ServicesAsJson_CanBeReadByPrograms) {
-    announce("uno1");
-    const auto list = asipctl({"list", "services", "--from-bus", "--unit", "cm", "-o", "json"});
-    const auto document = nlohmann::json::parse(list.output);
-    ASSERT_EQ(document.size(), 1U);
-    EXPECT_EQ(document[0]["board"], "uno1");
-    EXPECT_EQ(document[0]["name"], "distance");
-    EXPECT_EQ(document[0]["count"], 2);
-}
-
-/// Two answers are not of the same millisecond.
-std::vector<nlohmann::json> without_times(std::vector<nlohmann::json> records) {
-    for (auto& record : records) {
-        for (const auto* time : {"age", "first_seen", "last_seen", "since", "state_age"})
-            record.erase(time);
-    }
-    return records;
-}
-
-TEST_F(BusTest, ListAsJsonLines_HoldsTheRecordsOfTheListAsJson) {
-    announce("uno1");
-    announce("uno2", "lost");
-    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
-    ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
-    for (const std::string what : {"boards", "services"}) {
-        for (const std::vector<std::string>& more : {std::vector<std::string>{},
-                                                     {"--board", "uno1"},
-                                                     {"--board", "nosuch"},
-                                                     {"--reverse"},
-                                                     {"--from-bus"}}) {
-            announce("uno1");  // without an answer to the registry's probe it would be lost after 10 s
-            std::vector<std::string> words{"list", what};
-            words.insert(words.end(), more.begin(), more.end());
-            auto as_json = words, as_lines = words;
-            as_json.insert(as_json.end(), {"-o", "json"});
-            as_lines.insert(as_lines.end(), {"-o", "jsonl"});
-            std::istringstream lines(asipctl(as_lines).output);
-            std::vector<nlohmann::json> records;
-            for (std::string line; std::getline(lines, line);)
-                records.push_back(nlohmann::json::parse(line));
-            EXPECT_EQ(without_times(records), without_times(nlohmann::json::parse(asipctl(as_json).output)))
-                << what << (more.empty() ? "" : " " + more.front());
-        }
-    }
-}
-
-TEST_F(BusTest, EmptyBus_ListsNothingAndSucceeds) {
-    const auto list = asipctl({"list", "-o", "json"});
-    EXPECT_EQ(list.status, 0);
-    EXPECT_EQ(list.output, "[]\n");
 }
 
 TEST_F(BusTest, UnknownBoard_EndsWithStatus4AndTheNearestName) {
@@ -178,11 +99,6 @@ TEST_F(BusTest, Subscribe_PrintsDecodedValuesAndEndsByCount) {
     EXPECT_EQ(subscribe.output(), "uno1/distance 118\nuno1/distance 118\n");
 }
 
-TEST_F(BusTest, SubscribeToSilence_EndsInTimeWithStatus4) {
-    announce("uno1");
-    EXPECT_EQ(asipctl({"subscribe", "uno1/distance", "-W", "200ms"}).status, 4);
-}
-
 TEST_F(BusTest, ForgetABoardThatIsGone_EmptiesEveryTopicOfItAndNoOther) {
     announce("dead", "lost");
     announce("dead2", "lost");
@@ -198,16 +114,6 @@ TEST_F(BusTest, ForgetABoardThatIsGone_EmptiesEveryTopicOfItAndNoOther) {
     EXPECT_EQ(late.count("asip/servicebus/dead/$state"), 0U);
     EXPECT_EQ(late.count("asip/dead/distance/out"), 0U);
     EXPECT_EQ(asipctl({"forget", "dead"}).status, 1) << "nothing is left to forget";
-}
-
-TEST_F(BusTest, ForgetABoardThatNobodyKnows_FailsWithTheNearest) {
-    announce("kitchen", "lost");
-    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
-    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
-    const auto forget = asipctl({"forget", "kitchne"});
-    EXPECT_EQ(forget.status, 1);
-    EXPECT_THAT(forget.errors, HasSubstr("did you mean \"kitchen\""));
-    EXPECT_THAT(forget.errors, Not(HasSubstr("forgot")));
 }
 
 TEST_F(BusTest, ForgetABoardThatAnswers_IsRefused) {
@@ -265,18 +171,6 @@ TEST_F(BusTest, Prune_ClearsWhatLingersAndNothingElse) {
     EXPECT_EQ(late.messages().size(), 3U);
 }
 
-TEST_F(BusTest, UnreadableDescription_IsClearedByWhatTheDoctorAdvises) {
-    announce("uno1");
-    probe_.publish("asip/servicebus/broken/$description", "{", true);
-    probe_.publish("asip/servicebus/broken/$state", "online", true);
-    const auto doctor = asipctl({"doctor", "--timeout", "1s"});
-    EXPECT_THAT(doctor.output, HasSubstr("asip/servicebus/broken/$description cannot be read"));
-    EXPECT_THAT(doctor.output, HasSubstr("asipctl forget --leftovers --only documents"));
-    EXPECT_EQ(asipctl({"forget", "--leftovers", "--only", "documents", "-o", "name"}).output,
-              "asip/servicebus/broken/$description\n");
-    EXPECT_THAT(asipctl({"doctor", "--timeout", "1s"}).output, Not(HasSubstr("cannot be read")));
-}
-
 TEST_F(BusTest, Doctor_NamesEachFaultAndWhatToDo) {
     announce("ghost");
     probe_.publish("asip/ghost/in", "#,R", true);
@@ -290,17 +184,6 @@ TEST_F(BusTest, Doctor_NamesEachFaultAndWhatToDo) {
                 HasSubstr("retained commands, delivered again at each reconnection: asip/ghost/in"));
     EXPECT_THAT(doctor.output, HasSubstr("a b"));
     EXPECT_THAT(doctor.output, HasSubstr("-> asipctl forget --leftovers --only commands"));
-}
-
-TEST(Doctor, BrokerWithoutTcpNodelay_IsNoticed) {
-    MosquittoBroker::Options options;
-    options.extra_lines = {"set_tcp_nodelay false"};
-    MosquittoBroker broker(options);
-    const auto doctor = run({ASIP_PROGRAMS "/asipctl", "doctor", "--broker", broker.address()});
-    EXPECT_THAT(doctor.output, HasSubstr("set_tcp_nodelay true"));
-    MosquittoBroker good;
-    EXPECT_THAT(run({ASIP_PROGRAMS "/asipctl", "doctor", "--broker", good.address()}).output,
-                HasSubstr("connection accepted (MQTT 5)"));
 }
 
 /// Waits until a program that can print nothing more has ended.
@@ -329,68 +212,6 @@ TEST_F(BusTest, DiskThatIsFull_IsAFailure) {
         EXPECT_EQ(finished.status, 1) << command;
         EXPECT_THAT(finished.errors, HasSubstr("cannot write the output")) << command;
     }
-}
-
-TEST_F(BusTest, ServiceByItsLetter_IsSubscribedTo) {
-    announce("uno1");
-    ChildProcess subscribe(program({"subscribe", "uno1/D", "-n", "1"}), environment());
-    ASSERT_TRUE(wait_until([&] {
-        probe_.publish("asip/uno1/servo/out", "{}");
-        probe_.publish("asip/uno1/distance/out", R"({"distance":[42]})");
-        return !subscribe.running();
-    }));
-    EXPECT_EQ(subscribe.wait_exit(), 0);
-    EXPECT_EQ(subscribe.output(), "uno1/distance  distance 42 cm\n");
-}
-
-TEST_F(BusTest, RawLinesOfOneService_AreItsOwn) {
-    announce("uno1");
-    ChildProcess subscribe(program({"subscribe", "uno1/X", "--raw", "-n", "1"}), environment());
-    ASSERT_TRUE(wait_until([&] {
-        probe_.publish("asip/uno1/out", "@D,e,1,{42}");
-        probe_.publish("asip/uno1/out", "@X,k,7");
-        return !subscribe.running();
-    }));
-    EXPECT_EQ(subscribe.wait_exit(), 0);
-    EXPECT_EQ(subscribe.output(), "uno1  @X,k,7\n");
-}
-
-TEST_F(BusTest, EachForm_IsThereForPinsAndLists) {
-    announce("uno1");
-    announce("uno2", "lost");
-    EXPECT_EQ(asipctl({"list", "--from-bus", "--format", "{board}={state}"}).output,
-              "uno1=online\nuno2=lost\n");
-    EXPECT_EQ(asipctl({"show", "uno1", "--format", "{description.firmware.chip}"}).output, "ATmega328P\n");
-    EXPECT_EQ(nlohmann::json::parse(asipctl({"list", "--from-bus", "-o", "json"}).output).size(), 2U);
-    const auto unknown = asipctl({"list", "--format", "{borad}"});
-    EXPECT_EQ(unknown.status, 2);
-    EXPECT_THAT(unknown.errors, HasSubstr("did you mean \"board\""));
-}
-
-TEST(MistypedCommandLine, NearestIsNamed) {
-    const auto asipctl = [](std::vector<std::string> words) {
-        words.insert(words.begin(), ASIP_PROGRAMS "/asipctl");
-        return run(words);
-    };
-    EXPECT_THAT(asipctl({"lst"}).errors, HasSubstr("did you mean \"list\""));
-    const auto option = asipctl({"list", "--sate", "lost"});
-    EXPECT_EQ(option.status, 2);
-    EXPECT_THAT(option.errors, HasSubstr("there is no option \"--sate\" (did you mean \"--state\"?)"));
-    EXPECT_EQ(asipctl({"help", "send"}).output, asipctl({"send", "--help"}).output);
-    EXPECT_THAT(asipctl({"help"}).output, HasSubstr("subscribe"));
-    EXPECT_THAT(asipctl({"help", "sned"}).errors, HasSubstr("did you mean \"send\""));
-}
-
-TEST_F(BusTest, Completion_OffersLiveNames) {
-    announce("uno1");
-    const auto typed = [this](const std::string& line) {
-        return asipctl({"__complete", "bash", "asipctl " + line}).output;
-    };
-    EXPECT_EQ(typed("show u"), "uno1\nuno1/\n");
-    EXPECT_EQ(typed("--broker " + broker_.address() + " show u"), "uno1\nuno1/\n");
-    EXPECT_EQ(typed("send uno1/s"), "uno1/servo\n");
-    EXPECT_EQ(typed("send uno1/servo "), "remap\nwrite\n");
-    EXPECT_EQ(typed("list --state=lo"), "lost\n") << "bash replaces what follows the =";
 }
 
 TEST(CompletionScript, Bash_IsAccepted) {

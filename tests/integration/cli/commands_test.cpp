@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "tests/integration/cli/bus_fixture.hpp"
 #include "tests/support/tcp_relay.hpp"
@@ -56,36 +55,10 @@ TEST_F(SendTest, BoardsError_EndsWith1AndItsWords) {
     EXPECT_THAT(sent.errors, HasSubstr("S,W,7,90: the board refused it: INVALID_DEVICE_NUMBER (error 7)"));
 }
 
-TEST_F(SendTest, RefusedOrTimedOut_EndsWith1Or4) {
-    EXPECT_EQ(answered({"send", "uno1/servo", "write", "0", "1"}, "asip/uno1/servo/in",
-                       R"({"status":"refused","reason":"queue-full","error":"too much at once"})")
-                  .status,
-              1);
-    probe_.clear();
-    EXPECT_EQ(
-        answered({"send", "uno1/servo", "write", "0", "1"}, "asip/uno1/servo/in", R"({"status":"timeout"})")
-            .status,
-        4);
-}
-
 TEST_F(SendTest, NobodyAnswers_EndsWith4InTime) {
     const auto sent = asipctl({"send", "uno1/servo", "write", "0", "90", "--timeout", "300ms"});
     EXPECT_EQ(sent.status, 4);
     EXPECT_THAT(sent.errors, HasSubstr("within 300 ms; it may or may not have been executed"));
-}
-
-TEST_F(SendTest, AgentThatAnswersAtItsDeadline_IsHeard) {
-    ChildProcess sending(program({"send", "uno1/servo", "write", "0", "90", "--timeout", "1s"}),
-                         environment());
-    const auto request = probe_.wait_for("asip/uno1/servo/in");
-    ASSERT_TRUE(request);
-    EXPECT_EQ(nlohmann::json::parse(request->payload)["deadline_ms"], 1000);
-    // What an agent answers when its time is over, a little later.
-    std::this_thread::sleep_for(1050ms);
-    answer(*request, R"({"status":"timeout","reason":"doubt"})");
-    EXPECT_EQ(sending.wait_exit(), 4);
-    EXPECT_THAT(sending.errors(), testing::Not(HasSubstr("no answer")));
-    EXPECT_THAT(sending.errors(), HasSubstr("was lost or damaged; it may or may not have been executed"));
 }
 
 TEST_F(SendTest, BrokerThatMeetsMqtt5WithSilence_IsUsedWith311InOneCall) {
@@ -121,19 +94,6 @@ TEST_F(SendTest, BoardThatSaidGoodbye_IsReportedAtOnce) {
     const auto sent = asipctl({"send", "uno1/servo", "write", "0", "90"});
     EXPECT_EQ(sent.status, 1);
     EXPECT_THAT(sent.errors, HasSubstr("offline"));
-}
-
-TEST_F(SendTest, OldMqtt_CarriesTheReplyTopicInsideTheJson) {
-    ChildProcess child(program({"send", "uno1/servo", "write", "0", "90", "--mqtt-version", "3.1.1"}),
-                       environment());
-    const auto request = probe_.wait_for("asip/uno1/servo/in");
-    ASSERT_TRUE(request);
-    const auto document = nlohmann::json::parse(request->payload);
-    EXPECT_EQ(document["raw"], "W,0,90");
-    nlohmann::json reply{{"id", document["id"]}, {"status", "ok"}, {"proof", "fence"}};
-    probe_.publish(document["reply_to"].get<std::string>(), reply.dump());
-    EXPECT_EQ(child.wait_exit(), 0);
-    EXPECT_EQ(child.output(), "ok\n");
 }
 
 TEST_F(SendTest, RawLine_GoesToTheBoardAndItsAnswerIsPrinted) {
@@ -183,11 +143,6 @@ TEST_F(SendTest, StandardInputSavedByAnEditorOfWindows_IsReadAsItIsMeant) {
     EXPECT_THAT(utf16.errors(), HasSubstr("save them as UTF-8"));
 }
 
-TEST_F(SendTest, NoWait_DeliversBeforeItEnds) {
-    EXPECT_EQ(asipctl({"send", "uno1/servo", "write", "0", "90", "--no-wait"}).status, 0);
-    EXPECT_TRUE(probe_.wait_for("asip/uno1/servo/in", "W,0,90"));
-}
-
 TEST_F(SendTest, PingABoard_MeasuresItsAnswersAndCountsLosses) {
     ChildProcess child(program({"ping", "uno1", "-c", "2", "-i", "0", "--timeout", "400ms"}), environment());
     const auto first = probe_.wait_for([](const mqtt::Message& message) {
@@ -201,59 +156,11 @@ TEST_F(SendTest, PingABoard_MeasuresItsAnswersAndCountsLosses) {
     EXPECT_THAT(child.output(), HasSubstr("2 sent, 1 answered, 50 % lost"));
 }
 
-TEST_F(SendTest, PingWithoutATerminal_EndsAfterFive) {
-    const auto ping = asipctl({"ping", "uno1", "-i", "0", "--timeout", "50ms"});
-    EXPECT_EQ(ping.status, 4);
-    EXPECT_THAT(ping.output, HasSubstr("5 sent, 0 answered"));
-}
-
-TEST_F(SendTest, AnswerAsJson_NamesTargetAndLine) {
-    const auto sent = answered({"send", "uno1/servo", "write", "0", "90", "-o", "jsonl"},
-                               "asip/uno1/servo/in", R"({"status":"ok","proof":"fence"})");
-    const auto record = nlohmann::json::parse(sent.output);
-    EXPECT_EQ(record["status"], "ok");
-    EXPECT_EQ(record["target"], "uno1/servo");
-    EXPECT_EQ(record["line"], "S,W,0,90");
-    const auto silent =
-        asipctl({"send", "uno1/servo", "write", "0", "9", "-o", "json", "--timeout", "100ms"});
-    EXPECT_EQ(nlohmann::json::parse(silent.output)["reason"], "no-answer");
-}
-
-TEST_F(SendTest, PingNobody_EndsWith4) {
-    EXPECT_EQ(asipctl({"ping", "uno1", "-c", "1", "--timeout", "200ms"}).status, 4);
-}
-
 TEST_F(SendTest, NothingAsked_PrintsTheHelp) {
     const auto alone = asipctl({});
     EXPECT_EQ(alone.status, 0) << alone.errors;
     EXPECT_THAT(alone.output, HasSubstr("Usage: asipctl"));
     EXPECT_EQ(alone.output, asipctl({"--help"}).output);
-}
-
-TEST_F(SendTest, ModelThatOnlyABoardCarries_IsExplained) {
-    probe_.publish("asip/servicebus/uno9/$description",
-                   R"({"board":"uno9","session":"s1","seq":1,"services":[{"name":"thermo","id":"W","model":
-                      {"name":"thermo","version":1,"id":"W","match":["Thermo"],"title":"A thermometer",
-                       "events":{"t":{"name":"celsius","title":"How warm","shape":"plain",
-                                      "fields":[{"name":"celsius","type":"integer","unit":"C"}]}}}}]})",
-                   true);
-    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    const auto explained = asipctl({"model", "thermo"});
-    EXPECT_EQ(explained.status, 0) << explained.errors;
-    EXPECT_THAT(explained.output, HasSubstr("How warm"));
-    const auto unknown = asipctl({"model", "nothing"});
-    EXPECT_EQ(unknown.status, 1);
-    EXPECT_THAT(unknown.errors, HasSubstr("no board on the bus brings one"));
-}
-
-TEST_F(SendTest, LabelsOfWhoKeepsNone_IsNoSuccess) {
-    announce("uno1");
-    ChildProcess label(program({"label", "uno1", "room=lab", "--from-bus"}), environment());
-    const auto request = probe_.wait_for("asip/uno1/in");
-    ASSERT_TRUE(request) << label.errors();
-    answer(*request, R"({"status":"ok","proof":"simulated"})");
-    EXPECT_EQ(label.wait_exit(), 1);
-    EXPECT_THAT(label.errors(), HasSubstr("keeps no labels"));
 }
 
 TEST_F(SendTest, DutyBehindPwm_IsTheDuty) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buses by name, registries with what they counted, and completion for fish.
+// Buses by name, and completion for fish.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -50,26 +50,6 @@ TEST_F(ContextsTest, WrongUse_IsRefusedWithWhatToWrite) {
     EXPECT_EQ(unknown.status, 2);
     EXPECT_THAT(unknown.errors, HasSubstr("there is no context \"lab\""));
     EXPECT_EQ(with_contexts({"context", "use", "lab"}).status, 1);
-}
-
-TEST_F(ContextsTest, Registries_AreShownWithWhatTheyCounted) {
-    EXPECT_EQ(asipctl({"doctor", "--registries"}).status, 4);
-    announce("uno1");
-    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
-    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$stats"));
-    probe_.publish("asip/registry/old/$state", "lost", true);
-    probe_.publish("asip/registry/bad/$stats", "[1", true);
-    probe_.publish("asip/registry/odd/$stats", R"({"boards":7,"services":[],"uptime":"x"})", true);
-    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    const auto table = asipctl({"doctor", "--registries"});
-    EXPECT_EQ(table.status, 0) << table.errors;
-    EXPECT_THAT(table.output, HasSubstr("REGISTRY"));
-    EXPECT_THAT(table.output, HasSubstr("r1        online"));
-    EXPECT_THAT(table.output, HasSubstr("old       lost"));
-    const auto records = nlohmann::json::parse(asipctl({"doctor", "--registries", "-o", "json"}).output);
-    const auto r1 = std::ranges::find_if(records, [](const auto& one) { return one["registry"] == "r1"; });
-    ASSERT_NE(r1, records.end());
-    EXPECT_TRUE((*r1)["queries"].is_number());
 }
 
 TEST_F(ContextsTest, FishScript_CompletesInFish) {

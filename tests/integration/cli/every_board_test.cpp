@@ -76,13 +76,11 @@ TEST_P(EveryBoardTest, IsReadAndFollowed) {
                     "5"})["value"],
               42);
     EXPECT_EQ(json({"wait", "desk", "--for", "online"})["state"], "online");
-    EXPECT_EQ(json({"wait", "desk/distance", "--for", "distance"})["service"], "distance");
     EXPECT_EQ(json({"list", "--kind", "distance", "--sort", "chip"})["board"], "desk");
     EXPECT_EQ(json({"list", "services", "--unit", "cm"})["name"], "distance");
     EXPECT_EQ(json({"show", "desk/distance"})["board"], "desk");
     EXPECT_EQ(json({"events", "desk", "--last", "20"})["board"], "desk");
     EXPECT_EQ(json({"events", "desk", "--since", "1h", "-n", "1"})["board"], "desk");
-    EXPECT_EQ(json({"doctor", "--registries"})["registry"], "r1");
     const auto line = asipctl({"subscribe", "desk/distance", "-n", "1", "--format", "{data.distance.0}"});
     EXPECT_EQ(line.output, "42\n") << line.errors;
     const auto wide = asipctl({"list", "-o", "wide"});

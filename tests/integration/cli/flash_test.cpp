@@ -67,13 +67,6 @@ TEST_F(FlashTest, NewImage_AnswersUnderTheSameNameAndBothSketchesAreTold) {
     EXPECT_EQ(back["same"], true);
 }
 
-TEST_F(FlashTest, BoardOfAsip04_CanBeFlashed) {
-    EXPECT_EQ(asipctl(flash("asip_uno_04_services")).status, 0);
-    const auto flashed = asipctl(flash("asip_uno"));
-    EXPECT_EQ(flashed.status, 0) << flashed.errors;
-    EXPECT_THAT(flashed.output, HasSubstr("desk: AsipHello, was "));
-}
-
 TEST_F(FlashTest, ImageThatDoesNotFit_ChangesNothing) {
     const auto broken = folder_.write("broken.elf",
                                       "\x7f"
@@ -140,27 +133,6 @@ TEST_F(FlashTest, BoardWithoutASketch_IsLostAndCanBeFlashedAgain) {
     EXPECT_TRUE(wait_state("online"));
 }
 
-TEST_F(FlashTest, ReleasedAndForgotten_IsTakenBackInTime) {
-    ASSERT_EQ(asipctl({"release", "desk", "--for", "2s"}).status, 0);
-    ASSERT_TRUE(wait_state("updating"));
-    EXPECT_TRUE(wait_state("online"));
-    EXPECT_FALSE(is_free());
-}
-
-TEST_F(FlashTest, AgentThatDidNotAnswerInTime_ReleasesNothingLater) {
-    agent_->signal(SIGSTOP);
-    for (const Words& words :
-         {Words{"release", "desk", "--for", "1m", "--timeout", "1s"},
-          Words{"flash", "desk", image("asip_uno"), "--socket", socket_, "--timeout", "1s"}}) {
-        const auto given_up = asipctl(words);
-        EXPECT_EQ(given_up.status, 4) << words.front() << given_up.errors;
-    }
-    agent_->signal(SIGCONT);
-    ASSERT_TRUE(wait_until([this] { return asipctl({"send", "desk/io", "write", "13", "1"}).status == 0; }));
-    for (const auto& state : probe_.messages("asip/servicebus/desk/$state"))
-        EXPECT_NE(state.payload, "updating");
-}
-
 TEST_F(FlashTest, AsipctlKilledWhileTheProgrammerRuns_ThePortComesBackWhenBothAreGone) {
     // Not known as a simulated port: the programmer is one that takes its time.
     const auto slow = folder_.write("slow", "#!/bin/sh\nexec sleep 4\n");
@@ -174,26 +146,6 @@ TEST_F(FlashTest, AsipctlKilledWhileTheProgrammerRuns_ThePortComesBackWhenBothAr
     EXPECT_FALSE(is_free()) << "the programmer has it, and no agent disturbs it";
     EXPECT_TRUE(wait_state("online"));
     EXPECT_EQ(sketch(), "AsipHello\n");
-}
-
-TEST_F(FlashTest, AvrdudeKilled_TheBoardIsBackWithItsSketch) {
-    if (run({"sh", "-c", "command -v avrdude"}).status != 0) GTEST_SKIP() << "avrdude is not installed";
-    // Without a boot loader it tries for a while.
-    ChildProcess flashing(program({"flash", "desk", image("asip_uno_services"), "--avrdude", "avrdude"}),
-                          environment());
-    ASSERT_TRUE(flashing.wait_for_errors("port released; starting avrdude")) << flashing.errors();
-    ASSERT_TRUE(wait_until([&] {
-        return run({"pkill", "-KILL", "-x", "avrdude", "-P", std::to_string(flashing.pid())}).status == 0 ||
-               !flashing.running();
-    }));
-    EXPECT_EQ(flashing.wait_exit(), 1);
-    EXPECT_THAT(flashing.errors(), HasSubstr("avrdude failed with status 137"));
-    EXPECT_EQ(flashing.output(), "") << "that line is one of success";
-    EXPECT_THAT(flashing.errors(), HasSubstr("desk: answers with AsipHello"));
-    EXPECT_TRUE(wait_state("online"));
-    EXPECT_FALSE(is_free()) << "the agent has the port";
-    EXPECT_EQ(asipctl({"send", "desk/io", "mode", "13", "output"}).status, 0);
-    EXPECT_EQ(asipctl(flash("asip_uno_services")).status, 0) << "nothing is left locked";
 }
 
 TEST_F(FlashTest, ProgrammerThatHangs_IsStoppedAndThePortComesBack) {
@@ -211,57 +163,6 @@ TEST_F(FlashTest, ProgrammerThatHangs_IsStoppedAndThePortComesBack) {
     }
     EXPECT_EQ(asipctl({"flash", "desk", image("asip_uno"), "--limit", "soon"}).status, 2);
     EXPECT_EQ(asipctl(flash("asip_uno_services")).status, 0) << "nothing is left locked";
-}
-
-TEST_F(FlashTest, RegistryKilledWhileTheProgrammerRuns_TheBoardIsFlashedAndBack) {
-    const auto registry = [this] {
-        return std::make_unique<ChildProcess>(Words{ASIP_PROGRAMS "/asip-registry", "--id", "r1"},
-                                              environment());
-    };
-    auto first = registry();
-    ASSERT_TRUE(first->wait_for_errors("catalogue is complete"));
-    const auto sign = folder_.file("go");
-    const auto programmer = folder_.write(
-        "programmer", "#!/bin/sh\nwhile [ ! -e " + sign +
-                          " ]; do sleep 0.1; done\nexec " ASIP_PROGRAMS "/asip-sim ctl --socket " + socket_ +
-                          " load desk " + image("asip_uno_services") + "\n");
-    std::filesystem::permissions(programmer, std::filesystem::perms::owner_all);
-    ChildProcess flashing(program({"flash", "desk", image("asip_uno_services"), "--avrdude", programmer}),
-                          environment());
-    ASSERT_TRUE(wait_state("updating")) << flashing.errors();
-    first->signal(SIGKILL);
-    ASSERT_TRUE(first->wait_exit());
-    auto second = registry();
-    ASSERT_TRUE(second->wait_for_errors("catalogue is complete"));
-    EXPECT_EQ(asipctl({"list", "-o", "name", "--state", "updating"}).output, "desk\n")
-        << "a registry that starts now knows it, too";
-    folder_.write("go", "");
-    EXPECT_EQ(flashing.wait_exit(), 0) << flashing.errors();
-    EXPECT_EQ(flashing.output(), "desk: AsipServices, was AsipHello\n");
-    EXPECT_TRUE(wait_state("online"));
-    EXPECT_TRUE(wait_until(
-        [this] { return asipctl({"list", "-o", "name", "--state", "online"}).output == "desk\n"; }));
-}
-
-TEST_F(FlashTest, AgentKilledWhileReleased_IsLostAndBackWhenItStartsAgain) {
-    ASSERT_EQ(asipctl({"release", "desk", "--for", "1h"}).status, 0);
-    ASSERT_TRUE(wait_state("updating"));
-    agent_->signal(SIGKILL);
-    agent_->wait_exit();
-    EXPECT_TRUE(wait_state("lost"));
-    start_agent();
-    EXPECT_TRUE(wait_state("online"));
-    EXPECT_FALSE(
-        nlohmann::json::parse(*probe_.last("asip/servicebus/desk/$description")).contains("updating"));
-}
-
-TEST_F(FlashTest, BrokerKilledWhileReleased_TheTimeRunsOn) {
-    ASSERT_EQ(asipctl({"release", "desk", "--for", "3s"}).status, 0);
-    broker_.kill();
-    EXPECT_TRUE(wait_until([this] { return !is_free(); })) << "the agent has the port again";
-    broker_.start();
-    BusProbe probe(broker_.port());
-    EXPECT_TRUE(wait_until([&] { return probe.last("asip/servicebus/desk/$state") == "online"; }));
 }
 
 }  // namespace

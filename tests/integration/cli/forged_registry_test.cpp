@@ -93,19 +93,6 @@ TEST_F(ForgedRegistryTest, PagesWithoutAnEnd_AreRefused) {
     }
 }
 
-TEST_F(ForgedRegistryTest, LongRefusal_IsCutShort) {
-    const auto page = [](int) {
-        return R"({"registry":"r1","refused":"invalid","error":"no )" + std::string(200'000, 'x') + "\"}";
-    };
-    for (const Words& words : {Words{"list"}, Words{"list", "-o", "jsonl"}, Words{"list", "services"},
-                               Words{"events", "--last", "20"}}) {
-        const auto ended = answered_by(page, words);
-        EXPECT_EQ(ended.status, 1) << testing::PrintToString(words);
-        EXPECT_THAT(ended.errors, HasSubstr("no xxx"));
-        EXPECT_LT(ended.errors.size(), 1100u) << testing::PrintToString(words);
-    }
-}
-
 TEST_F(ForgedRegistryTest, TextsAndNames_MoveNoCursor) {
     const std::string evil = "e\u009b2J\\u001b[2J\u202e\x7f";
     const auto brief = [&](int) {
@@ -160,16 +147,6 @@ TEST_F(ForgedRegistryTest, NumbersBeyondAllMeasure_AreShownAsSuch) {
     const auto record = nlohmann::json::parse(answered_by(whole, {"list", "-o", "json"}).output)[0];
     EXPECT_EQ(record["age"], 1e12);
     EXPECT_EQ(record["lease"], 1'000'000'000'000);
-    probe_.publish("asip/registry/r1/$state", "online", true);
-    probe_.publish("asip/registry/r1/$stats",
-                   R"({"uptime":1e308,"boards":{"online":1e308,"lost":-1e308},"services":{"io":1e19},)"
-                   R"("queries":-1e308,"events":1e308,"refused":{"x":1e308}})",
-                   true);
-    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    const auto registries = asipctl({"doctor", "--registries"});
-    EXPECT_THAT(registries.output, HasSubstr("over 100 years"));
-    EXPECT_THAT(registries.output, HasSubstr("1000000000000000000"));
-    EXPECT_THAT(registries.output, Not(HasSubstr("-9223372036854775808")));
 }
 
 }  // namespace

@@ -68,37 +68,5 @@ TEST_F(GroupTest, Flash_LoadsEachInTurn_OrNoneWhereOneCannotBe) {
     EXPECT_THAT(away.errors, HasSubstr("old is left out: it is offline"));
 }
 
-TEST_F(GroupTest, Label_NamesABoardAServiceAndPinsByAnyOfTheirNamesAndTakesTheNamesAway) {
-    EXPECT_EQ(
-        asipctl({"label", "desk", "name=Ann's desk"}).output,
-        "TARGET  KEY     VALUE\ndesk    name    Ann's desk\ndesk    room    lab\ndesk    pin.12  fan\n");
-    EXPECT_EQ(asipctl({"label", "desk/servo", "name=left arm"}).output,
-              "TARGET      KEY   VALUE\ndesk/servo  name  left arm\n");
-    EXPECT_EQ(asipctl({"label", "desk", "pin.A0=light = 1"}).status, 0);
-    EXPECT_EQ(asipctl({"label", "desk", "pin.fan=ventilator"}).status, 0) << "by its old name";
-    const auto names = json::parse(asipctl({"label", "desk", "-o", "json"}).output)[0];
-    EXPECT_EQ(names["labels"]["name"], "Ann's desk");
-    EXPECT_EQ(
-        names["names"],
-        json::parse(R"({"services":{"servo":"left arm"},"pins":{"12":"ventilator","14":"light = 1"}})"));
-    EXPECT_EQ(asipctl({"pin", "desk", "ventilator", "high"}).status, 0);
-    for (const Words& words : {Words{"label", "desk", "name-"}, Words{"label", "desk/servo", "name-"},
-                               Words{"label", "desk", "pin.A0-", "pin.ventilator-"}})
-        EXPECT_EQ(asipctl(words).status, 0) << testing::PrintToString(words);
-    EXPECT_EQ(json::parse(asipctl({"label", "desk", "-o", "json"}).output)[0],
-              json::parse(R"({"board":"desk","labels":{"room":"lab"}})"));
-    const auto why = [this](Words words) {
-        words.insert(words.begin(), "label");
-        const auto done = asipctl(words);
-        EXPECT_EQ(done.status, 2) << done.errors;
-        return done.errors;
-    };
-    EXPECT_THAT(why({"desk", "name=my", "own", "desk"}), HasSubstr("'own': write KEY=VALUE"));
-    EXPECT_THAT(why({"desk", "pin.Q7=arm"}), HasSubstr("'Q7' is not a pin"));
-    EXPECT_THAT(why({"desk*", "pin.A0=arm"}), HasSubstr("of several boards write the number"));
-    EXPECT_THAT(why({"desk", "pin.D9=" + std::string(80, 'x')}), HasSubstr("the name of a pin "));
-    EXPECT_EQ(asipctl({"label", "dest", "pin.A0=x"}).status, 4);
-}
-
 }  // namespace
 }  // namespace asip::test

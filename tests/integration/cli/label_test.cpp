@@ -2,8 +2,6 @@
 // Labels end to end: simulated boards, their agents, a registry and asipctl; and the agent killed.
 #include <gmock/gmock.h>
 
-#include <csignal>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/cli/simulated_boards.hpp"
@@ -12,7 +10,6 @@ namespace asip::test {
 namespace {
 
 using nlohmann::json;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::Not;
@@ -61,25 +58,6 @@ TEST_F(LabelTest, Labels_AreSetShownChosenByAndRemoved) {
         "names":{"services":{"servo":"left arm"},"pins":{"13":"status lamp"}}}])"));
 }
 
-TEST_F(LabelTest, KilledAgent_HasThemWhenItIsBack) {
-    ASSERT_NO_FATAL_FAILURE(start({"desk"}));
-    ASSERT_EQ(asipctl({"label", "desk", "n=0"}).status, 0);
-    kill_agent("desk");
-    start_agent("desk");
-    ASSERT_TRUE(wait_state("desk", "online"));
-    EXPECT_EQ(labels("desk"), "{\"n\":\"0\"}\n");
-    for (int i = 1; i < 200; ++i)
-        probe_.publish("asip/desk/in", R"({"labels":{"n":")" + std::to_string(i) + R"("}})", false);
-    ASSERT_TRUE(wait_until([&] { return labels("desk") != "{\"n\":\"0\"}\n"; }));
-    kill_agent("desk");
-    start_agent("desk");
-    ASSERT_TRUE(wait_state("desk", "online")) << agents_["desk"]->errors();
-    EXPECT_THAT(labels("desk"), MatchesRegex("\\{\"n\":\"[0-9]+\"\\}\n"));
-    EXPECT_THAT(agents_["desk"]->errors(), Not(HasSubstr("cannot be read")));
-    EXPECT_EQ(asipctl({"label", "desk", "n=last"}).status, 0)
-        << "what was left of the writing is no hindrance";
-}
-
 TEST_F(LabelTest, LabelsOfTheConfiguration_AreThereAndADamagedFileIsKept) {
     ASSERT_NO_FATAL_FAILURE(start({"desk"}));
     kill_agent("desk");
@@ -112,71 +90,6 @@ TEST_F(LabelTest, LabelsOfTheConfiguration_AreThereAndADamagedFileIsKept) {
     const auto again = asipctl({"label", "desk"});
     EXPECT_EQ(again.status, 0) << again.errors;
     EXPECT_THAT(again.output, HasSubstr("room  lab"));
-}
-
-TEST_F(LabelTest, LostBoards_HoldUpNobody_AndOneWhoseAgentIsThereIsLabelled) {
-    ASSERT_NO_FATAL_FAILURE(start({"desk", "old"}));
-    kill_agent("old");
-    for (int i = 0; i < 200; ++i)
-        announce("gone" + std::to_string(i), "lost");
-    probe_.publish("asip/servicebus/desk/$state", "lost", true);
-    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
-    const auto began = std::chrono::steady_clock::now();
-    const auto set = asipctl({"label", "*", "room=lab", "--from-bus", "--timeout", "100s", "-o", "json"});
-    EXPECT_LT(std::chrono::steady_clock::now() - began, time_limit(5s));
-    EXPECT_EQ(set.status, 1) << set.errors;
-    EXPECT_THAT(set.errors, HasSubstr("old: it is lost"));
-    EXPECT_THAT(set.errors, HasSubstr("its agent died"));
-    const auto records = json::parse(set.output);
-    ASSERT_EQ(records.size(), 202U);
-    for (const auto& record : records) {
-        const bool there = record["board"] == "desk";
-        EXPECT_EQ(record["status"], there ? "ok" : "refused") << record;
-        EXPECT_EQ(record.value("reason", ""), there ? "" : "board-not-there");
-    }
-    EXPECT_EQ(labels("desk"), "{\"room\":\"lab\"}\n");
-}
-
-TEST_F(LabelTest, Registry_ChoosesByThemAndTellsChanges) {
-    ASSERT_NO_FATAL_FAILURE(start({"desk"}));
-    ChildProcess registry(
-        {ASIP_PROGRAMS "/asip-registry", "--id", "r1", "--history", folder_.file("history.db")},
-        environment());
-    ASSERT_TRUE(registry.wait_for_errors("catalogue is complete"));
-    probe_.clear();
-    ASSERT_EQ(asipctl({"label", "desk", "room=lab", "--user", "ann"}).status, 0);
-    ASSERT_TRUE(wait_until([this] { return names_of({"-l", "room=lab"}) == "desk\n"; }));
-    const auto event = probe_.wait_for([](const mqtt::Message& message) {
-        return message.topic == "asip/registry/r1/events" &&
-               message.payload.find(R"("labels":{"room":"lab"})") != std::string::npos;
-    });
-    ASSERT_TRUE(event);
-    EXPECT_EQ(json::parse(event->payload)["event"], "description");
-    EXPECT_TRUE(wait_until([this] {
-        return asipctl({"events", "desk", "--last", "20", "--format", "{what} {by} {request} {status}"})
-                   .output.find("command ann {\"labels\":{\"room\":\"lab\"}} ok\n") != std::string::npos;
-    })) << asipctl({"events", "desk", "--last", "20"}).output;
-    const auto wrong = asipctl({"list", "-l", "room in (lab)"});
-    EXPECT_EQ(wrong.status, 2);
-    EXPECT_THAT(wrong.errors, HasSubstr("write KEY=VALUE"));
-    EXPECT_EQ(asipctl({"list", "-l", ""}).status, 2) << "an empty variable must not mean every board";
-}
-
-TEST_F(LabelTest, Send_GoesToEachBoardThatIsChosen) {
-    ASSERT_NO_FATAL_FAILURE(start({"desk", "old"}));
-    ASSERT_EQ(asipctl({"label", "*", "room=lab"}).status, 0);
-    const auto sent = asipctl({"send", "*/servo", "write", "0", "90", "-l", "room=lab", "--from-bus"});
-    EXPECT_EQ(sent.status, 0) << sent.errors;
-    EXPECT_THAT(sent.output, MatchesRegex("BOARD +RESULT +ANSWER\ndesk +ok *\nold +ok *\n"));
-    const auto pattern = asipctl({"send", "d*/servo", "write", "0", "10", "-o", "json", "--from-bus"});
-    const auto records = json::parse(pattern.output);
-    ASSERT_EQ(records.size(), 1u);
-    EXPECT_EQ(records[0]["board"], "desk");
-    EXPECT_EQ(records[0]["line"], "S,W,0,10");
-    EXPECT_EQ(records[0]["status"], "ok");
-    const auto none = asipctl({"send", "*/servo", "write", "0", "90", "-l", "room=hall", "--from-bus"});
-    EXPECT_EQ(none.status, 4);
-    EXPECT_THAT(none.errors, HasSubstr("no board is like */servo with labels room=hall"));
 }
 
 TEST_F(LabelTest, OneOfTheBoards_RefusesOrIsAwayAndIsLeftOutOfWhatIsHeard) {

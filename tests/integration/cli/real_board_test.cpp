@@ -2,7 +2,6 @@
 // The main job from end to end: firmware in a simulated Uno, asip-agent, asip-registry, asipctl.
 #include <gmock/gmock.h>
 
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/cli/bus_fixture.hpp"
@@ -57,18 +56,6 @@ INSTANTIATE_TEST_SUITE_P(Firmware, RealBoardTest,
                                                                                             : "Asip04";
                          });
 
-TEST_P(RealBoardTest, StopOfABoardThatIsGone_IsNoSuccessAndBlamesTheBoard) {
-    EXPECT_EQ(asipctl({"stop", "desk", "--once"}).status, 0);
-    sim_.signal(SIGTERM);
-    ASSERT_TRUE(probe_.wait_for("asip/servicebus/desk/$state", "lost"));
-    const auto stopped = asipctl({"stop", "desk", "--once", "--timeout", "2s"});
-    EXPECT_EQ(stopped.status, 4);
-    EXPECT_THAT(stopped.output, HasSubstr("not stopped"));
-    EXPECT_EQ(stopped.errors,
-              "asipctl: desk: the board did not confirm it; it is stopped as soon as it answers; it may or "
-              "may not have been executed\n");
-}
-
 TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
     EXPECT_THAT(asipctl({"list", "--from-bus"}).output,
                 HasSubstr("desk   online  ATmega328P  AsipServices  io distance servo"));
@@ -116,45 +103,6 @@ TEST_P(RealBoardTest, NoReading_SwitchesALampOff) {
     }
 }
 
-TEST_P(RealBoardTest, MeaningOfAPin_ShowsInItsValue) {
-    EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
-    const auto door = asipctl({"label", "desk/io/2", "class=door", "inverted=no"});
-    EXPECT_EQ(door.status, 0) << door.errors;
-    EXPECT_THAT(door.output, HasSubstr("class"));
-    EXPECT_EQ(asipctl({"get", "desk/io/2"}).output, "open\n");
-    sim_.write_input("press desk/button\n");
-    EXPECT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "closed\n"; }));
-    const auto wrong = asipctl({"label", "desk/io/2", "class=dor"});
-    EXPECT_EQ(wrong.status, 2);
-    EXPECT_THAT(wrong.errors, HasSubstr("did you mean \"door\""));
-}
-
-TEST_P(RealBoardTest, ButtonThatBounces_IsOnePressAndOneRelease) {
-    EXPECT_EQ(asipctl({"pin", "desk", "2", "pullup"}).status, 0);
-    EXPECT_EQ(asipctl({"label", "desk/io/2", "class=button"}).status, 0);
-    ASSERT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "released\n"; }));
-    ChildProcess watch(program({"subscribe", "desk"}), environment());
-    ASSERT_TRUE(watch.wait_for_output("distance")) << "it listens";
-    probe_.clear();
-    for (int i = 0; i < 3; ++i) {
-        sim_.write_input("press desk/button\n");
-        ASSERT_TRUE(watch.wait_for_output("button 2 press")) << watch.output() << watch.errors();
-        ASSERT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "pressed\n"; }));
-        sim_.write_input("release desk/button\n");
-        ASSERT_TRUE(wait_until([this] { return asipctl({"get", "desk/io/2"}).output == "released\n"; }));
-    }
-    const auto said = [&](std::string_view word) {
-        std::size_t times = 0;
-        const auto& all = watch.output();
-        for (auto at = all.find(word); at != std::string::npos; at = all.find(word, at + 1))
-            ++times;
-        return times;
-    };
-    EXPECT_TRUE(wait_until([&] { return said("button 2 release") == 3; })) << watch.output();
-    EXPECT_EQ(said("button 2 press"), 3u) << watch.output();
-    EXPECT_GT(probe_.count("asip/desk/io/out"), 6u) << "each level of the contact is reported";
-}
-
 TEST_P(RealBoardTest, PinsInWords_AreSetAndRead) {
     EXPECT_EQ(asipctl({"pin", "desk", "13", "high"}).output, "13 output high\n");
     EXPECT_TRUE(sim_.wait_for_output("led13 on"));
@@ -177,12 +125,6 @@ TEST_P(RealBoardTest, PinsInWords_AreSetAndRead) {
     ASSERT_EQ(pins.size(), 20U);
     EXPECT_EQ(pins[9]["owner"], "servo");
     EXPECT_EQ(pins[13]["mode"], "output");
-}
-
-TEST_P(RealBoardTest, Ping_ReachesTheBoardItself) {
-    const auto ping = asipctl({"ping", "desk", "-c", "3", "-i", "10ms"});
-    EXPECT_EQ(ping.status, 0);
-    EXPECT_THAT(ping.output, HasSubstr("3 sent, 3 answered, 0 % lost"));
 }
 
 TEST_P(RealBoardTest, WithARegistry_StatesAndForgettingAreItsJudgement) {

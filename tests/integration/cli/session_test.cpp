@@ -20,9 +20,6 @@ class SessionTest : public testing::Test {
         environment_.mqtt.user = "ada";
         session_.emplace(environment_);
     }
-    bool until(const std::function<bool()>& done) {
-        return session_->run_until(done, Clock::now() + time_limit(5s));
-    }
 
     MosquittoBroker broker_;
     BusProbe probe_{broker_.port()};
@@ -30,42 +27,6 @@ class SessionTest : public testing::Test {
     cli::Environment environment_{in_, out_, err_};
     std::optional<cli::BusSession> session_;
 };
-
-TEST_F(SessionTest, HandlesOfAFrameThatReturned_LateMessagesReachNobody) {
-    ASSERT_TRUE(session_->connect());
-    mqtt::Message request;
-    const auto frame = [&] {
-        int heard = 0;
-        const auto subscription = session_->subscribe("late/#", [&heard](const mqtt::Message&) { ++heard; });
-        const auto asked =
-            session_->ask("somebody/in", "question", [&heard](const mqtt::Message&) { ++heard; });
-        const auto mark = session_->mark_retained();
-        EXPECT_TRUE(until([&] { return mark.passed(); }));
-        request = probe_.wait_for("somebody/in").value();
-        EXPECT_EQ(heard, 0);
-    };
-    frame();
-    probe_.publish("late/a", "x", false, 1);
-    probe_.publish(mqtt::Message{.topic = request.response_topic, .correlation = request.correlation});
-    const auto mark = session_->mark_retained();
-    EXPECT_TRUE(until([&] { return mark.passed(); }));
-}
-
-TEST_F(SessionTest, Answers_ComeBelowTheUsersOwnTopic) {
-    ASSERT_TRUE(session_->connect());
-    bool answered = false;
-    const auto asked =
-        session_->ask("somebody/in", "question", [&](const mqtt::Message&) { answered = true; });
-    auto request = probe_.wait_for("somebody/in");
-    for (int i = 0; !request && i < 100; ++i) {
-        session_->run_for(20ms);
-        request = probe_.wait_for("somebody/in", 10ms);
-    }
-    ASSERT_TRUE(request);
-    EXPECT_TRUE(request->response_topic.starts_with("asip/reply/ada/")) << request->response_topic;
-    probe_.publish(mqtt::Message{.topic = request->response_topic, .correlation = request->correlation});
-    EXPECT_TRUE(until([&] { return answered; }));
-}
 
 /// A broker drops what is beyond the queue of a reader, and our own queue takes only so many.
 TEST(ClearAllRetained, MoreThanAQueueHolds_LeavesNothing_AndNothingOfOthersIsCleared) {
@@ -97,21 +58,6 @@ TEST(ClearAllRetained, MoreThanAQueueHolds_LeavesNothing_AndNothingOfOthersIsCle
         EXPECT_EQ(message.topic.find("eve"), std::string::npos) << message.topic;
 }
 
-TEST_F(SessionTest, BrokerThatStandsStill_IsBlamedAndNobodyElse) {
-    ASSERT_TRUE(session_->connect());
-    broker_.freeze();
-    const auto asked =
-        session_->command({.topic = "somebody/in", .payload = "question"}, [](const bus::Reply&) {});
-    session_->run_for(100ms);
-    EXPECT_EQ(session_->unanswered("nobody there").status, program::kExitBroker);
-    EXPECT_EQ(session_->unanswered("nobody there").text,
-              "the broker does not acknowledge what it is sent; does it stand still?");
-    broker_.thaw();
-    EXPECT_TRUE(until([&] { return session_->acknowledged() == 1; }));
-    EXPECT_EQ(session_->unanswered("nobody there").status, program::kExitNoAnswer);
-    EXPECT_EQ(session_->unanswered("nobody there").text, "nobody there");
-}
-
 TEST_F(SessionTest, RetainedMessagesThatTakeLongerThanThePatience_AreAllRead) {
     for (int i = 0; i < 40; ++i)
         probe_.publish("kept/" + std::to_string(i), std::string(100'000, 'x'), true);
@@ -124,18 +70,6 @@ TEST_F(SessionTest, RetainedMessagesThatTakeLongerThanThePatience_AreAllRead) {
     });
     session_->wait_retained([] { return false; }, 300ms);
     EXPECT_EQ(heard, 40);
-}
-
-TEST_F(SessionTest, OneOfTwoSubscriptionsToAFilterEnds_TheOtherStillHears) {
-    int heard = 0;
-    const auto stays = session_->subscribe("x", [&](const mqtt::Message&) { ++heard; });
-    auto ends = session_->subscribe("x", [](const mqtt::Message&) { FAIL(); });
-    ends.reset();
-    ASSERT_TRUE(session_->connect());
-    const auto mark = session_->mark_retained();
-    ASSERT_TRUE(until([&] { return mark.passed(); }));
-    probe_.publish("x", "1");
-    EXPECT_TRUE(until([&] { return heard == 1; }));
 }
 
 }  // namespace

@@ -74,16 +74,6 @@ TEST_F(StopTest, AskedToHold_SaysByWhomAndWhyAndShowsThatItDoes) {
     EXPECT_FALSE(json::parse(probe_.wait_for("asip/robot/$stop")->payload).contains("latch"));
 }
 
-TEST_F(StopTest, PatternAndLabels_ChooseBoards) {
-    announce("crane1");
-    announce("crane2");
-    announce("robot");
-    const auto stopped = stop({"crane*", "--from-bus"}, {{"crane1", kStopped}, {"crane2", kStopped}});
-    EXPECT_EQ(stopped.status, 0) << stopped.errors;
-    EXPECT_EQ(probe_.count("asip/robot/$stop"), 0u);
-    EXPECT_EQ(asipctl({"stop", "nothing*", "--from-bus"}).status, 4);
-}
-
 TEST_F(StopTest, Resume_AsksTheAgentAndSaysWhatItAnswered) {
     probe_.clear();
     ChildProcess child(program({"resume", "robot"}), environment());
@@ -93,12 +83,6 @@ TEST_F(StopTest, Resume_AsksTheAgentAndSaysWhatItAnswered) {
     answer(*request, R"({"status":"ok","proof":"resumed"})");
     EXPECT_EQ(child.wait_exit(), 0);
     EXPECT_THAT(child.output(), HasSubstr("resumed"));
-}
-
-TEST_F(StopTest, Json_SaysWhatWasDone) {
-    const auto stopped = stop({"robot", "-o", "json"}, {{"robot", kStopped}});
-    EXPECT_EQ(json::parse(stopped.output), json::parse(R"([{"board":"robot","status":"ok","proof":"fence",
-        "executed":["M,S","I,d,13,0"],"refused":7}])"));
 }
 
 TEST_F(StopTest, All_StopsEveryBoardThatIsNotOffline) {
@@ -111,15 +95,6 @@ TEST_F(StopTest, All_StopsEveryBoardThatIsNotOffline) {
     EXPECT_EQ(probe_.count("asip/uno3/$stop"), 0u);
 }
 
-TEST_F(StopTest, BoardThatIsNamedTwice_IsStoppedOnce) {
-    announce("robot");
-    const auto stopped =
-        stop({"robot", "robot", "--all", "--from-bus", "-o", "jsonl"}, {{"robot", kStopped}});
-    EXPECT_EQ(stopped.status, 0) << stopped.errors;
-    EXPECT_EQ(std::ranges::count(stopped.output, '\n'), 1) << stopped.output;
-    EXPECT_EQ(probe_.count("asip/robot/$stop"), 1u);
-}
-
 TEST_F(StopTest, NoConfirmation_IsStatus4AndTheOtherBoardIsStoppedAllTheSame) {
     const auto stopped = stop({"robot", "crane", "--timeout", "2s"}, {{"robot", kStopped}});
     EXPECT_EQ(stopped.status, 4);
@@ -127,28 +102,6 @@ TEST_F(StopTest, NoConfirmation_IsStatus4AndTheOtherBoardIsStoppedAllTheSame) {
                 HasSubstr("crane: no answer within 2000 ms; it may or may not have been executed"));
     EXPECT_THAT(stopped.output, HasSubstr("robot  stopped"));
     EXPECT_THAT(stopped.output, HasSubstr("not stopped"));
-}
-
-TEST_F(StopTest, AgentThatWaitsForItsBoard_AnswersBeforeThePatienceEnds) {
-    stop({"robot", "--timeout", "2s"}, {{"robot", kStopped}});
-    const auto request = probe_.wait_for("asip/robot/$stop");
-    ASSERT_TRUE(request);
-    EXPECT_EQ(json::parse(request->payload).at("deadline_ms"), 1800);
-}
-
-TEST_F(StopTest, BoardRefuses_IsStatus1WithItsWords) {
-    const auto stopped = stop(
-        {"robot"},
-        {{"robot",
-          R"({"status":"error","code":8,"error":"M,S: DEVICE_NOT_AVAILABLE","answer":{"executed":[]}})"}});
-    EXPECT_EQ(stopped.status, 1);
-    EXPECT_THAT(stopped.errors,
-                HasSubstr("robot: the board refused it: M,S: DEVICE_NOT_AVAILABLE (error 8)"));
-}
-
-TEST_F(StopTest, NothingOrNoName_IsWrongUse) {
-    EXPECT_EQ(asipctl({"stop"}).status, 2);
-    EXPECT_EQ(asipctl({"stop", "un o"}).status, 2);
 }
 
 class HoldTest : public BusTest {
@@ -160,24 +113,6 @@ class HoldTest : public BusTest {
         });
     }
 };
-
-TEST_F(HoldTest, Hold_IsRenewedAndUndoneInTheEnd) {
-    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "300ms", "--for", "1s"}),
-                       environment());
-    const auto command = wait_payload("hold_ms");
-    ASSERT_TRUE(command) << child.errors();
-    EXPECT_EQ(json::parse(command->payload).at("raw"), "d,13,1");
-    EXPECT_EQ(json::parse(command->payload).at("hold_ms"), 300);
-    answer(*command, R"({"status":"ok","proof":"fence"})");
-    const auto renewal = wait_payload("renew");
-    ASSERT_TRUE(renewal);
-    EXPECT_EQ(renewal->response_topic, command->response_topic) << "the same client";
-    const auto undone = wait_payload("d,13,0");
-    ASSERT_TRUE(undone);
-    answer(*undone, R"({"status":"ok","proof":"fence"})");
-    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
-    EXPECT_EQ(child.output(), "I,d,13,1: ok\nI,d,13,0: ok\n");
-}
 
 TEST_F(HoldTest, TerminalThatIsClosed_UndoesTheCommandAtOnce) {
     ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
@@ -192,21 +127,6 @@ TEST_F(HoldTest, TerminalThatIsClosed_UndoesTheCommandAtOnce) {
                                           "would undo the command within 60000 ms"));
 }
 
-TEST_F(HoldTest, CtrlC_WaitsForTheAnswerToTheRelease) {
-    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
-    const auto command = wait_payload("hold_ms");
-    ASSERT_TRUE(command) << child.errors();
-    answer(*command, R"({"status":"ok","proof":"fence"})");
-    ASSERT_TRUE(child.wait_for_output("ok"));
-    child.signal(SIGINT);
-    const auto release = wait_payload("d,13,0");
-    ASSERT_TRUE(release);
-    answer(*release, R"({"status":"ok","proof":"fence"})");
-    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
-    EXPECT_EQ(child.output(), "I,d,13,1: ok\nI,d,13,0: ok\n");
-    EXPECT_EQ(child.errors(), "");
-}
-
 TEST_F(HoldTest, CtrlCBeforeTheAnswer_UndoesWhatMayBeExecuted) {
     ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
     ASSERT_TRUE(wait_payload("hold_ms")) << child.errors();
@@ -217,32 +137,6 @@ TEST_F(HoldTest, CtrlCBeforeTheAnswer_UndoesWhatMayBeExecuted) {
     EXPECT_EQ(child.wait_exit(), 0) << child.errors();
 }
 
-TEST_F(HoldTest, ReleaseRefused_IsStatus1WithTheReason) {
-    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
-    const auto command = wait_payload("hold_ms");
-    ASSERT_TRUE(command) << child.errors();
-    answer(*command, R"({"status":"ok","proof":"fence"})");
-    ASSERT_TRUE(child.wait_for_output("ok"));
-    child.signal(SIGINT);
-    const auto release = wait_payload("d,13,0");
-    ASSERT_TRUE(release);
-    answer(*release, R"({"status":"refused","reason":"queue-full","error":"too much waits"})");
-    EXPECT_EQ(child.wait_exit(), 1);
-    EXPECT_THAT(child.errors(), HasSubstr("I,d,13,0: refused (queue-full): too much waits"));
-}
-
-TEST_F(HoldTest, RenewalRefused_EndsWithTheReason) {
-    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "0.3"}), environment());
-    const auto command = wait_payload("hold_ms");
-    ASSERT_TRUE(command) << child.errors();
-    answer(*command, R"({"status":"ok","proof":"fence"})");
-    const auto renewal = wait_payload("renew");
-    ASSERT_TRUE(renewal);
-    answer(*renewal, R"({"status":"refused","reason":"not-held","error":"the board restarted"})");
-    EXPECT_EQ(child.wait_exit(), 1);
-    EXPECT_THAT(child.errors(), HasSubstr("refused (not-held): the board restarted"));
-}
-
 TEST_F(HoldTest, WhatCannotBeHeld_IsWrongUse) {
     for (const Words& words : {Words{"send", "uno1/servo", "write", "0", "90", "--hold", "1"},
                                Words{"send", "uno1/io", "write", "13", "1", "--hold", "10ms"},
@@ -250,16 +144,6 @@ TEST_F(HoldTest, WhatCannotBeHeld_IsWrongUse) {
                                Words{"send", "uno1", "--raw", "I,d,13,1", "--hold", "1"}})
         EXPECT_EQ(asipctl(words).status, 2) << words.back();
     EXPECT_EQ(probe_.count("asip/uno1/io/in"), 0u);
-}
-
-TEST_F(BusTest, DoctorAgents_ShowsWhatAgentsPublish) {
-    ChildProcess child(program({"doctor", "--agents", "-o", "json"}), environment());
-    ASSERT_TRUE(child.wait_for_errors("every 15 s"));
-    probe_.publish("asip/servicebus/uno1/$stats", R"({"board":"uno1","uptime":1,"commands":{"ok":5}})");
-    EXPECT_EQ(child.wait_exit(), 0) << child.errors();
-    const auto records = json::parse(child.output());
-    ASSERT_EQ(records.size(), 1u);
-    EXPECT_EQ(records[0]["commands"]["ok"], 5);
 }
 
 TEST_F(BusTest, Logs_ShowLinesOfBoardServiceAndAgent) {
@@ -288,17 +172,6 @@ TEST_F(BusTest, Logs_ShowLinesOfBoardServiceAndAgent) {
     EXPECT_THAT(seen,
                 ::testing::ElementsAre("agent info board back", "agent warning board lost  why=\x1b[2Jcable",
                                        "board info hello", "servo error W: INVALID_DEVICE_NUMBER (7)"));
-}
-
-TEST_F(BusTest, LogsForPeople_HoldNoControlCharacters) {
-    ChildProcess child(program({"events", "--logs", "uno1", "-n", "1"}), environment());
-    ASSERT_TRUE(wait_until([&] {
-        probe_.publish("asip/uno1/out", "!\x1b[2Jclear");
-        return !child.output().empty();
-    })) << child.errors();
-    EXPECT_EQ(child.wait_exit(), 0);
-    EXPECT_EQ(child.output().find('\x1b'), std::string::npos);
-    EXPECT_THAT(child.output(), HasSubstr("uno1"));
 }
 
 }  // namespace

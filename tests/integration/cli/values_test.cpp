@@ -11,7 +11,6 @@ namespace asip::test {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 using ::testing::StartsWith;
 
 class ValuesTest : public BusTest {
@@ -45,31 +44,6 @@ TEST_F(ValuesTest, Subscribe_ShowsUnitsAndOneField) {
     EXPECT_EQ(asipctl({"subscribe", "uno1", "--max-hz", "0"}).status, 2);
 }
 
-TEST_F(ValuesTest, Changes_LeaveOutWhatIsSaidAgain) {
-    announce("uno1");
-    ChildProcess changes(
-        program({"subscribe", "uno1/distance", "--changes", "-n", "3", "--format", "{data.distance.0}"}),
-        environment());
-    report_until_ended(changes, {R"({"distance":[1]})", R"({"distance":[1]})", R"({"distance":[1]})",
-                                 R"({"distance":[2]})"});
-    EXPECT_THAT(changes.output(), testing::AnyOf("1\n2\n1\n", "2\n1\n2\n"));
-}
-
-TEST_F(ValuesTest, MaxHz_GivesTheNewestEvenWhenNothingFollows) {
-    announce("uno1");
-    ChildProcess thinned(
-        program({"subscribe", "uno1/distance", "--max-hz", "2", "--field", "0", "--format", "{value}"}),
-        environment());
-    ASSERT_TRUE(wait_until([&] {
-        probe_.publish("asip/uno1/distance/out", R"({"distance":[0]})");
-        return !thinned.output().empty();
-    }));
-    for (int i = 1; i <= 50; ++i)
-        probe_.publish("asip/uno1/distance/out", R"({"distance":[)" + std::to_string(i) + "]}");
-    EXPECT_TRUE(thinned.wait_for_output("^50$"));
-    EXPECT_LT(std::ranges::count(thinned.output(), '\n'), 20);
-}
-
 TEST_F(ValuesTest, Header_StandsOnceAndOnlyOnATerminal) {
     announce("uno1");
     ChildProcess terminal(
@@ -99,10 +73,6 @@ TEST_F(ValuesTest, EventsSince_BeginWithWhatWasKeptAndContinue) {
     EXPECT_EQ(asipctl({"events", "--since", "yesterday"}).status, 2);
 }
 
-TEST_F(ValuesTest, EventsSinceWithoutARegistry_AreRefused) {
-    EXPECT_EQ(asipctl({"events", "--since", "1h"}).status, 4);
-}
-
 TEST(Models, AreListedAndExplainedWithoutABroker) {
     const auto asipctl = [](std::vector<std::string> words) {
         words.insert(words.begin(), {ASIP_PROGRAMS "/asipctl", "--broker", "127.0.0.1:1"});
@@ -123,15 +93,6 @@ TEST(Models, AreListedAndExplainedWithoutABroker) {
     const auto unknown = asipctl({"model", "srevo"});
     EXPECT_EQ(unknown.status, 1);
     EXPECT_THAT(unknown.errors, HasSubstr("did you mean \"servo\""));
-}
-
-TEST(Models, OfAFolder_AreKnownToo) {
-    TempDir folder;
-    folder.write("fan.json",
-                 R"({"name":"fan","version":1,"id":"F","title":"Fan","events":{},)"
-                 R"("commands":{"speed":{"tag":"W","args":[{"name":"percent","type":"integer"}]}}})");
-    const auto models = run({ASIP_PROGRAMS "/asipctl", "model", "--services", folder.path(), "-o", "name"});
-    EXPECT_THAT(models.output, HasSubstr("fan\n")) << models.errors;
 }
 
 }  // namespace

@@ -45,32 +45,6 @@ TEST_F(ChangesTest, WaitForAStateThatComes_EndsWhenItDoes) {
     EXPECT_EQ(wait.wait_exit(), 0) << wait.errors();
 }
 
-TEST_F(ChangesTest, WaitForWhatDoesNotCome_EndsWith4AndTheState) {
-    announce("uno1");
-    const auto wait = asipctl({"wait", "uno1", "--for", "lost", "--timeout", "200ms"});
-    EXPECT_EQ(wait.status, 4);
-    EXPECT_THAT(wait.errors, HasSubstr("the board is online"));
-    EXPECT_THAT(asipctl({"wait", "nobody", "--timeout", "200ms"}).errors, HasSubstr("not announced"));
-}
-
-TEST_F(ChangesTest, WaitForOnline_IsNotEndedByADescriptionThatComesBeforeTheState) {
-    announce("uno1");
-    probe_.publish("asip/servicebus/uno1/$state", "", true);  // what a broker is late with is not there
-    const auto wait = asipctl({"wait", "uno1", "--timeout", "200ms"});
-    EXPECT_EQ(wait.status, 4);
-    EXPECT_THAT(wait.errors, HasSubstr("only an old description is retained"));
-}
-
-TEST_F(ChangesTest, WaitWithoutTime_LooksOnceAndBlamesNoBroker) {
-    announce("uno1");
-    EXPECT_EQ(asipctl({"wait", "uno1", "--timeout", "0"}).status, 0);
-    announce("uno1", "lost");
-    const auto wait = asipctl({"wait", "uno1", "--timeout", "0"});
-    EXPECT_EQ(wait.status, 4);
-    EXPECT_THAT(wait.errors, HasSubstr("the board is lost"));
-    EXPECT_THAT(wait.errors, Not(HasSubstr("the broker was"))) << wait.errors;
-}
-
 TEST_F(ChangesTest, WaitWhileTheBrokerIsGone_ClaimsNoState) {
     announce("uno1");
     ChildProcess wait(program({"wait", "uno1", "--for", "lost", "--timeout", "4s"}), environment());
@@ -80,32 +54,6 @@ TEST_F(ChangesTest, WaitWhileTheBrokerIsGone_ClaimsNoState) {
     EXPECT_THAT(wait.errors(), HasSubstr("closed the connection, and was not back in time"));
     EXPECT_THAT(wait.errors(), Not(HasSubstr("the board is")));
     broker_.start();
-}
-
-TEST_F(ChangesTest, WaitForAnEvent_TakesNoRetainedOneAndPrintsIt) {
-    announce("uno1");
-    probe_.publish("asip/uno1/distance/out", R"({"distance":[1]})", true);
-    ChildProcess wait(program({"wait", "uno1/distance", "--for", "distance", "--timeout", "1m"}),
-                      environment());
-    ASSERT_TRUE(wait_until([&] {
-        probe_.publish("asip/uno1/distance/out", R"({"distance":[2]})");
-        return !wait.running();
-    }));
-    EXPECT_EQ(wait.wait_exit(), 0) << wait.errors();
-    EXPECT_EQ(wait.output(), "uno1/distance  {\"distance\":[2]}\n");
-}
-
-TEST_F(ChangesTest, EventsWithoutARegistry_AreThoseOfTheBus) {
-    announce("uno1");
-    ChildProcess events(program({"events", "--from-bus", "-n", "1", "--format", "{board} {was}->{state}"}),
-                        environment());
-    ASSERT_TRUE(wait_until([&] {
-        announce("uno1", "lost");
-        announce("uno1");
-        return !events.running();
-    }));
-    EXPECT_EQ(events.wait_exit(), 0) << events.errors();
-    EXPECT_THAT(events.output(), testing::AnyOf("uno1 online->lost\n", "uno1 lost->online\n"));
 }
 
 /// A registry that does not answer is said to be online: the search takes its time.
@@ -120,16 +68,6 @@ TEST_F(ChangesTest, CtrlCWhileTheRegistryIsLookedFor_EndsAtOnceAndSaysNothing) {
         EXPECT_EQ(command.wait_exit(time_limit(2s)), 0) << words.front();
         EXPECT_EQ(command.errors(), "") << words.front();
     }
-}
-
-TEST_F(ChangesTest, ReaderThatHasGone_NothingIsClaimedOfBoards) {
-    announce("uno1");
-    for (const std::string command :
-         {"ping uno1", "ping uno1 --from-bus", "list", "list --from-bus", "subscribe uno1"}) {
-        const auto ended = run({"sh", "-c", ASIP_PROGRAMS "/asipctl " + command + " | true"}, environment());
-        EXPECT_EQ(ended.errors, "") << command;
-    }
-    EXPECT_EQ(asipctl({"subscribe", "uno1", "--max-hz", "nan"}).status, 2);
 }
 
 TEST_F(ChangesTest, RegistryWithAHistory_IsFollowedAndAsked) {
@@ -154,18 +92,6 @@ TEST_F(ChangesTest, RegistryWithAHistory_IsFollowedAndAsked) {
     EXPECT_EQ(asipctl({"events", "x*", "--last", "20"}).status, 4);
 }
 
-TEST_F(ChangesTest, RegistryWithoutAHistory_ReportsThat) {
-    EXPECT_EQ(asipctl({"events", "uno1", "--last", "20"}).status, 4) << "there is no registry at all";
-    const auto child = registry();
-    const auto history = asipctl({"events", "uno1", "--last", "20"});
-    EXPECT_EQ(history.status, 1);
-    EXPECT_THAT(history.errors, HasSubstr("history"));
-    for (const Words& words :
-         {Words{"events", "--last", "0"}, Words{"events", "--last", "9", "--since", "1h"},
-          Words{"events", "--last", "9", "--logs"}, Words{"events", "--logs", "--since", "1h"}})
-        EXPECT_EQ(asipctl(words).status, 2) << testing::PrintToString(words);
-}
-
 /// Answers `measure` as an agent does.
 TEST_F(ChangesTest, Get_AsksTheBoardAndPrintsTheUnit) {
     announce("uno1");
@@ -177,16 +103,6 @@ TEST_F(ChangesTest, Get_AsksTheBoardAndPrintsTheUnit) {
     answer(*request, R"({"status":"ok","proof":"answer","answer":{"distance":[42,118]}})");
     EXPECT_EQ(get.wait_exit(), 0) << get.errors();
     EXPECT_EQ(get.output(), "118 cm\n");
-}
-
-TEST_F(ChangesTest, GetOfAFieldThatTheValueLacks_NamesThoseThatItHas) {
-    announce("uno1");
-    ChildProcess get(program({"get", "uno1/distance/7"}), environment());
-    const auto request = probe_.wait_for("asip/uno1/distance/in");
-    ASSERT_TRUE(request);
-    answer(*request, R"({"status":"ok","proof":"answer","answer":{"distance":[42,118]}})");
-    EXPECT_EQ(get.wait_exit(), 1);
-    EXPECT_THAT(get.errors(), HasSubstr("uno1/distance has no field \"7\" in its values; there are 0, 1"));
 }
 
 TEST_F(ChangesTest, GetOfAServiceThatCannotBeAsked_TakesTheNextReport) {

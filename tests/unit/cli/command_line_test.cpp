@@ -57,7 +57,6 @@ TEST(CommandLine, NamesOfOtherPrograms_AreAnsweredWithOurs_AndOthersInOneLine) {
     EXPECT_THAT(told({"models"}), HasSubstr("try asipctl model\n"));
     EXPECT_THAT(told({"explain", "servo"}), HasSubstr("try asipctl model KIND\n"));
     EXPECT_THAT(told({"prune"}), HasSubstr("try asipctl forget --leftovers\n"));
-    EXPECT_THAT(told({"registries"}), HasSubstr("try asipctl doctor --registries\n"));
     EXPECT_EQ(told({"zzzzzzzz"}), "asipctl: there is no command \"zzzzzzzz\"\nTry asipctl --help\n");
 }
 
@@ -114,7 +113,6 @@ TEST(CommandLine, EmptyValueOfAnOption_IsRefusedWithWhatToGive) {
         {{"list", "--board", ""}, "--board: is empty; give PATTERN"},
         {{"list", "--kind", ""}, "--kind: is empty; give KIND"},
         {{"list", "--format", ""}, "--format: is empty; give TEMPLATE"},
-        {{"wait", "uno1", "--for", ""}, "--for: is empty; give online|offline|lost|sleeping|updating|..."},
         {{"subscribe", "uno1", "--field", ""}, "--field: is empty; give FIELD"},
         {{"send", "uno1", "--raw", ""}, "--raw: is empty; give LINE"}};
     for (const auto& [words, expected] : cases) {

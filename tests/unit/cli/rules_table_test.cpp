@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,8 +33,7 @@ std::string costs_text(const TopicRule& rule) {
     return text;
 }
 
-}  // namespace
-
+/// As the table of SECURITY.md.
 std::string rules_table() {
     // Topics with one text of rights and costs share a row.
     std::vector<std::pair<std::string, std::string>> rows;
@@ -53,4 +57,19 @@ std::string rules_table() {
     return text;
 }
 
+/// ASIP_WRITE_TABLE=1 writes it.
+TEST(SecureRoles, TableOfSecurityPage_IsThatOfTheRules) {
+    const std::string path = ASIP_TEST_SOURCE "/SECURITY.md";
+    const std::string begin = "<!-- from cli/secure/topic_rules.cpp -->\n", end = "<!-- end -->";
+    std::ifstream file(path);
+    std::string page{std::istreambuf_iterator<char>(file), {}};
+    const auto from = page.find(begin) + begin.size();
+    const auto to = page.find(end);
+    ASSERT_NE(to, std::string::npos) << path;
+    if (std::getenv("ASIP_WRITE_TABLE") != nullptr)
+        std::ofstream(path) << page.substr(0, from) + rules_table() + page.substr(to);
+    EXPECT_EQ(page.substr(from, to - from), rules_table());
+}
+
+}  // namespace
 }  // namespace asip::cli

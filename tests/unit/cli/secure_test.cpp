@@ -6,9 +6,7 @@
 #include <openssl/x509v3.h>
 #include <sys/stat.h>
 
-#include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <sstream>
 
@@ -97,20 +95,6 @@ TEST(SecureRoles, Nobody_WritesWhereNoRuleCanTellTheSender) {
     const auto rules = access_rules("asip", {{"ann", Role::kOperator}, {"registry", Role::kRegistry}});
     EXPECT_THAT(rules, Not(HasSubstr("write asip/servicebus\n")));
     EXPECT_THAT(rules, Not(HasSubstr("write asip/reply/#\n")));
-}
-
-/// ASIP_WRITE_TABLE=1 writes it.
-TEST(SecureRoles, TableOfSecurityPage_IsThatOfTheRules) {
-    const std::string path = ASIP_TEST_SOURCE "/SECURITY.md";
-    const std::string begin = "<!-- from cli/secure/topic_rules.cpp -->\n", end = "<!-- end -->";
-    std::ifstream file(path);
-    std::string page{std::istreambuf_iterator<char>(file), {}};
-    const auto from = page.find(begin) + begin.size();
-    const auto to = page.find(end);
-    ASSERT_NE(to, std::string::npos) << path;
-    if (std::getenv("ASIP_WRITE_TABLE") != nullptr)
-        std::ofstream(path) << page.substr(0, from) + rules_table() + page.substr(to);
-    EXPECT_EQ(page.substr(from, to - from), rules_table());
 }
 
 TEST(SecureRoles, WhatAUserLeft_IsAllOfItAndNothingOfOthers) {
