@@ -61,7 +61,7 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     if (!model::valid_board_name(a.board)) return Refusal::kBadName;
     if (a.payload.size() > model::kMaxDescriptionBytes) return Refusal::kTooLong;
     std::uint32_t slot = slot_of(a.board);
-    Board* known = slot == kNoSlot ? nullptr : &board(slot);
+    Board* known = slot == NameTable::kNone ? nullptr : &board(slot);
 
     DescriptionMembers members;
     if (!read_description(a.payload, guesses_for(known), members) || !valid_session(members.session))
@@ -76,7 +76,7 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
 
     const bool added = known == nullptr;
     if (added) slot = make(a.board, now);
-    if (slot == kNoSlot) {
+    if (slot == NameTable::kNone) {
         drop_unused(firmware, pins, services);
         return Refusal::kTooMany;
     }
@@ -156,7 +156,7 @@ void Catalogue::Impl::say(Board& b, const model::SaidState& said, Time since, Ti
 std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, Events& events) {
     if (!model::valid_board_name(a.board)) return Refusal::kBadName;
     std::uint32_t slot = slot_of(a.board);
-    const bool added = slot == kNoSlot;
+    const bool added = slot == NameTable::kNone;
     if (a.payload.empty()) {
         // Another program forgot this board: so does the catalogue, unless the board is known to be alive.
         if (!added && !model::is_there(board(slot).effective)) release(slot, events);
@@ -166,7 +166,7 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     if (!reported) return Refusal::kBadState;
     if (added) {
         slot = make(a.board, now);
-        if (slot == kNoSlot) return Refusal::kTooMany;
+        if (slot == NameTable::kNone) return Refusal::kTooMany;
     }
     Board& b = board(slot);
     const bool live = !a.retained;
@@ -205,9 +205,9 @@ std::optional<Refusal> Catalogue::Impl::board_name(const Announcement& a, Time n
     if (name.empty() && a.retained) return std::nullopt;
     if (!model::valid_board_name(name)) return Refusal::kBadName;
     std::uint32_t slot = slot_of(name);
-    const bool added = slot == kNoSlot;
+    const bool added = slot == NameTable::kNone;
     if (added) slot = make(name, now);
-    if (slot == kNoSlot) return Refusal::kTooMany;
+    if (slot == NameTable::kNone) return Refusal::kTooMany;
     const auto refused = renewed_by_names(slot, a.retained, added, now, events);
     if (added) emit(events, Event::Kind::kAdded, board(slot));
     return refused;
@@ -218,9 +218,9 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
     const std::string_view name = without_line_end(a.payload);
     if (!model::valid_board_name(a.board) || !model::valid_name(name)) return Refusal::kBadName;
     std::uint32_t slot = slot_of(a.board);
-    const bool added = slot == kNoSlot;
+    const bool added = slot == NameTable::kNone;
     if (added) slot = make(a.board, now);
-    if (slot == kNoSlot) return Refusal::kTooMany;
+    if (slot == NameTable::kNone) return Refusal::kTooMany;
     Board& b = board(slot);
     bool changed = false;
     if (!b.described) {
@@ -245,14 +245,14 @@ std::optional<Refusal> Catalogue::Impl::service_name(const Announcement& a, Time
 std::optional<Refusal> Catalogue::Impl::traffic(const Announcement& a, Time now, Events& events) {
     if (a.retained) return Refusal::kNotForUs;
     const std::uint32_t slot = slot_of(a.board);
-    if (slot == kNoSlot || !board(slot).names_only) return Refusal::kNotForUs;
+    if (slot == NameTable::kNone || !board(slot).names_only) return Refusal::kNotForUs;
     return renewed_by_names(slot, false, false, now, events);
 }
 
 Expected<std::vector<Event>, Catalogue::NotForgotten> Catalogue::Impl::forget(std::string_view name,
                                                                               Time now) {
     const std::uint32_t slot = slot_of(name);
-    if (slot == kNoSlot) return Unexpected<NotForgotten>(NotForgotten::kUnknown);
+    if (slot == NameTable::kNone) return Unexpected<NotForgotten>(NotForgotten::kUnknown);
     if (alive(board(slot), now) || model::is_there(board(slot).effective)) {
         return Unexpected<NotForgotten>(NotForgotten::kAlive);
     }

@@ -42,7 +42,6 @@ std::string_view to_text(Refusal refusal) {
 Catalogue::Impl::Impl(Options options)
     : options_(std::move(options)),
       kinds_(options_.units_of),
-      names_(0, NameHash{options_.hash_seed}),
       firmwares_(options_.hash_seed),
       pins_(options_.hash_seed),
       services_(options_.hash_seed) {}
@@ -61,7 +60,7 @@ std::vector<Event> Catalogue::expire(Time now) {
 }
 
 std::optional<Time> Catalogue::next_expiry() const {
-    return impl_->suspended_ ? std::nullopt : impl_->due_slots_.next();
+    return impl_->suspended_ ? std::nullopt : impl_->wheel_.next();
 }
 
 void Catalogue::suspend() {
@@ -84,7 +83,7 @@ Expected<bus::Answer> Catalogue::find(const bus::Query& query, Instant now, cons
 
 std::optional<bus::BoardItem> Catalogue::board(std::string_view name, Instant now, bool full) const {
     const std::uint32_t slot = impl_->slot_of(name);
-    if (slot == kNoSlot) return std::nullopt;
+    if (slot == NameTable::kNone) return std::nullopt;
     return impl_->board_item(impl_->board(slot), now, full);
 }
 
@@ -112,7 +111,7 @@ std::size_t Catalogue::size() const {
 }
 
 bool Catalogue::knows(std::string_view board) const {
-    return impl_->slot_of(board) != kNoSlot;
+    return impl_->slot_of(board) != NameTable::kNone;
 }
 
 void Catalogue::for_each(

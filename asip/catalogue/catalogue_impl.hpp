@@ -5,24 +5,87 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "asip/catalogue/board.hpp"
 #include "asip/catalogue/catalogue.hpp"
 #include "asip/catalogue/description_parts.hpp"
-#include "asip/catalogue/due_slots.hpp"
+#include "asip/catalogue/due_wheel.hpp"
 #include "asip/catalogue/name_order.hpp"
 #include "asip/catalogue/query_plan.hpp"
 
 namespace asip::catalogue {
 
-inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFF;
+/// From a hash to the slots of boards whose names have it: eight bytes an entry, linear probing.
+class NameTable {
+  public:
+    static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-/// With a seed: nobody can choose names that collide.
-struct NameHash {
-    std::uint64_t seed;
-    std::size_t operator()(std::string_view name) const { return hash_bytes(name, seed); }
+    /// The slot with this hash for which `same(slot)`, or kNone.
+    template <class Same>
+    std::uint32_t find(std::uint64_t hash, const Same& same) const {
+        if (entries_.empty()) return kNone;
+        const auto tag = static_cast<std::uint32_t>(hash >> 32);
+        for (std::size_t i = hash & mask(); entries_[i].slot != kNone; i = (i + 1) & mask()) {
+            if (entries_[i].tag == tag && same(entries_[i].slot)) return entries_[i].slot;
+        }
+        return kNone;
+    }
+
+    /// `hash_of(slot)` is needed when the table grows.
+    template <class HashOf>
+    void insert(std::uint64_t hash, std::uint32_t slot, const HashOf& hash_of) {
+        if ((size_ + 1) * 4 > entries_.size() * 3) grow(hash_of);
+        put(hash, slot);
+        ++size_;
+    }
+
+    template <class HashOf>
+    void erase(std::uint64_t hash, std::uint32_t slot, const HashOf& hash_of) {
+        std::size_t hole = hash & mask();
+        while (entries_[hole].slot != slot)
+            hole = (hole + 1) & mask();
+        // Entries behind the hole move up into it unless they would leave the run that begins at their own
+        // place.
+        for (std::size_t i = (hole + 1) & mask(); entries_[i].slot != kNone; i = (i + 1) & mask()) {
+            const std::size_t home = hash_of(entries_[i].slot) & mask();
+            if (((i - home) & mask()) >= ((i - hole) & mask())) {
+                entries_[hole] = entries_[i];
+                hole = i;
+            }
+        }
+        entries_[hole] = Entry{};
+        --size_;
+    }
+
+    std::size_t size() const { return size_; }
+
+  private:
+    struct Entry {
+        std::uint32_t tag = 0;
+        std::uint32_t slot = kNone;
+    };
+
+    std::size_t mask() const { return entries_.size() - 1; }
+
+    void put(std::uint64_t hash, std::uint32_t slot) {
+        std::size_t i = hash & mask();
+        while (entries_[i].slot != kNone)
+            i = (i + 1) & mask();
+        entries_[i] = {static_cast<std::uint32_t>(hash >> 32), slot};
+    }
+
+    template <class HashOf>
+    void grow(const HashOf& hash_of) {
+        std::vector<Entry> old(entries_.empty() ? 64 : entries_.size() * 2);
+        old.swap(entries_);
+        for (const Entry& entry : old) {
+            if (entry.slot != kNone) put(hash_of(entry.slot), entry.slot);
+        }
+    }
+
+    std::vector<Entry> entries_;
+    std::size_t size_ = 0;
 };
 
 class Catalogue::Impl {
@@ -51,8 +114,8 @@ class Catalogue::Impl {
     CatalogueStats stats_;
     NameOrder order_;
     std::array<BoardSet, kStates> all_;
-    DueSlots due_slots_;
-    std::unordered_map<std::string_view, std::uint32_t, NameHash> names_;  // those of the boards themselves
+    DueWheel wheel_;
+    NameTable names_;
     std::uint64_t seq_ = 0;
     bool suspended_ = false;
     std::uint32_t slots_ = 0;  // ever made
@@ -131,6 +194,7 @@ class Catalogue::Impl {
     std::optional<Remembered> remembered(std::string_view name) const {
         return options_.remembered ? options_.remembered(name) : std::nullopt;
     }
+    std::uint64_t hash(std::string_view name) const { return hash_bytes(name, options_.hash_seed); }
 
     PartPool<FirmwarePart> firmwares_;
     PartPool<PinsPart> pins_;

@@ -31,10 +31,10 @@ void Catalogue::Impl::visit_candidates(const QueryPlan& plan,
             add(kind->boards[index_of(state)].list());
     }
     while (!sources.empty()) {
-        std::uint32_t next = kNoSlot;
+        std::uint32_t next = NameTable::kNone;
         for (const Source& source : sources) {
             const std::uint32_t slot = source.list->at(source.at);
-            if (next == kNoSlot || order_.label(slot) < order_.label(next)) next = slot;
+            if (next == NameTable::kNone || order_.label(slot) < order_.label(next)) next = slot;
         }
         for (std::size_t i = 0; i < sources.size();) {
             Source& source = sources[i];

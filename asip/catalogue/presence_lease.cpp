@@ -66,7 +66,7 @@ std::optional<Refusal> Catalogue::Impl::renewed_by_names(std::uint32_t slot, boo
 }
 
 // Brings the effective state into line with what was reported and the lease, the indices with it, and the
-// due time with both.
+// wheel with both.
 void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events, bool added) {
     Board& b = board(slot);
     const bool living = alive(b, now);
@@ -97,7 +97,7 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events,
     Time due = living ? b.deadline : forgotten_at(b, now);
     // A board that was remembered may be long due: what the broker retains of it is heard first.
     if (!living && options_.remembered) due = std::max(due, now + options_.grace);
-    due_slots_.set(slot, due);
+    wheel_.set(slot, due, now);
 }
 
 // The answer about a remembered board may change with what becomes known of the clocks, so it is asked
@@ -114,13 +114,12 @@ Time Catalogue::Impl::forgotten_at(Board& b, Time now) const {
 std::vector<Event> Catalogue::Impl::expire(Time now) {
     Events events;
     if (suspended_) return events;
-    for (due_.clear(), due_slots_.advance(now, due_); !due_.empty();
-         due_.clear(), due_slots_.advance(now, due_)) {
+    for (due_.clear(), wheel_.advance(now, due_); !due_.empty(); due_.clear(), wheel_.advance(now, due_)) {
         for (const std::uint32_t slot : due_) {
             Board& b = board(slot);
             if (!model::is_there(b.effective)) {
                 const Time due = forgotten_at(b, now);
-                due > now ? due_slots_.set(slot, due) : release(slot, events);
+                due > now ? wheel_.set(slot, due, now) : release(slot, events);
                 continue;
             }
             ++stats_.expired;
@@ -140,7 +139,7 @@ void Catalogue::Impl::resume(Time now) {
         const Duration grace = std::min<Duration>(options_.grace, std::chrono::seconds(b.lease_seconds));
         if (model::is_there(b.effective)) b.deadline = std::max(b.deadline, now + grace);
         const Time due = model::is_there(b.effective) ? b.deadline : now + options_.grace;
-        if (const auto set = due_slots_.due(slot); !set || *set < due) due_slots_.set(slot, due);
+        if (const auto set = wheel_.due(slot); !set || *set < due) wheel_.set(slot, due, now);
     }
 }
 

@@ -173,12 +173,11 @@ void Catalogue::Impl::listen(Board& b, bool wanted, Events& events) {
 }
 
 std::uint32_t Catalogue::Impl::slot_of(std::string_view name) const {
-    const auto found = names_.find(name);
-    return found == names_.end() ? kNoSlot : found->second;
+    return names_.find(hash(name), [&](std::uint32_t slot) { return board(slot).name == name; });
 }
 
 std::uint32_t Catalogue::Impl::make(std::string_view name, Time now) {
-    if (names_.size() >= options_.max_boards) return kNoSlot;
+    if (names_.size() >= options_.max_boards) return NameTable::kNone;
     std::uint32_t slot = 0;
     if (free_.empty()) {
         slot = slots_++;
@@ -197,7 +196,7 @@ std::uint32_t Catalogue::Impl::make(std::string_view name, Time now) {
     b.deadline = now;
     b.lease_seconds = static_cast<std::uint32_t>(
         std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());
-    names_.emplace(b.name, slot);
+    names_.insert(hash(name), slot, [this](std::uint32_t other) { return hash(board(other).name); });
     order_.add(slot);
     all_[index_of(b.effective)].add(slot);
     return slot;
@@ -214,8 +213,8 @@ void Catalogue::Impl::release(std::uint32_t slot, Events& events) {
     all_[index_of(b.effective)].remove(slot);
     settle();
     order_.erase(slot);
-    names_.erase(b.name);
-    due_slots_.remove(slot);
+    names_.erase(hash(b.name), slot, [this](std::uint32_t other) { return hash(board(other).name); });
+    wheel_.remove(slot);
     if (b.firmware != nullptr) --b.firmware->references;
     if (b.pins != nullptr) --b.pins->references;
     drop_unused(b.firmware, b.pins, nullptr);

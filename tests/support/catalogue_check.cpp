@@ -33,8 +33,7 @@ std::string CatalogueCheck::check(const Catalogue& catalogue) {
     std::sort(slots.begin(), slots.end(),
               [&all](auto a, auto b) { return all.board(a).name < all.board(b).name; });
     if (slots.size() != all.names_.size()) return "names counted wrong";
-    if (slots.size() != all.due_slots_.size())
-        return "boards without a due time, or due times without a board";
+    if (slots.size() != all.wheel_.size()) return "boards without a due time, or due times without a board";
 
     std::vector<const FirmwarePart*> firmwares;
     std::vector<const PinsPart*> pins;
@@ -49,7 +48,7 @@ std::string CatalogueCheck::check(const Catalogue& catalogue) {
             return b.name + ": a state that no message reported";
         if (b.described == b.session.empty())
             return b.name + ": description without session, or the other way";
-        const auto due = all.due_slots_.due(slot);
+        const auto due = all.wheel_.due(slot);
         if (model::is_there(b.effective) && (!due || *due > b.deadline))
             return b.name + ": lease would be missed";
         by_state[index_of(b.effective)].push_back(slot);
