@@ -4,6 +4,7 @@
 import itertools
 import json
 import math
+import signal
 import time
 import unittest
 import urllib.request
@@ -98,6 +99,17 @@ class Week(Plots):
         self.drawn(lambda plot: plot["drawn"][:80] == "#" * 80, "the last day again")
         self.show("1 min")
         eventually(lambda: self.plot()["note"] == "", "the last minute is this page's own")
+
+    def test_BoardThatIsGone_ShowsItsWeek(self):
+        self.bus.end("agent-desk", signal.SIGKILL)
+        self.addCleanup(lambda: eventually(lambda: self.bus.state("desk") == "online", "the board is back", 60))
+        self.addCleanup(self.bus.start_agent, "desk")
+        eventually(lambda: self.bus.state("desk") == "lost", "its agent is gone", 30)
+        self.start()
+        self.go("board/desk", "asip-board .unusable:not(:empty)")
+        self.browser.shown("asip-plot canvas")
+        self.show("1 week")
+        self.drawn(lambda plot: plot["drawn"][61:80] == "#" * 19, "the week before")
 
     def test_Csv_HasWhatIsInThePicture(self):
         self.start()
