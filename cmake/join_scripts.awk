@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Joins a script of the page with those that it imports, each in a function of its own, in the order in which a browser runs them:
-#   awk -v entry=ui/screens.js -v others="main.js net/worker.js" -f join_scripts.awk
+#   awk -v entry=ui/screens.js -v others="main.js net/worker.js" -v scripts="..." -f join_scripts.awk
 # in a folder of shortened scripts. What one of `others` imports, too, stays a file. One file is a quarter smaller than its parts: gzip
-# finds what they have in common. The paths that are joined go into the file `joined`.
+# finds what they have in common. The paths that are joined go into the file `joined`. Those of `scripts` that are loaded later, by
+# import(), get what they import of them from the joined file: they are written anew.
 
 function failed(text) { print "join_scripts.awk: " text > "/dev/stderr"; exit 1 }
 
@@ -74,13 +75,40 @@ function join(path,   line, target, names, takes, gives, body) {
     joined = joined (gives == "" ? "" : "const " module[path] "=") "(()=>{" takes "\n" body (gives == "" ? "" : "return{" gives "}") "})();\n"
 }
 
+# A script that is loaded later.
+function join_late(path,   line, target, names, text, found) {
+    while ((getline line < path) > 0) {
+        target = line ~ /^import[{"]/ ? imported(path, line) : ""
+        if (target in module) {
+            names = names_in(line)
+            gsub(/ as /, ":", names)
+            line = "import" (names == "" ? "" : "{" module[target] "}from") "\"" above(path) entry "\";" (names == "" ? "" : "const{" names "}=" module[target] ";")
+            if (names != "" && !(target in late)) {
+                late[target] = 1
+                gives_late = gives_late "," module[target]
+            }
+            found = 1
+        }
+        text = text line "\n"
+    }
+    close(path)
+    if (found) printf "%s", text > path
+}
+
+# From the folder of a script to that of the page.
+function above(path) {
+    gsub(/[^\/]*\//, "../", path)
+    sub(/[^\/]*$/, "", path)
+    return path
+}
+
 BEGIN {
     split(others, roots, " ")
     for (i in roots) keep_apart(roots[i])
     join(entry)
-    up = entry
-    gsub(/[^\/]*\//, "../", up)
-    sub(/[^\/]*$/, "", up)
-    for (i = 1; i <= outer_count; ++i) print "import{" substr(outer_names[outer_paths[i]], 2) "}from\"" up outer_paths[i] "\";"
+    count = split(scripts, all, " ")
+    for (i = 1; i <= count; ++i) if (!(all[i] in module) && !(all[i] in apart)) join_late(all[i])
+    for (i = 1; i <= outer_count; ++i) print "import{" substr(outer_names[outer_paths[i]], 2) "}from\"" above(entry) outer_paths[i] "\";"
     printf "%s", joined
+    if (gives_late != "") print "export{" substr(gives_late, 2) "};"
 }

@@ -61,16 +61,39 @@ class Size(unittest.TestCase):
                 name = name.removeprefix(b"export ").replace(b", ", b",")
                 self.assertEqual(len(re.findall(rb"^" + re.escape(name) + rb"(?!\w)", joined, re.M)) > 0, True, name)
 
+    def make_small(self, scripts):
+        """The same for a page of these scripts alone, unpacked: its folder."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        files = {"main.js": "", "net/worker.js": "", "languages/en.json": "{}", **scripts}
+        for name, content in {**files, "files.txt": "\n".join(files)}.items():
+            path = pathlib.Path(folder.name, "page", name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(f"// A script.\n{content}\n" if name.endswith(".js") else content + "\n")
+        made = pathlib.Path(folder.name, "made")
+        for name, content in make_page(f"{folder.name}/page", made).items():
+            (made / name).write_bytes(gzip.decompress(content))
+        (made / "package.json").write_text('{"type": "module"}')
+        return made
+
+    def test_JoinedScripts_RunInTheirOrderAndShareWhatIsLoadedLater(self):
+        made = self.make_small({
+            "core/a.js": 'export const box = { said: ["a"] };\nexport function say(text) { box.said.push(text); }',
+            "core/b.js": 'import { say as told } from "./a.js";\nconst say = (text) => told(`b: ${text}`);\nexport { say };\nsay("first");',
+            "net/own.js": 'export const own = { of: "worker" };', "net/worker.js": 'import { own } from "./own.js";\nown.of = "w";',
+            "ui/screens.js": 'import { box } from "../core/a.js";\nimport { say } from "../core/b.js";\nimport { own } from "../net/own.js";\nsay(own.of);\n'
+                             'import("../late/late.js").then(({ ended }) => console.log(box.said.join(), ended));',
+            "late/late.js": 'import { box, say as tell } from "../core/a.js";\nimport { say } from "../core/b.js";\nimport { own } from "../net/own.js";\n'
+                            'await Promise.resolve();\ntell("late");\nsay("too");\nexport const ended = `${box.said.length} ${own.of}`;'})
+        self.assertFalse((made / "core" / "a.js").exists())
+        self.assertTrue((made / "net" / "own.js").exists(), "what the worker needs, too")
+        done = subprocess.run(["node", made / "ui" / "screens.js"], capture_output=True, text=True)
+        self.assertEqual((done.stdout.strip(), done.stderr), ("a,b: first,b: worker,late,b: too 5 worker", ""))
+
     def test_ScriptsThatImportEachOther_AreRefused(self):
-        files = {"main.js": "", "net/worker.js": "", "ui/screens.js": 'import { f } from "../core/a.js";\nf();', "languages/en.json": "{}",
-                 "core/a.js": 'import { g } from "./b.js";\nexport function f() { g(); }', "core/b.js": 'import { f } from "./a.js";\nexport function g() { f(); }'}
-        with tempfile.TemporaryDirectory() as folder:
-            for name, content in {**files, "files.txt": "\n".join(files)}.items():
-                path = pathlib.Path(folder, "page", name)
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(f"// A script.\n{content}\n" if name.endswith(".js") else content + "\n")
-            with self.assertRaisesRegex(ValueError, "core/b.js and core/a.js import each other"):
-                make_page(f"{folder}/page", f"{folder}/made")
+        with self.assertRaisesRegex(ValueError, "core/b.js and core/a.js import each other"):
+            self.make_small({"ui/screens.js": 'import { f } from "../core/a.js";\nf();', "core/a.js": 'import { g } from "./b.js";\nexport function f() { g(); }',
+                             "core/b.js": 'import { f } from "./a.js";\nexport function g() { f(); }'})
 
     def test_EveryFile_IsListed(self):
         there = {str(path.relative_to(PAGE)) for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg", ".webmanifest") or path.parent.name == "languages"}
