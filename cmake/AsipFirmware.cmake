@@ -59,6 +59,7 @@ set(asip_library_sources
   asip/services/AsipPressure.cpp
   asip/services/AsipReflectance.cpp
   asip/services/AsipServos.cpp
+  asip/services/AsipSpi.cpp
   asip/services/AsipSteppers.cpp
   asip/services/AsipThermometers.cpp
   asip/services/AsipTone.cpp

@@ -28,6 +28,7 @@ from .service import Element as _Element
 from .service import Held as _Held
 from .service import Service as _Service
 from .service import Watch
+from .spi import SPI
 from .stream import Stream
 
 
@@ -116,6 +117,10 @@ class Board(Twin):
     def onewire(self, *, timeout: float | None = None) -> OneWire:
         """As `i2c()`."""
         return self._one.onewire(timeout=timeout)
+
+    def spi(self, *, timeout: float | None = None) -> SPI:
+        """As `i2c()`."""
+        return self._one.spi(timeout=timeout)
 
     def pin(self, which: int | str) -> Pin:
         return Pin(self, self._one.pin(which))

@@ -16,6 +16,7 @@ from .onewire import OneWire
 from .pin import Pin
 from .property import Property
 from .service import Service, class_of
+from .spi import SPI
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ class Board(Followed):
         self._pins: dict[int, Pin] = {}
         self._properties: dict[str, Property] = {}
         self._chips = threading.Lock()
+        self._spi = threading.Lock()
 
     # Services -----------------------------------------------------------------------------------------------------------
 
@@ -224,6 +226,10 @@ class Board(Followed):
         """The board's 1-Wire bus, as drivers for CircuitPython expect it (`OneWireBus` of `adafruit_onewire.bus`). Needs the service
         `onewire` on the board."""
         return OneWire(self["onewire"], timeout)
+
+    def spi(self, *, timeout: float | None = None) -> SPI:
+        """The board's SPI bus, as drivers for CircuitPython expect it (`busio.SPI`). Needs the service `spi` on the board."""
+        return SPI(self["spi"], timeout, self._spi)
 
     def _transfers(self, timeout: float | None) -> Transfers:
         transfers = Transfers(BusCarrier(self["i2c"], timeout))

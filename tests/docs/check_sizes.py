@@ -14,7 +14,7 @@ SERVICES = {
     "Hygrometer": "Hygrometer s;", "I2cChips": "I2cChips s;", "Illuminance": "Illuminance s;", "Lcd": "Lcd s;",
     "Motion": "Motion s(Motion::kAccelerometer);", "Motors": "Motors s(7, 8, 5, 12, 13, 6);", "NeoPixels": "PixelStripOf<8> p(6); NeoPixels s(p);",
     "OneWire": "OneWireBus bus(2); OneWire s(bus);", "Pixels": "Pixels<8> s(6);", "Pressure": "Pressure s;",
-    "Reflectance": "Reflectance s(4, A0, A1);", "Servos": "Servos s(9, 10);",
+    "Reflectance": "Reflectance s(4, A0, A1);", "Servos": "Servos s(9, 10);", "Spi": "Spi s(10);",
     "Steppers": "Stepper a(8, 9, 10, 11), b(2, 3, 4); Steppers s(a, b);",
     "Thermometers": "OneWireBus bus(2); ThermometersOf<8> s(bus);", "Tone": "Tone s(9);", "Weather": "Weather s;"}
 

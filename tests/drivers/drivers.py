@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drivers as their authors published them on PyPI, unmodified, on the I2C and 1-Wire buses of simulated boards, over a real broker and agent.
+"""Drivers as their authors published them on PyPI, unmodified, on the I2C, SPI and 1-Wire buses of simulated boards, over a real broker and agent.
 Each reads what its simulated chip was told to measure, or shows on it what is then read back."""
 
 import errno
@@ -40,13 +40,15 @@ AIR = [{"kind": "bme280", "name": "weather", "temperature": 21.5, "humidity": 45
 WIRE = {"name": "wire", "board": "uno", "image": str(bus_module.IMAGES / "asip_uno_onewire.elf"), "link": "wire.port",
         "parts": [{"kind": "ds18b20", "name": "wires", "pin": 2,
                    "devices": [{"number": 1, "temperature": 21.5}, {"number": 2, "temperature": -3.0625}, {"number": 3, "temperature": 85}]}]}
+ANALOG = {"name": "analog", "board": "uno", "image": str(bus_module.IMAGES / "asip_uno_spi.elf"), "link": "analog.port",
+          "parts": [{"kind": "mcp3008", "name": "volts", "select": 10, "v0": 2.5, "v3": 1.25}, {"kind": "mcp3008", "name": "others", "select": 9, "v7": 5}]}
 SECONDS = 20
 
 
 class Drivers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.real = Bus((board("desk", "ssd1306", *CHIPS), board("wall", "sh1106", *AIR), WIRE))
+        cls.real = Bus((board("desk", "ssd1306", *CHIPS), board("wall", "sh1106", *AIR), WIRE, ANALOG))
         cls.addClassCleanup(cls.real.close)
 
     def setUp(self):
@@ -157,6 +159,17 @@ class Drivers(unittest.TestCase):
         self.assertEqual(caught.exception.errno, errno.ENODEV)
         self.real.sim("unshort", "wire/wires")
         self.assertAlmostEqual(sensors[1].temperature, sensors[1].read_temperature())
+
+    def test_adafruit_mcp3008(self):
+        from adafruit_mcp3xxx.analog_in import AnalogIn
+        from adafruit_mcp3xxx.mcp3008 import MCP3008
+        spi = self.bus.board("analog", timeout=SECONDS).spi(timeout=SECONDS)
+        volts, others = (MCP3008(spi, spi.chip_select(pin), ref_voltage=5) for pin in (10, 9))
+        for chip, pin, told in ((volts, 0, 2.5), (volts, 3, 1.25), (others, 7, 5), (others, 0, 0)):
+            self.assertAlmostEqual(AnalogIn(chip, pin).voltage, told, delta=0.01)
+        with self.assertRaises(OSError) as caught:
+            AnalogIn(MCP3008(spi, spi.chip_select(8), ref_voltage=5), 0).voltage  # noqa: B018 - reading it is the test
+        self.assertEqual(caught.exception.errno, errno.EIO)
 
     def test_adafruit_ads1x15(self):
         from adafruit_ads1x15 import ads1x15

@@ -33,7 +33,7 @@ TEST_F(ModelSetTest, Standard_HasEveryServiceOfTheProtocol) {
                 testing::ElementsAre("acceleration", "bump", "climate", "distance", "encoders", "gyroscope",
                                      "heading", "humidity", "hygrometer", "i2c", "illuminance", "io", "lcd",
                                      "motors", "neopixels", "onewire", "pixels", "pressure", "reflectance",
-                                     "servo", "steppers", "thermometers", "tone", "weather"));
+                                     "servo", "spi", "steppers", "thermometers", "tone", "weather"));
     EXPECT_TRUE(models_.find_ref("distance@1"));
     EXPECT_FALSE(models_.find_ref("distance@2"));
     EXPECT_FALSE(models_.find_ref("distance"));

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An SPI bus as drivers see it: which commands it gives. A recorded service stands for the board, and answers each byte by its complement."""
+import errno
+import threading
+import unittest
+
+from asip import errors
+from asip.spi import SPI
+
+
+class Recorded:
+    def __init__(self):
+        self.seen, self.lists, self.fault = [], 0, None
+
+    def command(self, name, *args, timeout=None):
+        assert name == "transfer" and len(args[-1]) <= 32
+        self.seen.append(list(args))
+        if self.fault:
+            raise self.fault
+        return bytes(255 - byte for byte in bytes.fromhex(args[-1])).hex().upper()
+
+    def _together(self, commands, what, *, timeout=None):
+        assert len(commands) <= 64
+        self.lists += 1
+        return [{"answer": self.command("transfer", *one["transfer"])} for one in commands]
+
+
+class SpiBus(unittest.TestCase):
+    def setUp(self):
+        self.board = Recorded()
+        self.spi = SPI(self.board, 5, threading.Lock())
+
+    def test_chip_is_chosen_from_its_first_byte_to_its_pin(self):
+        select = self.spi.chip_select(10)
+        select.switch_to_output(value=True)
+        self.spi.configure(baudrate=1_000_000, polarity=1, phase=0)
+        select.value = False
+        self.assertEqual(self.board.seen, [])
+        self.spi.write(b"\1\2\3", start=1, end=2)
+        into = bytearray(b"....")
+        self.spi.readinto(into, start=1, end=3, write_value=0x0F)
+        self.assertEqual(into, b".\xf0\xf0.")
+        select.value = True
+        self.assertEqual(self.board.seen, [[10, 1000, 2, 1, "02"], [10, 1000, 2, 1, "0F0F"], [10, 1000, 2, 0, ""]])
+        select.value = False
+        select.value = True
+        self.spi.write(b"\7")
+        self.assertEqual(self.board.seen[3:], [[255, 1000, 2, 0, "07"]], "no chip, and nothing for one that was told nothing")
+
+    def test_more_than_a_request_holds_is_one_command_of_several(self):
+        self.spi.chip_select(9).value = False
+        data = bytes(range(40))
+        into = bytearray(40)
+        self.spi.write_readinto(data, into)
+        self.assertEqual(into, bytes(255 - byte for byte in data))
+        self.assertEqual((self.board.lists, [one[3] for one in self.board.seen]), (1, [1, 1, 1]))
+        self.spi.write(bytes(1100))
+        self.assertEqual(self.board.lists, 3)
+
+    def test_lock_settings_and_faults(self):
+        self.assertTrue(self.spi.try_lock())
+        self.assertFalse(self.spi.try_lock())
+        self.spi.unlock()
+        for wrong in ({"bits": 9}, {"polarity": 2}, {"baudrate": 10}):
+            self.assertRaises(ValueError, self.spi.configure, **wrong)
+        self.assertEqual(self.spi.frequency, 100000)
+        self.assertRaises(ValueError, self.spi.write_readinto, b"12", bytearray(3))
+        self.board.fault = errors.BoardError("DEVICE_NOT_AVAILABLE", code=8)
+        with self.assertRaises(OSError) as caught:
+            self.spi.write(b"1")
+        self.assertEqual(caught.exception.errno, errno.EBUSY)
+        self.board.fault = None
+        self.spi.write(b"1")
+
+
+if __name__ == "__main__":
+    unittest.main()
