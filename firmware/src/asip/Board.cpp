@@ -186,7 +186,7 @@ bool Board::collect(char c) {
     if (length == 0 && static_cast<uint8_t>(c) <= ' ' && (c != '\0' || !isExtended())) return false;
     if (c == '\n' || c == '\r' || beginsAnother(c)) return true;
     if (length >= maxLength() || c == '\0') {
-        if (length < 3) line()[length == 0 ? 0 : 2] = '\0';
+        if (length < 3) line()[length] = line()[2] = '\0';
         length_ = kSpoiled;
     } else {
         line()[length] = c;
@@ -225,18 +225,20 @@ void Board::execute(bool executed) {
     const Error error = spoiled ? Error::kBadArgument : process(length);
     if (error == Error::kNone) return;
     if (kExtensions) digest_ ^= static_cast<uint8_t>(error);
-    const char id = printable(line[0]);
-    if (id != '#' && find(id) == nullptr) return out.error(id, '?', Error::kInvalidService);
-    out.error(id, length < 3 ? '?' : printable(line[2]), error);
+    const bool hasTag = length >= 3 && error != Error::kInvalidService;
+    out.error(printable(line[0]), hasTag ? printable(line[2]) : '?', error);
 }
 
 Error Board::process(uint8_t length) {
     const char* const line = this->line();
+    Service* service = nullptr;
+    if (line[0] != '#') {
+        service = find(line[0]);
+        if (service == nullptr) return Error::kInvalidService;
+    }
     if (length < 3 || line[1] != ',' || (line[3] != ',' && length > 3)) return Error::kUnknownRequest;
     Request request(line);
-    if (line[0] == '#') return processSystem(request);
-    Service* const service = find(line[0]);
-    return service == nullptr ? Error::kInvalidService : dispatch(*service, request);
+    return service == nullptr ? processSystem(request) : dispatch(*service, request);
 }
 
 Error Board::dispatch(Service& service, Request& request) {

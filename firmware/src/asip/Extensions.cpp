@@ -192,10 +192,11 @@ Error Board::checksum(Request& request) {
     return Error::kNone;
 }
 
-// Checks *HH at the end of the line of `length` characters and cuts it off.
+// Checks *HH at the end of the line of `length` characters and cuts it off. One that is spoiled has three
+// left, and no checksum whatever they are.
 bool Board::acceptChecksum(uint8_t& length) {
     char* const line = this->line();
-    if (length < 3 || line[length - 3] != '*') return false;
+    if (length <= 3 || line[length - 3] != '*') return false;
     const uint8_t high = hexValue(line[length - 2]);
     const uint8_t low = hexValue(line[length - 1]);
     if ((high | low) > 15) return false;

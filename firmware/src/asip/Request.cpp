@@ -78,7 +78,7 @@ bool Request::skip(char expected) {
 }
 
 const char* Request::text() {
-    skip(',');
+    if (*next_ != '\0') expect(',');
     const char* begin = next_;
     while (*next_ != '\0')
         ++next_;

@@ -81,6 +81,7 @@ TEST(LcdTest, BadRequest_IsReportedAndChangesNothing) {
     board.ask("L,W,0,stays");
     EXPECT_EQ(board.ask("L,W,5,x"), "~L,W,7{INVALID_DEVICE_NUMBER}");
     EXPECT_EQ(board.ask("L,W,x,x"), "~L,W,11{BAD_ARGUMENT}");
+    EXPECT_EQ(board.ask("L,W,0text"), "~L,W,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("L,W"), "~L,W,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("L,C,1"), "~L,C,11{BAD_ARGUMENT}");
     EXPECT_EQ(board.ask("L,G,2,{0:50,5:1}"), "~L,G,7{INVALID_DEVICE_NUMBER}");

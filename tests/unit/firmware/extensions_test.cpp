@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "asip/Digest.h"
 #include "fake_board.hpp"
 
 namespace asip {
@@ -48,6 +49,22 @@ TEST(ExtensionsTest, VerifiedFence_DigestsWhatWasReadSinceTheLast) {
     (void)board.send("I,d,99,1\n");
     EXPECT_EQ(board.ask("#,V,a"), "@#,V,a,37764\n") << "the number of the error is in it";
     EXPECT_EQ(board.ask("#,V,a-b"), "~#,V,11{BAD_ARGUMENT}\n");
+}
+
+TEST(ExtensionsTest, VerifiedFence_DigestsTheErrorThatWasSent) {
+    // Of a service that is not there and without a tag: both are errors, one is the answer.
+    FakeBoard board;
+    for (const char* line : {"Z", "Zz", "Z,x1", "Z,x,1"}) {
+        (void)board.ask("#,V,a");
+        EXPECT_EQ(board.ask(line), "~Z,?,1{INVALID_SERVICE}\n");
+        std::uint16_t digest = 0;
+        for (const char* c = line; *c != '\0'; ++c)
+            digest = digestOf(digest, static_cast<std::uint8_t>(*c));
+        digest = static_cast<std::uint16_t>(digestOf(digest, 0) ^ 1);
+        for (const char c : std::string("#,V,a"))
+            digest = digestOf(digest, static_cast<std::uint8_t>(c));
+        EXPECT_EQ(board.ask("#,V,a"), "@#,V,a," + std::to_string(digestOf(digest, 0)) + "\n") << line;
+    }
 }
 
 TEST(ExtensionsTest, VerifiedFence_DigestsLinesWithoutTheirChecksums) {
@@ -255,6 +272,13 @@ TEST(ExtensionsTest, BadChecksum_IsReportedAndNothingExecuted) {
     EXPECT_FALSE(board.hardware().levels[13]);
     EXPECT_EQ(board.ask(with_checksum("I,d,13,1")), "");
     EXPECT_TRUE(board.hardware().levels[13]);
+}
+
+TEST(ExtensionsTest, LineThatIsTooLong_HasNoChecksumWhateverItBeginsWith) {
+    FakeBoard board;
+    board.ask("#,C,1");
+    EXPECT_EQ(board.ask("*00" + std::string(80, 'x')), with_checksum("~#,C,10{BAD_CHECKSUM}") + "\n");
+    EXPECT_EQ(board.ask(with_checksum("#,E,a")), with_checksum("@#,E,a") + "\n");
 }
 
 TEST(ExtensionsTest, EverySingleDamagedCharacter_IsCaughtByTheChecksum) {

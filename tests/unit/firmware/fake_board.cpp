@@ -17,6 +17,13 @@ void FakeBoard::switch_on() {
     out = Out();
 }
 
+void FakeBoard::spoil_old_bytes() {
+    static constexpr char kArguments[] = ",1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,";
+    static_assert(sizeof kArguments > sizeof board.line_);
+    const std::size_t kept = board.length_ == Board::kSpoiled ? 3 : board.length_;
+    std::memcpy(board.line_ + kept, kArguments, sizeof board.line_ - kept);
+}
+
 FakeBoard::FakeBoard(std::vector<Service*> services, bool strict) {
     hw::reset_fake();
     switch_on();

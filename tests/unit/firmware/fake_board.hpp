@@ -17,6 +17,11 @@ class FakeBoard {
     /// The board as it is before begin().
     static void switch_on();
 
+    static std::uint16_t digest() { return board.digest_; }
+    static std::uint8_t last_millisecond() { return board.lastMs_; }
+    /// Makes arguments of the bytes that a request before has left in the line.
+    static void spoil_old_bytes();
+
     /// Sends a request and runs the board until it is still: all that it sent, or "".
     std::string ask(const std::string& line) { return send(line + "\n"); }
     std::string send(const std::string& bytes);

@@ -41,7 +41,7 @@ TEST(FramingTest, BytesLostBeforeARequest_SpoilItWhereAnExtensionIsInUse) {
     FakeBoard board;
     board.ask("I,P,13,3");
     board.ask("#,E,ok");
-    EXPECT_EQ(board.send(std::string(1, '\0') + "I,d,13,1\n"), "~?,?,1{INVALID_SERVICE}\n");
+    EXPECT_EQ(board.send(std::string(1, '\0') + "I,d,13,1\n"), "~?,?,11{BAD_ARGUMENT}\n");
     EXPECT_FALSE(board.hardware().levels[13]);
     EXPECT_EQ(board.ask("#,E,ok"), kFence);
 }

@@ -141,6 +141,21 @@ TEST(RequestTest, Text_IsTheRestOfTheLine) {
     EXPECT_TRUE(request.complete());
 }
 
+TEST(RequestTest, TextThatNoCommaBegins_SpoilsTheRequest) {
+    for (const char* line : {"L,W,1hello", "L,W,1 hello", "J,t,118,1D0"}) {
+        Request request(line);
+        request.number();
+        while (request.more())
+            request.number();
+        request.text();
+        EXPECT_FALSE(request.complete()) << line;
+    }
+    Request none("J,t,118");
+    EXPECT_EQ(none.number(), 118);
+    EXPECT_STREQ(none.text(), "");
+    EXPECT_TRUE(none.complete());
+}
+
 TEST(RequestTest, More_SaysWhetherAnArgumentFollows) {
     Request request("S,M,4");
     EXPECT_TRUE(request.more());

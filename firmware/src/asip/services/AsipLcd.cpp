@@ -72,9 +72,9 @@ Error Lcd::processRequest(Request& request) {
 
 Error Lcd::write(Request& request) {
     const uint16_t line = request.number();
+    const char* next = request.text();
     if (!request.good()) return Error::kBadArgument;
     if (line >= kLines) return Error::kInvalidDeviceNumber;
-    const char* next = request.text();
     for (char& character : text_[line]) {
         character = ' ';
         if (*next != '\0') character = *next++;
