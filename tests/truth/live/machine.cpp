@@ -14,8 +14,10 @@ using asip::Time;
 
 namespace {
 
-constexpr Duration kSleep = 40ms;
-constexpr Duration kWork = 2ms;
+constexpr Duration kSleep = 100ms;
+// More than a scheduler gives a thread at once because it slept: what comes behind that takes as long as it
+// takes a program that starts, or simulates a board.
+constexpr Duration kWork = 10ms;
 // A timer of a quiet machine is late by less.
 constexpr Duration kLateness = 1ms;
 constexpr Duration kStarved = 500ms;
