@@ -155,7 +155,6 @@ void BoardAgent::perform(Effects& effects) {
         log_.board_is(bridge_.name());
         reset_timer_.cancel();
         if (!bus_) connect_bus();
-        handlers_.on_changed();
     }
     if (bus_ && effects.name_claimed) subscribe_to_commands();
     if (options_.mqtt.has_user()) drop_stray_answers(effects);
@@ -171,7 +170,10 @@ void BoardAgent::perform(Effects& effects) {
             bus_->publish(std::move(note), mqtt::Priority::kReply);
     for (const auto& [line, client] : effects.lines)
         clients_.send(line, client);
-    if (effects.name_claimed) publish_log();
+    if (effects.name_claimed) {
+        publish_log();
+        handlers_.on_changed();
+    }
     if (!effects.keep_links.empty()) keep_links(std::move(effects.keep_links));
     if (effects.keep_labels) keep_labels(std::move(*effects.keep_labels));
     if (effects.keep_stop) keep_stop(std::move(*effects.keep_stop));

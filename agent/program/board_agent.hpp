@@ -62,8 +62,8 @@ class BoardAgent {
     /// Makes the board safe, says goodbye and ends, within 1.5 s; then on_ended is called.
     void stop();
 
-    /// Empty: not known yet.
-    const std::string& name() const { return bridge_.name(); }
+    /// The board's on the bus; empty: it was not announced yet.
+    std::string name() const { return bridge_.name_claimed() ? bridge_.name() : std::string(); }
     /// The board answers and is on the bus.
     bool online() const { return presence_ == Presence::kOnline; }
     /// Why board or broker cannot be reached, as far as known.

@@ -28,7 +28,7 @@ void Supervisor::plugged(const std::string& place, const std::string& port, std:
                          AgentOptions options) {
     if (const auto board = find(place)) {
         board->wanted = true;
-        if (board->agent) return;
+        if (board->agent) return tell_lender(*board);
         board->pause.reset();
         return start(*board, {});
     }
@@ -47,8 +47,8 @@ void Supervisor::left(const std::string& place) {
 }
 
 void Supervisor::tell_lender(const Board& board) {
-    if (cables_ && board.agent && !board.agent->name().empty())
-        cables_->named(board.plan.key, board.agent->name());
+    if (!cables_ || !board.agent) return;
+    if (const auto name = board.agent->name(); !name.empty()) cables_->named(board.plan.key, name);
 }
 
 }  // namespace asip::agent
