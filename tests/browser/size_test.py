@@ -12,6 +12,7 @@ import unittest
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "gateway" / "page"
 CMAKE = PAGE.parents[1] / "cmake"
 LIMIT = 100_000
+CABLE_LIMIT = 8_000
 HOMEPAGE = re.search(r"^Homepage: (.*)$", (PAGE.parents[1] / "debian" / "control").read_text(), re.M)[1]
 DOCS = f"{HOMEPAGE}/blob/main/docs/".encode()  # followed by a person, never loaded
 

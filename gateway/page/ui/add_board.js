@@ -60,8 +60,9 @@ class AddBoard extends Part {
 
   /// What is on the bus changed: a board to choose, or the one that was loaded is there.
   changed() {
+    const state = this.row()?.state;
     if (this.step === kFind) this.show_boards();
-    if (this.step === kLoad && this.row()?.state !== "no-asip" && alive(this.row()?.state) && this.row().state !== "updating") this.go(kName);
+    if (this.step === kLoad && alive(state) && state !== "updating") this.go(kName);
   }
 
   find() {
@@ -74,6 +75,7 @@ class AddBoard extends Part {
       (this.simulated = h("div", { hidden: true }, h("p", {}, t("you-have")),
         command_line("asip-sim --link /tmp/desk /usr/share/asip/boards/desk.json & asip-agent --serial /tmp/desk --name desk"))));
     this.panel.replaceChildren(this.note, this.list, this.more);
+    import("../cable/cable.js").then(({ offer }) => offer(this.more));
     this.list_key = undefined;
     this.show_boards();
   }

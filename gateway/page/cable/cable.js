@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// A board in this computer: the page carries bytes between its serial port (Web Serial) and an agent beside the gateway. Loaded when
+// *Add board* is opened. A cable goes on while its tab is open, whatever screen is shown.
+import { base } from "../net/bus.js";
+import { h, muted, page_of, Part } from "../ui/dom.js";
+import { status } from "../ui/model.js";
+
+const kStartBaud = 57600;
+const kBufferBytes = 16384;
+const kDtrLowMs = 100;
+const kAgainMs = 2000; // at first
+const kAgainMaxMs = 30_000;
+const kNotAllowed = 1008; // closed by the gateway for good
+
+const texts = await fetch(new URL(`languages/${document.documentElement.lang}.json`, import.meta.url)).then((response) => response.json());
+/// As t(), of the table of this folder.
+const say = (name, values = {}) => texts[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
+
+const later = (ms) => new Promise((done) => { setTimeout(done, ms); });
+const hex = (number) => number.toString(16).padStart(4, "0");
+const bytes_of = (kind, payload = new Uint8Array()) => {
+  const message = new Uint8Array(1 + payload.length);
+  message[0] = kind.charCodeAt(0);
+  message.set(payload, 1);
+  return message;
+};
+
+const cables = new Set();
+const changes = new EventTarget();
+
+class Cable {
+  constructor(port) {
+    this.port = port;
+    this.pause = kAgainMs;
+    this.show("cable.opening");
+    cables.add(this);
+    this.connect();
+  }
+
+  /// `board`: whose page is linked.
+  show(name, values, board) {
+    Object.assign(this, { text: say(name, values), board });
+    changes.dispatchEvent(new Event("change"));
+  }
+
+  address() {
+    const url = new URL("api/cable", base);
+    url.protocol = url.protocol.replace("http", "ws");
+    const { usbVendorId, usbProductId } = this.port.getInfo();
+    if (usbVendorId !== undefined) url.search = new URLSearchParams({ vendor: hex(usbVendorId), product: hex(usbProductId) });
+    return url;
+  }
+
+  connect() {
+    this.todo = Promise.resolve();
+    const socket = this.socket = new WebSocket(this.address());
+    socket.binaryType = "arraybuffer";
+    // The port is opened when the agent is there: it hears the board's first words.
+    socket.onopen = () => this.then(async () => {
+      await this.open(kStartBaud);
+      this.show("cable.asking");
+    });
+    socket.onmessage = ({ data }) => this.then(() => this.take(String.fromCharCode(new Uint8Array(data, 0, 1)[0]), new Uint8Array(data, 1)));
+    socket.onclose = ({ code }) => this.then(async () => {
+      await this.close();
+      if (this.over || code === kNotAllowed) return this.end();
+      if (!this.why) this.show("cable.again");
+      await later(this.pause);
+      this.pause = Math.min(2 * this.pause, kAgainMaxMs);
+      if (!this.over) this.connect();
+    });
+  }
+
+  /// One thing after the other: what is behind a change of the rate waits for that.
+  then(work) {
+    this.todo = this.todo.then(work).catch((error) => this.fail(error));
+  }
+
+  fail(error) {
+    if (this.over) return;
+    this.show("cable.failed", { why: error.message });
+    this.stop();
+  }
+
+  async take(kind, payload) {
+    if (this.over) return undefined;
+    const text = () => new TextDecoder().decode(payload);
+    if (kind === "D") return this.write(payload);
+    if (kind === "R") {
+      await this.close();
+      return this.open(Number(text()));
+    }
+    if (kind === "Z") return this.restart();
+    if (kind === "N") {
+      this.pause = kAgainMs;
+      return this.show("cable.lent", {}, text());
+    }
+    if (kind === "E") this.show("cable.ended", { why: this.why = text() });
+    return undefined;
+  }
+
+  async open(baudRate) {
+    await this.port.open({ baudRate, bufferSize: kBufferBytes });
+    this.why = "";
+    this.reads = true;
+    this.reading = this.read();
+  }
+
+  /// All that was written leaves first.
+  async close() {
+    this.reads = false;
+    await this.reader?.cancel().catch(() => undefined);
+    await this.reading;
+    await this.port.writable?.getWriter().close().catch(() => undefined);
+    await this.port.close().catch(() => undefined);
+  }
+
+  async write(payload) {
+    const writer = this.port.writable?.getWriter();
+    try {
+      await writer?.write(payload);
+    } finally {
+      writer?.releaseLock();
+    }
+  }
+
+  async restart() {
+    await this.port.setSignals({ dataTerminalReady: false, requestToSend: false });
+    await later(kDtrLowMs);
+    await this.port.setSignals({ dataTerminalReady: true, requestToSend: true });
+  }
+
+  /// Damaged bytes end a reader, and not the port; a board that is pulled ends both.
+  async read() {
+    while (this.reads && this.port.readable) {
+      this.reader = this.port.readable.getReader();
+      try {
+        for (;;) {
+          const { value, done } = await this.reader.read();
+          if (done) break;
+          this.send("D", value);
+        }
+      } catch { /* the next reader goes on, where there is one */ } finally {
+        this.reader.releaseLock();
+      }
+    }
+    if (this.reads) this.pulled();
+  }
+
+  send(kind, payload) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(bytes_of(kind, payload));
+  }
+
+  pulled() {
+    this.show("cable.pulled");
+    this.send("E");
+    this.stop();
+  }
+
+  /// By a person, or since the port is gone.
+  stop() {
+    this.over = true;
+    this.socket.close();
+  }
+
+  end() {
+    this.over = true;
+    this.ended = true;
+    changes.dispatchEvent(new Event("change"));
+  }
+}
+
+class Lend extends Part {
+  shown() {
+    this.list = h("ul", { class: "link-list", "aria-live": "polite" });
+    this.append(h("h3", {}, say("cable.connect")));
+    this.what = h("p", {});
+    this.append(this.what, this.list);
+    this.listen(changes, "change", () => this.draw());
+    this.listen(status, "change", () => this.draw());
+    this.draw();
+  }
+
+  draw() {
+    this.hidden = status.you.lend !== true;
+    const able = navigator.serial !== undefined;
+    if (!this.what.firstChild)
+      this.what.append(...able
+        ? [muted(say("cable.about")), h("button", { class: "main", onclick: () => this.choose() }, say("cable.choose"))]
+        : [say(isSecureContext ? "cable.no-serial" : "cable.not-secure")]);
+    this.list.replaceChildren(...[...cables].map((cable) => h("li", {}, h("span", {}, cable.text), " ",
+      cable.board && h("a", { href: page_of("board", cable.board) }, cable.board), " ",
+      h("button", { onclick: () => this.remove(cable) }, say(cable.ended ? "cable.remove" : "cable.disconnect")))));
+  }
+
+  async choose() {
+    const port = await navigator.serial.requestPort().catch(() => undefined); // a person chose none
+    if (port) lend(port);
+  }
+
+  remove(cable) {
+    cable.stop();
+    cables.delete(cable);
+    this.draw();
+  }
+}
+
+function lend(port) {
+  for (const cable of cables) {
+    if (cable.port !== port) continue;
+    if (!cable.ended) return;
+    cables.delete(cable);
+  }
+  new Cable(port);
+}
+
+// Another document comes into this tab. Browsers may keep this one for *Back*, with its sockets.
+addEventListener("pagehide", () => {
+  for (const cable of cables) cable.stop();
+});
+
+// A board that this tab lent is plugged in again.
+navigator.serial?.addEventListener("connect", ({ target }) => {
+  if ([...cables].some((cable) => cable.port === target)) lend(target);
+});
+
+customElements.define("asip-lend", Lend);
+
+/// Offers it ahead of an element.
+export function offer(before) {
+  before.before(document.createElement("asip-lend"));
+}
