@@ -206,39 +206,6 @@ Outcome<std::vector<bus::ServiceItem>> BoardSource::services(bus::Query query) {
     return bus().services(std::move(query), catalogue::instant_now());
 }
 
-Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,
-                                                            text::WallTime since) {
-    query.find = bus::Find::kHistory;
-    const auto older = [since](const bus::HistoryItem& change) { return change.at < since; };
-    std::vector<bus::HistoryItem> all;
-    answered_bytes_ = 0;
-    // Another one than the registry that answered before may be the one that keeps it.
-    const auto other = std::exchange(registry_, {});
-    do {
-        query.limit = std::min(count - all.size(), bus::Query::kMaxPage);
-        auto page = ask(query);
-        if (!page && page.error().status == program::kExitNoAnswer) {
-            return failure(program::kExitNoAnswer,
-                           "no registry answers; only asip-registry --history FILE keeps a history");
-        }
-        if (!page) return tl::unexpected(page.error());
-        if (goes_on_for_ever(*page, query.cursor, page->history.empty())) return without_end();
-        std::move(page->history.begin(), page->history.end(), std::back_inserter(all));
-        query.cursor = page->cursor;
-    } while (!query.cursor.empty() && all.size() < count && !older(all.back()));
-    std::erase_if(all, older);
-    if (!other.empty()) registry_ = other;
-    return all;
-}
-
-Outcome<bus::Answer> BoardSource::values(bus::Query query) {
-    query.find = bus::Find::kValues;
-    auto answer = query.property.empty() ? ask_all_pages(query) : ask(query);
-    if (answer || answer.error().status != program::kExitNoAnswer) return answer;
-    return failure(program::kExitNoAnswer,
-                   "no registry answers; only asip-registry --history FILE keeps values");
-}
-
 void BoardSource::on_announcement(
     std::function<void(const std::string& board, const std::string& session)> handler) {
     // The view shows one of two agents with one name.
