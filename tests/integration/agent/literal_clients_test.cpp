@@ -6,11 +6,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <regex>
-
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
 #include "tests/literal/literal_table.hpp"
+#include "tests/support/patterns.hpp"
 
 namespace asip::test {
 namespace {
@@ -46,7 +45,6 @@ class LiteralClients : public testing::Test {
     /// What the board heard since the last call, but for questions of the agent, and periods of before that
     /// it sets again because this board never reports; a number without its decimals.
     bool hears(const std::vector<std::string>& wanted) {
-        static const std::regex decimals("\\.[0-9]+");
         std::vector<std::string> heard;
         const bool all = wait_until(
             [&] {
@@ -55,7 +53,7 @@ class LiteralClients : public testing::Test {
                 for (std::size_t i = seen_; i < lines.size(); ++i) {
                     const bool asked =
                         lines[i] == "#,?" || lines[i] == "#,N" || lines[i].substr(1, 3) == ",A,";
-                    const auto line = std::regex_replace(lines[i], decimals, "");
+                    const auto line = without_matches(lines[i], "\\.[0-9]+");
                     const bool is_wanted = std::find(wanted.begin(), wanted.end(), line) != wanted.end();
                     if (is_wanted || !asked) heard.push_back(line);
                 }

@@ -2,9 +2,9 @@
 #include "tests/integration/agent/rig.hpp"
 
 #include <csignal>
-#include <regex>
-#include <sstream>
 #include <stdexcept>
+
+#include "tests/support/patterns.hpp"
 
 namespace asip::test {
 
@@ -32,13 +32,9 @@ SimulatedRobot::SimulatedRobot() : port_(folder_.file("robot")) {
 
 std::vector<Seconds> SimulatedRobot::switched() const {
     std::vector<Seconds> times;
-    static const std::regex kLine("robot ([0-9.]+) motor (.*)");
-    std::istringstream lines(process_->output());
     bool runs = false;
-    for (std::string line; std::getline(lines, line);) {
-        std::smatch match;
-        if (!std::regex_match(line, match, kLine) || (match[2] != "off" && match[2] != "pwm 0") == runs)
-            continue;
+    for (const auto& match : all_matches(process_->output(), "robot ([0-9.]+) motor (.*)")) {
+        if ((match[2] != "off" && match[2] != "pwm 0") == runs) continue;
         runs = !runs;
         times.emplace_back(std::stod(match[1]));
     }

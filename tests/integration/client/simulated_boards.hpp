@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <regex>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "tests/support/child_process.hpp"
+#include "tests/support/patterns.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
@@ -18,11 +18,9 @@ class SimulatedBoards {
     explicit SimulatedBoards(const std::vector<std::string>& images) : process_(arguments(images)) {
         for (std::size_t i = 0; i < images.size(); ++i) {
             const auto line = process_.wait_for_output("^" + name(i) + " .*tcp=[0-9]+");
-            std::smatch match;
-            if (!line || !std::regex_search(*line, match, std::regex("tcp=([0-9]+)"))) {
-                throw std::runtime_error("asip-sim: " + process_.errors());
-            }
-            tcp_ports_.push_back(match[1]);
+            const auto match = first_match(line.value_or(""), "tcp=([0-9]+)");
+            if (!match) throw std::runtime_error("asip-sim: " + process_.errors());
+            tcp_ports_.push_back(match->at(1));
         }
     }
 
@@ -41,9 +39,9 @@ class SimulatedBoards {
 
     /// How often the LED on pin 13 has changed to `state`, "on" or "off".
     int led_changes(const std::string& state, std::size_t board = 0) const {
-        const std::string text = process_.output();
-        const std::regex change("(^|\n)" + name(board) + " [0-9.]+ led13 " + state);
-        return static_cast<int>(std::distance(std::sregex_iterator(text.begin(), text.end(), change), {}));
+        const auto changes =
+            all_matches(process_.output(), "(^|\n)" + name(board) + " [0-9.]+ led13 " + state);
+        return static_cast<int>(changes.size());
     }
     bool wait_for_led(const std::string& state, std::size_t board = 0) {
         return wait_until([&] { return led_changes(state, board) > 0; });

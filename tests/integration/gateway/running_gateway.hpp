@@ -2,7 +2,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <regex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"
+#include "tests/support/patterns.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
@@ -21,10 +21,9 @@ class RunningGateway {
     explicit RunningGateway(const std::string& broker, const std::vector<std::string>& more = {})
         : process_(arguments(broker, more)) {
         const auto line = process_.wait_for_errors("listening  address=https?://127\\.0\\.0\\.1:[0-9]+");
-        std::smatch match;
-        if (!line || !std::regex_search(*line, match, std::regex(R"(127\.0\.0\.1:([0-9]+))")))
-            throw std::runtime_error("asip-gateway: " + process_.errors());
-        port_ = static_cast<std::uint16_t>(std::stoi(match[1]));
+        const auto match = first_match(line.value_or(""), R"(127\.0\.0\.1:([0-9]+))");
+        if (!match) throw std::runtime_error("asip-gateway: " + process_.errors());
+        port_ = static_cast<std::uint16_t>(std::stoi(match->at(1)));
     }
 
     std::uint16_t port() const { return port_; }

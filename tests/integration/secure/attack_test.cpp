@@ -4,11 +4,11 @@
 
 #include <csignal>
 #include <fstream>
-#include <regex>
 #include <set>
 
 #include "asip/bus/topics.hpp"
 #include "tests/integration/secure/running_bus.hpp"
+#include "tests/support/patterns.hpp"
 
 namespace asip::test {
 namespace {
@@ -215,10 +215,9 @@ TEST_F(AttackedBus, NamesInReplyTopics_AreReadByNobodyElse) {
         for (const auto& text : {topic, message.payload}) {
             const auto at = text.find("asip/reply/");
             if (at == std::string::npos || text.compare(at, 15, "asip/reply/bob/") == 0) continue;
-            static const std::regex kRandom("[0-9a-f]{8,}");
             const auto whole = text.substr(at, text.find('"', at) - at);
-            for (std::sregex_iterator each(whole.begin(), whole.end(), kRandom), end; each != end; ++each)
-                random.insert(each->str());
+            for (const auto& match : all_matches(whole, "[0-9a-f]{8,}"))
+                random.insert(match[0]);
         }
     }
     names.erase("$self");

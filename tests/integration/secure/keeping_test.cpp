@@ -5,7 +5,6 @@
 #include <csignal>
 
 #include <filesystem>
-#include <regex>
 
 #include "tests/integration/secure/secured_bus.hpp"
 

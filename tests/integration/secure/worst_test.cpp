@@ -3,10 +3,10 @@
 // below the memory limit of its systemd unit, and a stop goes through meanwhile.
 #include <atomic>
 #include <fstream>
-#include <regex>
 #include <thread>
 
 #include "tests/integration/secure/running_bus.hpp"
+#include "tests/support/patterns.hpp"
 
 namespace asip::test {
 namespace {
@@ -16,10 +16,9 @@ constexpr std::size_t kMegabyte = std::size_t{1} << 20;
 std::size_t memory_max_of(const std::string& unit) {
     std::ifstream file(ASIP_TEST_PACKAGING "/systemd/" + unit);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    std::smatch found;
-    if (!std::regex_search(text, found, std::regex("\nMemoryMax=([0-9]+)([MG])\n")))
-        throw std::runtime_error(unit + " has no MemoryMax");
-    return std::stoul(found[1]) * kMegabyte * (found[2] == "G" ? 1024 : 1);
+    const auto found = first_match(text, "\nMemoryMax=([0-9]+)([MG])\n");
+    if (!found) throw std::runtime_error(unit + " has no MemoryMax");
+    return std::stoul(found->at(1)) * kMegabyte * (found->at(2) == "G" ? 1024 : 1);
 }
 
 std::size_t peak_bytes(const ChildProcess& program) {

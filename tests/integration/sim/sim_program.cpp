@@ -2,8 +2,9 @@
 #include "sim_program.hpp"
 
 #include <csignal>
-#include <regex>
 #include <stdexcept>
+
+#include "tests/support/patterns.hpp"
 
 namespace asip::test {
 namespace {
@@ -20,14 +21,12 @@ std::vector<std::string> command_line(std::vector<std::string> arguments, const 
 
 SimProgram::SimProgram(const TempDir& folder, std::vector<std::string> arguments, int boards)
     : socket_(folder.file("control.sock")), process_(command_line(std::move(arguments), socket_)) {
-    const std::regex port_line(R"(\bport path=(\S+)|"event":"port","path":"([^"]+)\")");
     const bool named = wait_until([&] {
         const auto output = process_.output();
-        const std::sregex_iterator first(output.begin(), output.end(), port_line);
-        if (std::distance(first, std::sregex_iterator()) < boards) return false;
-        port_ = (*first)[1].matched ? (*first)[1] : (*first)[2];
-        std::smatch tcp;
-        if (std::regex_search(output, tcp, std::regex("tcp=([0-9]+)"))) tcp_port_ = std::stoi(tcp[1]);
+        const auto ports = all_matches(output, R"(\bport path=(\S+)|"event":"port","path":"([^"]+)\")");
+        if (std::ssize(ports) < boards) return false;
+        port_ = ports.at(0).at(1) + ports.at(0).at(2);  // one of them is there
+        if (const auto tcp = first_match(output, "tcp=([0-9]+)")) tcp_port_ = std::stoi(tcp->at(1));
         return control({"help"}).status == 0;  // a socket file may be one that a crash left
     });
     if (!named) throw std::runtime_error("asip-sim does not start: " + process_.errors());
