@@ -30,8 +30,6 @@ class History : Play {
             if (dice_.chance(0.2)) compare();
         }
         compare();
-        // Behind all else, so that the seeds of earlier failures play the same histories.
-        if (end_.failure.empty() && dice_.chance(0.2)) contest();
         ++end_.counts.histories;
         return std::move(end_);
     }
@@ -110,38 +108,6 @@ class History : Play {
         note("the agent before it is back");
         first.heal(now_);
         pass(some_time());
-    }
-    /// An agent comes back to a board that another one took, each of them ends as it may, and programs start
-    /// or have the broker again beside that: what they were not there to hear is what the broker stores.
-    void contest() {
-        ++end_.counts.contests;
-        const auto number = dice_.below(agents_.size());
-        auto& first = *agents_[number];
-        auto& second = *agents_[number ^ 1];
-        const auto moment = [&](std::int64_t longest) {
-            pass(std::chrono::milliseconds(dice_.between(1, longest)));
-        };
-        if (!first.runs()) start(first);
-        first.heal(now_);
-        moment(5000);
-        if (dice_.chance(0.7)) end_somehow(first);
-        moment(2500);
-        if (!second.runs()) start(second, dice_.between(0, 3000), dice_.chance(0.7));
-        if (dice_.chance(0.2)) become(second, BoardState::kLost, StateReason::kSilent);
-        if (dice_.chance(0.3)) moment(1500), lose_connection();
-        moment(dice_.chance(0.5) ? 3000 : setting_.lease * 1200);
-        if (first.is_cut_off()) note("the agent before it is back"), first.heal(now_);
-        for (int i = 0; i < 2; ++i) {
-            moment(i == 0 && dice_.chance(0.5) ? 100 : 1500);
-            if (dice_.chance(0.7)) end_somehow(dice_.chance(0.5) ? first : second);
-        }
-        moment(dice_.chance(0.5) ? 1500 : setting_.lease * 1200);
-        for (const auto& view : views_)
-            if (!view->is_connected()) note(view->name() + " has it again"), view->connect(now_);
-        join();
-        compare();
-        pass(std::chrono::seconds(setting_.lease));
-        compare();
     }
     /// Everybody is back at once, within a second, and the broker has what it stored.
     void restart_broker() {

@@ -94,7 +94,9 @@ std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem&
     // Another will of a board that was lost already changes nothing but what is stored.
     const bool again = really.reason == StateReason::kAgentGone &&
                        !(view.heard(really.said_at) && view.heard(truth.last_will));
-    if (is_since(really.since) || (again && is_since(truth.last_will))) return {};
+    const auto behind = [&](Time will) { return will >= really.since && is_since(will); };
+    if (is_since(really.since) || (again && std::any_of(truth.wills.begin(), truth.wills.end(), behind)))
+        return {};
     return fmt::format("says {} since {:.3f} s", seen.state,
                        std::chrono::duration<double>(seen.since - instant(kBegin).wall).count());
 }

@@ -95,15 +95,6 @@ void Play::start(SimAgent& agent, std::int64_t skew, bool takeover) {
     end_.counts.starts.add({clock, before, !setting_.in_order, takeover});
 }
 
-void Play::end_somehow(SimAgent& agent) {
-    const auto how = dice_.below(3);
-    note(fmt::format("agent of {} is {}", agent.board(),
-                     how == 0   ? "stopped"
-                     : how == 1 ? "killed"
-                                : "cut off"));
-    how == 0 ? agent.stop(now_) : how == 1 ? agent.kill(now_) : agent.cut_off(now_);
-}
-
 void Play::become(SimAgent& agent, BoardState state, StateReason reason) {
     note(fmt::format("{} becomes {} {}", agent.board(), to_text(state), to_text(reason)));
     promptly(agent, [&] { agent.becomes(state, reason, now_); });

@@ -28,7 +28,6 @@ class Play {
 
     void start(SimAgent& agent);
     void start(SimAgent& agent, std::int64_t skew, bool takeover);
-    void end_somehow(SimAgent& agent);
     void become(SimAgent& agent, BoardState state, StateReason reason);
     /// What happens to a board that is announced is in every view in time.
     void promptly(SimAgent& agent, const std::function<void()>& happens);

@@ -80,6 +80,7 @@ void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really what{true, state, asip::model::reason_of_word(state), now, now};
     say(what);
     last_will = now;
+    wills.push_back(now);
     const bool again = before.announced && before.state == state;
     const bool lives = is_heard();
     if (again || lives) said = before;

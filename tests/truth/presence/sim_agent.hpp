@@ -32,6 +32,7 @@ struct BoardTruth {
     Time lease_end{};     ///< of them
     std::string session;  ///< of them: the later one, while its lease runs
     Time last_will{};     ///< or another word of no session
+    std::vector<Time> wills;
     /// One beside a description of another connection, until a renewal behind it: nothing says which of them
     /// bridged brokers deliver last.
     std::optional<Really> unordered_word;
