@@ -73,20 +73,6 @@ TEST_F(GatewayBus, WhatBoardsPublishIsStuck_CommandsStopsAndQuestionsAreAnswered
     EXPECT_EQ(post(gateway.port(), "/api/boards/uno1/stop?once=true").status, 200);
 }
 
-TEST_F(GatewayBus, Values_ComeLive) {
-    EventStream stream(port(), "/api/boards/uno1/services/distance/stream");
-    ASSERT_EQ(stream.next("snapshot-end").kind, "snapshot-end");
-    HttpAnswer measured;
-    // A board without a processor may measure too late.
-    EXPECT_TRUE(wait_until([&] {
-        measured = post(port(), "/api/boards/uno1/services/distance/commands/measure");
-        return measured.status == 200;
-    })) << measured.body;
-    EXPECT_EQ(measured.json()["proof"], "answer");
-    const auto event = stream.next("value");
-    EXPECT_NEAR(nlohmann::json::parse(event.data)["value"]["distance"][0].get<int>(), 42, 1);
-}
-
 TEST_F(GatewayBus, WebSocketCommands_SameIdInTwoTabsAreTwoCommands) {
     Socket one(port()), two(port());
     for (auto* socket : {&one, &two})
@@ -100,37 +86,6 @@ TEST_F(GatewayBus, WebSocketCommands_SameIdInTwoTabsAreTwoCommands) {
     EXPECT_EQ(one.json()["reason"], "id-reused");
     one.send(R"({"command":"uno1/nothing","write":[],"id":"8"})");
     EXPECT_EQ(one.json()["status"], "refused");
-}
-
-TEST_F(GatewayBus, RawLinesAndTheirErrors) {
-    const auto set = post(port(), "/api/boards/uno1/raw", R"({"lines":["I,P,13,3","I,d,13,1"]})");
-    EXPECT_EQ(set.status, 200) << set.body;
-    EXPECT_EQ(post(port(), "/api/boards/uno1/raw", R"({"lines":["I,d,99,1"]})").status, 422);
-}
-
-TEST_F(GatewayBus, Stop_RunsTheSafeFormsAndAnswers) {
-    EXPECT_EQ(post(port(), "/api/boards/uno1/raw", R"({"lines":["I,P,13,3"]})").status, 200);
-    EXPECT_EQ(post(port(), "/api/boards/uno1/services/io/commands/write", "[13,1]").status / 100, 2)
-        << ask("/api/boards/uno1/services/io").body;
-    const auto stopped = post(port(), "/api/boards/uno1/stop?once=true");
-    EXPECT_EQ(stopped.status, 200) << stopped.body;
-    EXPECT_EQ(stopped.json()["boards"]["uno1"]["status"], "ok") << stopped.body;
-    const auto all = post(port(), "/api/stop?once=true");
-    EXPECT_EQ(all.status, 200) << all.body;
-    EXPECT_EQ(all.json()["boards"].size(), 1u);
-}
-
-TEST_F(GatewayBus, StopHolds_UntilItIsResumed) {
-    const auto stopped = post(port(), "/api/boards/uno1/stop?why=dog");
-    EXPECT_EQ(stopped.status, 200) << stopped.body;
-    const auto refused = post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]");
-    EXPECT_EQ(refused.status, 409) << refused.body;
-    EXPECT_THAT(refused.body, HasSubstr("dog"));
-    EXPECT_TRUE(wait_until([&] { return ask("/api/boards/uno1").json().value("reason", "") == "latched"; }));
-    const auto resumed = post(port(), "/api/resume");
-    EXPECT_EQ(resumed.status, 200) << resumed.body;
-    EXPECT_EQ(resumed.json()["boards"]["uno1"]["status"], "ok") << resumed.body;
-    EXPECT_EQ(post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]").status, 200);
 }
 
 // The sender's name: in the envelope, in the answer, on the error topic, in the logs of agent and gateway,
@@ -185,22 +140,6 @@ TEST_F(GatewayBus, SentOverMqtt311_ItsSenderIsAMemberOfTheJson) {
     const auto error = probe.wait_for("asip/uno1/servo/error");
     ASSERT_TRUE(error);
     EXPECT_EQ(nlohmann::json::parse(error->payload)["by"], "anna") << error->payload;
-}
-
-TEST_F(GatewayBus, History_IsTheRegistrys) {
-    const auto history = ask("/api/boards/uno1/history");
-    ASSERT_EQ(history.status, 200) << history.body;
-    EXPECT_THAT(history.body, HasSubstr("\"what\":\"added\""));
-    EXPECT_EQ(ask("/api/history?limit=1").json()["items"].size(), 1u);
-}
-
-TEST_F(GatewayBus, Forget_OnlyOnceTheBoardIsGone) {
-    EXPECT_EQ(request(port(), "DELETE", "/api/boards/uno1").status, 409);
-    agent_.process().signal(15);
-    ASSERT_TRUE(gateway_.becomes("uno1", "offline"));
-    EXPECT_EQ(post(port(), "/api/boards/uno1/services/servo/commands/write", "[0,90]").status, 503);
-    ASSERT_TRUE(wait_until([&] { return request(port(), "DELETE", "/api/boards/uno1").status == 200; }));
-    EXPECT_TRUE(wait_until([&] { return ask("/api/boards/uno1").status == 404; }));
 }
 
 // The page's commands as they stand there, each with a part of what it prints behind "#=>".

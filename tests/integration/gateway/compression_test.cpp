@@ -32,17 +32,6 @@ class GatewayCompression : public GatewayTest {
     static std::string without_times(const std::string& text) {
         return without_matches(text, R"("(state_)?age":[0-9.e-]+|[0-9:.]+Z")");
     }
-    /// The head of the answer to HEAD, which has no body.
-    std::string head_of(const std::string& target, const std::string& encoding) const {
-        Wire wire(port());
-        wire.send("HEAD " + target +
-                  " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAccept-Encoding: " + encoding +
-                  "\r\n\r\n");
-        auto head = wire.read_until("\r\n\r\n");
-        EXPECT_TRUE(wire.closed());
-        EXPECT_EQ(wire.waiting(), "") << target << ": a body behind HEAD";
-        return head;
-    }
 };
 
 const std::vector<std::string> kPageFiles{"/", "/main.js", "/style.css", "/icon.svg", "/net/hub.js"};
@@ -82,32 +71,6 @@ TEST_F(GatewayCompression, Headers_SayWhatIsInTheBody) {
         EXPECT_THAT(unchanged.headers.at("vary"), HasSubstr("Accept-Encoding")) << target;
         EXPECT_THAT(packed.headers.at("etag"), StartsWith("W/")) << "the same for two forms";
     }
-}
-
-TEST_F(GatewayCompression, Head_SaysTheLengthOfTheFormThatIsTaken) {
-    for (const std::string target : {"/main.js", "/api/openapi.json"}) {
-        for (const std::string encoding : {"gzip", "identity"}) {
-            const auto size = ask_for(encoding, target).body.size();
-            EXPECT_THAT(head_of(target, encoding),
-                        HasSubstr("\r\nContent-Length: " + std::to_string(size) + "\r\n"));
-        }
-    }
-}
-
-TEST_F(GatewayCompression, ContentLength_IsExactAndTheConnectionGoesOn) {
-    Wire wire(port());
-    std::size_t packed = 0;
-    for (const std::string encoding : {"gzip", "identity", "gzip"}) {
-        for (const std::string target : {"/api/boards", "/main.js", "/healthz"}) {
-            wire.send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\nAccept-Encoding: " + encoding +
-                      "\r\n\r\n");
-            const auto answer = read_answer(wire);
-            ASSERT_EQ(answer.status, 200) << target << " " << encoding;
-            packed += answer.headers.count("content-encoding");
-            EXPECT_EQ(wire.waiting(), "") << target << " " << encoding;
-        }
-    }
-    EXPECT_EQ(packed, 4u) << "of /healthz nothing is gained";
 }
 
 TEST_F(GatewayCompression, Streams_AreNotCompressed) {

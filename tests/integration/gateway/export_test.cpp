@@ -94,37 +94,6 @@ TEST_F(GatewayExportOfABoard, BoardIsShownAndSet_AndItsStateFollowsItsProof) {
     EXPECT_TRUE(becomes(kServo, "None"));
 }
 
-TEST_F(GatewayExportOfABoard, BoardThatIsForgotten_IsGone) {
-    auto gateway = start({"--home-assistant", "--config", settings_file("forget-after = 1s\n")});
-    ASSERT_TRUE(is_shown());
-    agent_->process().signal(SIGTERM);
-    EXPECT_TRUE(becomes(kDocument, ""));
-    EXPECT_TRUE(wait_until([&] { return retained().size() == 5; })) << retained().size();  // lease, sessions,
-                                                                                           // state; the
-                                                                                           // gateway
-}
-
-TEST_F(GatewayExportOfABoard, TopicsThatSomebodyEmpties_AreThereAgainAtOnce) {
-    auto gateway = start({"--home-assistant", "--homie", "--wot-mqtt"});
-    ASSERT_TRUE(is_shown());
-    probe_.publish(std::string(kServo) + "/set", "90");
-    ASSERT_TRUE(becomes(kServo, "90"));
-    ASSERT_TRUE(becomes("homie/5/uno1/servo/servo-0-angle", "90"));
-    ASSERT_TRUE(becomes("asip/export/wot/uno1/servo-0-angle", "90"));
-    for (const auto& topic : retained())
-        probe_.publish(topic, "", true);
-    EXPECT_TRUE(wait_until([&] { return probe_.all_acknowledged(); }));
-    EXPECT_TRUE(is_shown());
-    EXPECT_TRUE(becomes(kServo, "90"));
-    EXPECT_TRUE(becomes("homie/5/uno1/servo/servo-0-angle", "90"));
-    EXPECT_TRUE(becomes("asip/export/wot/uno1/servo-0-angle", "90"));
-    EXPECT_TRUE(becomes(kBoard, "online"));
-    EXPECT_TRUE(becomes("homie/5/uno1/$state", "ready"));
-    probe_.publish(std::string(kServo) + "/set", "45");
-    EXPECT_TRUE(becomes(kServo, "45"));
-    EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 2u) << "each command once";
-}
-
 class GatewayExportOfMany : public GatewayExport {
   protected:
     void announce(const std::string& board) {
@@ -132,54 +101,7 @@ class GatewayExportOfMany : public GatewayExport {
         probe_.publish("asip/servicebus/" + board + "/$state", "online", true);
         EXPECT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
     }
-    std::string documents() const {
-        std::string all;
-        for (const auto& message : probe_.messages(kDocument))
-            all += message.payload + "\n";
-        return all;
-    }
 };
-
-TEST_F(GatewayExportOfMany, GatewayThatIsKilled_IsNotAvailable_AndNothingIsSentTwice) {
-    announce("uno1");
-    auto first = start();
-    ASSERT_TRUE(is_shown());
-    ASSERT_TRUE(becomes(kGateway, "online"));
-    const auto sent = probe_.count(kDocument);
-    first->process().signal(SIGKILL);
-    EXPECT_TRUE(becomes(kGateway, "offline"));
-    auto second = start();
-    EXPECT_TRUE(becomes(kGateway, "online"));
-    EXPECT_EQ(probe_.count(kDocument), sent) << documents();
-}
-
-TEST_F(GatewayExportOfMany, OfTwoGateways_OneExports_AndTheOtherFollows) {
-    announce("uno1");
-    auto first = start();
-    ASSERT_TRUE(is_shown());
-    ASSERT_TRUE(becomes(kGateway, "online"));
-    const auto sent = probe_.count(kDocument);
-    auto second = start();
-    ASSERT_TRUE(second->ready());
-    first->process().signal(SIGKILL);
-    EXPECT_TRUE(
-        wait_until([&] { return probe_.last("asip/export/ha/$lease") && becomes(kGateway, "online"); }));
-    EXPECT_TRUE(second->process().wait_for_errors("exports boards to Home Assistant"));
-    EXPECT_EQ(probe_.count(kDocument), sent);
-}
-
-TEST_F(GatewayExportOfMany, OptionThatIsTakenAway_LeavesNothing) {
-    for (int i = 0; i < 300; ++i)
-        announce("uno" + std::to_string(i));
-    {
-        auto gateway = start();
-        ASSERT_TRUE(wait_until([&] { return retained().size() > 600; }));
-        gateway->process().signal(SIGTERM);
-        ASSERT_TRUE(becomes(kGateway, "offline"));
-    }
-    auto without = start({});
-    EXPECT_TRUE(wait_until([&] { return retained().empty(); })) << retained().size();
-}
 
 TEST_F(GatewayExportOfMany, Clean_RemovesWhatIsLeft_UnlessAGatewayExports) {
     announce("uno1");

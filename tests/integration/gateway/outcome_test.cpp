@@ -74,33 +74,5 @@ TEST_F(GatewayOutcome, WebSocketCut_TheAnswerIsKeptForItsSession) {
     EXPECT_FALSE(known("7", {}));
 }
 
-TEST_F(GatewayOutcome, RepeatedOverTheNextWebSocket_IsAnsweredOnceMoreAndExecutedOnce) {
-    const std::string command = R"({"command":"uno1/servo","write":[0,45],"id":"7"})";
-    {
-        Socket socket(port(), {}, kSocket);
-        socket.send(command);
-        ASSERT_TRUE(wait_until([&] { return known("7"); }));
-    }
-    Socket again(port(), {}, kSocket);
-    again.send(command);
-    agent_.process().signal(SIGCONT);
-    const auto answer = again.json();
-    EXPECT_EQ(answer["id"], "7");
-    EXPECT_EQ(answer["status"], "ok") << answer;
-    EXPECT_EQ(probe_.count("asip/uno1/servo/in"), 1u);
-}
-
-TEST_F(GatewayOutcome, NoAnswerInTime_IsATimeoutAndThenTheLateAnswer) {
-    {
-        Socket socket(port(), {}, kSocket);
-        socket.send(R"({"command":"uno1/servo","write":[0,45],"id":"7","deadline_ms":100})");
-        ASSERT_TRUE(wait_until([&] { return known("7"); }));
-    }
-    const auto timeout = outcome("7");
-    EXPECT_EQ(timeout["answer"]["reason"], "no-answer") << timeout;
-    agent_.process().signal(SIGCONT);
-    EXPECT_TRUE(wait_until([&] { return get(port(), "/api/commands/7", kTab).json().value("late", false); }));
-}
-
 }  // namespace
 }  // namespace asip::test

@@ -115,45 +115,6 @@ TEST_F(GatewayTokens, FileThatCannotBeUsed_IsSaidAndNothingIsPrinted) {
     }
 }
 
-TEST_F(GatewayTokens, NameOfThoseWithoutAToken_IsRefused) {
-    for (const char* name : {"loopback", "anonymous", "nobody"})
-        EXPECT_EQ(run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", name, "--tokens", file_}).status, 2);
-}
-
-TEST_F(GatewayTokens, NameThatIsNone_IsRefusedAndWritesNothing) {
-    const auto hash = std::string(64, '0');
-    for (const std::string& name : {std::string("x y"), std::string(), "a " + hash + "\nadmin b"}) {
-        const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", name, "--tokens", file_});
-        EXPECT_EQ(made.status, 2) << name;
-        EXPECT_THAT(made.errors, HasSubstr("is not a name: 1 to 64 of"));
-        EXPECT_FALSE(std::filesystem::exists(file_)) << name;
-    }
-}
-
-TEST_F(GatewayTokens, BlanksAroundNames_AreNoneOfThem) {
-    make("viewer", "hall", {"--boards", "uno*, leo1", "--services", " servo ,io"});
-    std::ifstream in(file_);
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    EXPECT_THAT(text, HasSubstr(" boards=uno*,leo1 services=servo,io\n"));
-}
-
-TEST_F(GatewayTokens, PatternThatNoNameIsLike_IsRefusedAndWritesNothing) {
-    for (const std::string pattern : {"uno 1", "uno1 boards=*", "a\nadmin",
-                                      "k\xc3\xbc"
-                                      "che",
-                                      ", ,"}) {
-        const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "viewer", "hall", "--tokens", file_,
-                               "--boards", pattern});
-        EXPECT_EQ(made.status, 2) << pattern;
-        EXPECT_THAT(made.errors, HasSubstr("--boards: no name is like \"")) << pattern;
-        EXPECT_FALSE(std::filesystem::exists(file_)) << pattern;
-    }
-    const auto made = run({ASIP_PROGRAMS "/asip-gateway", "token", "kiosk", "hall", "--tokens", file_,
-                           "--boards", "uno1", "--frames", "https://a.example boards=*"});
-    EXPECT_EQ(made.status, 2);
-    EXPECT_THAT(made.errors, HasSubstr("--frames: "));
-}
-
 TEST_F(GatewayTokens, Roles_AreKeptAndLoopbackIsNobody) {
     const auto viewer = make("viewer", "hall");
     const auto admin = make("admin", "root");

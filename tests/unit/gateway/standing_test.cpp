@@ -154,38 +154,6 @@ TEST_F(StandingTest, ReportedValue_CountsOverWhatTheAgentSays_UntilARestart) {
     EXPECT_EQ(value("distance/0")["value"], 7);
 }
 
-TEST_F(StandingTest, BoardThatRestartsTwice_WhatItReportedInBetweenDoesNotCount) {
-    list();
-    values({{"distance/0", kRestart}}, 1, "s1", "uno1", 1);
-    bus("asip/uno1/distance/out", R"({"distance":[42]})");
-    EXPECT_EQ(value("distance/0")["value"], 42);
-    values({{"distance/0", kRestart}, {"servo/0/angle", set_to(90)}}, 2, "s1", "uno1", 1);
-    EXPECT_EQ(value("distance/0")["value"], 42) << "the same restart, told again";
-    values({{"distance/0", kRestart}}, 3, "s1", "uno1", 2);
-    EXPECT_EQ(value("distance/0")["unknown"], "restart");
-}
-
-TEST_F(StandingTest, WhatWasReportedBeforeTheListOfASession_DoesNotCount) {
-    bus("asip/uno1/distance/out", R"({"distance":[42]})");
-    list();
-    EXPECT_EQ(value("distance/0")["unknown"], "never");
-    values({{"distance/0", {{"value", 43}, {"how", "reported"}, {"age", 0}}}});
-    EXPECT_EQ(value("distance/0")["value"], 43);
-}
-
-TEST_F(StandingTest, OlderDocuments_AreDroppedAndCounted) {
-    list(5);
-    values({{"servo/0/angle", set_to(90)}}, 5);
-    values({{"servo/0/angle", set_to(10)}}, 4);
-    list(4);
-    values({{"servo/0/angle", set_to(10)}}, 9, "s0");
-    EXPECT_EQ(counters().outdated, 3u);
-    EXPECT_EQ(value("servo/0/angle")["value"], 90);
-    EXPECT_NEAR(value("servo/0/angle")["age"].get<double>(), 0.5, 0.01);
-    pass(std::chrono::seconds(2));
-    EXPECT_NEAR(value("servo/0/angle")["age"].get<double>(), 2.5, 0.01);
-}
-
 TEST_F(StandingTest, DamagedDocuments_AreDroppedAndCounted_AndTheNextOneWorks) {
     list();
     values({{"servo/0/angle", set_to(90)}});

@@ -93,43 +93,6 @@ TEST_F(ValueFeedTest, AgeOfTheSnapshot_IsInSeconds) {
     EXPECT_EQ(json::parse(event.data)["at"], "2023-11-14T22:13:20.000Z");
 }
 
-// The connection is cut behind each event in turn; the two parts together are the whole, once each.
-TEST_F(ValueFeedTest, CutAtEveryEvent_ResumesWithoutGapOrDuplicate) {
-    distances(1, 1);
-    for (int cut = 0; cut <= 20; ++cut) {
-        Values values("e1");
-        const auto put = [&](int number) {
-            values.value("uno1", "distance", "[" + std::to_string(number) + "]", false, at(0ms));
-        };
-        put(1);
-        ValueFeed first(values, one());
-        std::vector<std::uint64_t> seen;
-        std::optional<Place> last;
-        const auto take = [&](Feed& feed, int limit) {
-            StreamEvent event;
-            while (limit-- > 0 && feed.next(event, at(0ms))) {
-                if (auto place = parse_place(event.place)) last = place;
-                if (event.kind == "value" && !event.place.empty()) seen.push_back(last->number);
-                ASSERT_NE(event.kind, "reset");
-            }
-        };
-        take(first, 2);
-        for (int n = 2; n <= 21; ++n)
-            put(n);
-        take(first, cut);
-        auto again = one();
-        again.after = last;
-        for (int n = 22; n <= 30; ++n)
-            put(n);
-        ValueFeed second(values, std::move(again));
-        take(second, 1000);
-        std::vector<std::uint64_t> whole;
-        for (std::uint64_t n = 2; n <= 30; ++n)
-            whole.push_back(n);
-        EXPECT_EQ(seen, whole) << "cut behind " << cut;
-    }
-}
-
 // What a reader of a pattern keeps, as documented: the last place of each service.
 struct PatternReader {
     std::map<std::string, std::vector<std::uint64_t>> seen;  // by "BOARD/SERVICE"; a snapshot's number first
@@ -217,19 +180,6 @@ TEST_F(ValueFeedTest, PatternResumedFromWhatIsGone_TheNewestWithTheNumberLeftOut
                                .allowed = {}};
     ValueFeed feed(values, std::move(options));
     EXPECT_THAT(read(feed), ElementsAre("value 20 [1] left out 16"));
-}
-
-TEST_F(ValueFeedTest, PatternResumedFromAnotherRun_ResetAndASnapshot) {
-    distances(1, 2);
-    ValueFeed::Options options{.board = "*",
-                               .service = "*",
-                               .max_hz = 0,
-                               .after = {},
-                               .after_each = Places{"e0", {{"uno1/distance", 1}}, 0},
-                               .allowed = {}};
-    ValueFeed feed(values_, std::move(options));
-    EXPECT_THAT(read(feed),
-                ElementsAre("reset - another-epoch", R"(value 2 {"distance":[2]})", "snapshot-end 0"));
 }
 
 TEST_F(ValueFeedTest, PatternResumedAfterTheBoardWasForgotten_BeginsWithItsLastValue) {

@@ -9,9 +9,7 @@
 namespace asip::gateway::exports {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::Pair;
 using testing::UnorderedElementsAre;
 
 constexpr const char* kDocument = "homeassistant/device/asip-uno1/config";
@@ -97,24 +95,6 @@ TEST_F(ExporterTest, BoardThatIsForgotten_LeavesNothing) {
     world.forget("uno1");
     EXPECT_THAT(topics(), UnorderedElementsAre(kState));
     EXPECT_EQ(boards_shown(), 0u);
-}
-
-TEST_F(ExporterTest, SquareWave_IsSentFiveTimesASecond_NewestLast) {
-    world.put("uno1", exported(1));
-    world.start();
-    world.pass(3s);
-    world.sent.clear();
-    for (int i = 0; i < 5000; ++i) {
-        world.value("uno1", "distance", "{\"distance\":[" + std::to_string(i) + "]}");
-        if (i % 100 == 99) world.step();
-    }
-    EXPECT_THAT(world.times_sent(kDistance), testing::AllOf(testing::Ge(20u), testing::Le(26u)));
-    world.pass(1s);
-    EXPECT_EQ(world.retained[kDistance], "4999");
-    world.sent.clear();
-    world.value("uno1", "distance", R"({"distance":[4999]})");
-    world.pass(1s);
-    EXPECT_EQ(world.times_sent(kDistance), 0u) << "it did not change";
 }
 
 TEST_F(ExporterTest, ValueThatIsNone_IsUnknown) {
@@ -334,43 +314,6 @@ TEST_F(ExporterTest, GatewayEnds_AndNothingIsAvailable) {
     world.pass(3s);
     world.end(gateway);
     EXPECT_EQ(world.retained[kState], "offline");
-}
-
-TEST_F(ExporterTest, OfTwoGateways_OneExports_AndTheOtherTakesOverWithinTenSeconds) {
-    world.put("uno1", exported(1));
-    auto& a = world.start();
-    auto& b = world.start();
-    world.pass(5s);
-    EXPECT_NE(a.exporter->active(), b.exporter->active());
-    EXPECT_EQ(world.times_sent(kDocument), 1u);
-    auto& active = a.exporter->active() ? a : b;
-    auto& other = a.exporter->active() ? b : a;
-    world.pass(60s);
-    EXPECT_TRUE(active.exporter->active());
-    EXPECT_FALSE(other.exporter->active());
-    world.publish(std::string(kServo) + "/set", "90");
-    world.pass(1s);
-    EXPECT_EQ(a.commands.size() + b.commands.size(), 1u);
-    world.kill(active);
-    world.pass(10s);
-    EXPECT_TRUE(other.exporter->active());
-    EXPECT_EQ(world.retained[kState], "online");
-    EXPECT_EQ(world.times_sent(kDocument), 1u);
-}
-
-TEST_F(ExporterTest, TwoGatewaysThatStartAtOnce_EndWithOne) {
-    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-        ExportWorld many(seed);
-        many.put("uno1", exported(1));
-        many.start();
-        many.start();
-        many.start();
-        many.pass(30s);
-        const auto active = std::count_if(many.gateways.begin(), many.gateways.end(),
-                                          [](const auto& each) { return each->exporter->active(); });
-        EXPECT_EQ(active, 1) << "seed " << seed;
-        EXPECT_EQ(many.retained[kState], "online") << "seed " << seed;
-    }
 }
 
 TEST_F(ExporterTest, OptionThatIsTakenAway_ClearsWhatThisMachineExported) {
