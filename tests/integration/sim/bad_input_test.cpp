@@ -26,12 +26,6 @@ TEST(BadInput, BoardFileThatIsNotThere) {
               "asip-sim: /nowhere/uno.json: cannot read the board file: No such file or directory\n");
 }
 
-TEST(BadInput, MalformedJson_NamesLineAndColumn) {
-    const TempDir folder;
-    const auto file = folder.write("uno.json", "{\n  \"image\": \"a.elf\",,\n}\n");
-    EXPECT_THAT(refusal({file}), StartsWith("asip-sim: " + file + ":2:20: not correct JSON"));
-}
-
 TEST(BadInput, MissingImage_NamesBoardFileAndImage) {
     const TempDir folder;
     const auto file = folder.write("uno.json", R"({"image": "gone.elf"})");
@@ -39,54 +33,11 @@ TEST(BadInput, MissingImage_NamesBoardFileAndImage) {
                                    ": cannot read the firmware image: No such file or directory\n");
 }
 
-TEST(BadInput, DamagedImage_IsCalledOne) {
-    const TempDir folder;
-    for (const std::string name : {"blink.elf", "blink.hex"}) {
-        const auto empty = folder.write(name, "");
-        EXPECT_EQ(refusal({empty}), "asip-sim: " + empty + ": the firmware image is empty\n");
-        const auto other = folder.write(name, "{}");
-        EXPECT_EQ(refusal({other}), "asip-sim: " + other + ": neither an .elf nor an Intel .hex file\n");
-    }
-}
-
-TEST(BadInput, ImageOfThisComputer_IsNotAvr) {
-    const TempDir folder;
-    const auto file = folder.write("uno.json", R"({"image": "/bin/true"})");
-    EXPECT_THAT(refusal({file}), HasSubstr("not for AVR"));
-    EXPECT_THAT(refusal({"/bin/true"}), HasSubstr("not for AVR"));
-}
-
-TEST(BadInput, PinThatIsTakenOrDoesNotExist_NamesThePart) {
-    const TempDir folder;
-    const auto taken = board_file(folder, "taken.json", R"(, "parts": [
-        {"kind": "led", "name": "lamp", "pin": 2}, {"kind": "button", "name": "push", "pin": 2}])");
-    EXPECT_EQ(refusal({taken}), "asip-sim: " + taken + ": /parts/1: push: pin 2 is taken by lamp\n");
-    const auto missing = board_file(folder, "missing.json", R"(, "parts": [{"kind": "led", "pin": 99}])");
-    EXPECT_THAT(refusal({missing}), HasSubstr("/parts/0/pin: there is no pin 99 on the uno"));
-}
-
-TEST(BadInput, UnknownPart_NamesTheNearestKind) {
-    const TempDir folder;
-    const auto file = board_file(folder, "uno.json", R"(, "parts": [{"kind": "sevo", "pin": 9}])");
-    EXPECT_THAT(refusal({file}),
-                HasSubstr("/parts/0/kind: there is no part \"sevo\" (did you mean \"servo\"?)"));
-}
-
 TEST(BadInput, LinkThatIsSomethingElse_IsNotReplaced) {
     const TempDir folder;
     const auto precious = folder.write("precious", "keep me");
     EXPECT_THAT(refusal({board_file(folder, "uno.json"), "--link", precious}), HasSubstr("exists already"));
     EXPECT_EQ(std::filesystem::file_size(precious), 7u);
-}
-
-TEST(BadInput, TwoBoardsWithOneName) {
-    const TempDir folder;
-    const auto file = board_file(folder, "uno.json");
-    EXPECT_THAT(refusal({file, file}), HasSubstr("another board is called uno too"));
-}
-
-TEST(BadInput, ImageForAnUnknownBoard) {
-    EXPECT_THAT(refusal({MONITOR_IMAGE, "--board", "due"}), HasSubstr("there is no board \"due\""));
 }
 
 TEST(BadInput, TcpPortInUse_Refused) {
