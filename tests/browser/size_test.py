@@ -37,11 +37,21 @@ class Size(unittest.TestCase):
         return {name: (PAGE / name).read_bytes() for name in names}
 
     def test_WholePage_IsSmallWhenCompressed(self):
-        sizes = {name: len(content) for name, content in self.served.items()}
+        sizes = {name: len(content) for name, content in self.served.items() if not name.startswith("cable/")}
         languages = {name: size for name, size in sizes.items() if name.startswith("languages/")}
         total = sum(sizes.values()) - sum(languages.values()) + max(languages.values())
         print(f"the page with its longest language is {total} bytes, compressed")
         self.assertLess(total, LIMIT)
+
+    def test_Cable_IsApart_AndSmallWhenCompressed(self):
+        """It is loaded by those who add a board, and by no phone, kiosk or other screen: no part of what every reader waits for."""
+        sizes = {name: len(content) for name, content in self.served.items() if name.startswith("cable/")}
+        languages = {name: size for name, size in sizes.items() if "/languages/" in name}
+        total = sum(sizes.values()) - sum(languages.values()) + max(languages.values())
+        print(f"the cable with its longest language is {total} bytes, compressed")
+        self.assertLess(total, CABLE_LIMIT)
+        importing = [name for name, content in self.files().items() if re.search(rb"^import .*cable/", content, re.M)]
+        self.assertEqual(importing, [], "imported before it is needed")
 
     def test_ServedScripts_CanBeReadAndImportWhatIsServed(self):
         for name, content in self.served.items():

@@ -73,6 +73,50 @@ TEST_F(ValuesTest, EventsSince_BeginWithWhatWasKeptAndContinue) {
     EXPECT_EQ(asipctl({"events", "--since", "yesterday"}).status, 2);
 }
 
+TEST_F(ValuesTest, TwoRegistriesKeep_TheLongestIsShownAndNamed) {
+    auto description = nlohmann::json::parse(cli::kUno1);
+    description["board"] = "desk";
+    description["names"]["services"]["distance"] = "front";
+    probe_.publish("asip/servicebus/desk/$description", description.dump(), true, 1);
+    probe_.publish("asip/servicebus/desk/$state", "online", true, 1);
+    auto say = [&, seq = 0](int value) mutable {
+        probe_.publish(
+            "asip/desk/$values",
+            nlohmann::json{{"version", 1},
+                           {"board", "desk"},
+                           {"session", description["session"]},
+                           {"seq", ++seq},
+                           {"values", {{"distance/0", {{"value", value}, {"how", "reported"}, {"age", 0}}}}}}
+                .dump(),
+            true, 1);
+    };
+    const auto registry = [&](const std::string& id) {
+        return std::make_unique<ChildProcess>(
+            Words{ASIP_PROGRAMS "/asip-registry", "--id", id, "--history", folder_.file(id + ".db")},
+            environment());
+    };
+    const auto values = [&] { return asipctl({"values", "desk/distance/0", "-o", "csv"}); };
+    say(41);
+    // The one with the later name began earlier: the order of names does not decide.
+    const auto old = registry("r9");
+    ASSERT_TRUE(wait_until([&] { return values().output.find(",41,") != std::string::npos; }, 40s))
+        << old->errors();
+    say(42);
+    const auto young = registry("r1");
+    ASSERT_TRUE(young->wait_for_errors("catalogue is complete"));
+    say(43);
+    ASSERT_TRUE(wait_until(
+        [&] {
+            const auto both = values();
+            return both.output.find(",41,") != std::string::npos &&
+                   both.output.find(",43,") != std::string::npos &&
+                   both.errors.find("of 2 registries, r9 kept it for the longest") != std::string::npos;
+        },
+        40s))
+        << values().output << values().errors;
+    EXPECT_EQ(asipctl({"values", "desk", "--format", "{property}"}).output, "distance/0\n");
+}
+
 TEST(Models, AreListedAndExplainedWithoutABroker) {
     const auto asipctl = [](std::vector<std::string> words) {
         words.insert(words.begin(), {ASIP_PROGRAMS "/asipctl", "--broker", "127.0.0.1:1"});
