@@ -99,7 +99,7 @@ TEST_F(ValuesTest, TwoRegistriesKeep_TheLongestIsShownAndNamed) {
     say(41);
     // The one with the later name began earlier: the order of names does not decide.
     const auto old = registry("r9");
-    ASSERT_TRUE(wait_until([&] { return values().output.find(",41,") != std::string::npos; }, 40s))
+    ASSERT_TRUE(wait_until([&] { return values().output.find(",41.0,") != std::string::npos; }, 40s))
         << old->errors();
     say(42);
     const auto young = registry("r1");
@@ -108,8 +108,8 @@ TEST_F(ValuesTest, TwoRegistriesKeep_TheLongestIsShownAndNamed) {
     ASSERT_TRUE(wait_until(
         [&] {
             const auto both = values();
-            return both.output.find(",41,") != std::string::npos &&
-                   both.output.find(",43,") != std::string::npos &&
+            return both.output.find(",41.0,") != std::string::npos &&
+                   both.output.find(",43.0,") != std::string::npos &&
                    both.errors.find("of 2 registries, r9 kept it for the longest") != std::string::npos;
         },
         40s))
