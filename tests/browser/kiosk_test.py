@@ -92,7 +92,7 @@ class Kiosk(PageTest):
         self.browser.shown(".pin-panel")
         self.browser.run("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
         self.assertEqual(self.visible("button.stop, asip-command, .toggle, .setters input, asip-service form, .pin-panel button, .pin-panel input"), [])
-        self.assertNotIn("Stop", self.browser.text("body"))
+        self.assertNotRegex(self.browser.text("body"), r"\bStop\b")
 
     def open_framed(self, host):
         self.browser.driver.get(f"http://{host}:{self.frames}/")

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """check_sizes.py ROOT BUILD [--write]: flash and RAM in docs/sensors.md are those of sketches with that service alone, on an Uno, beyond
-one of the pins alone, as avr-size has them; with --write the page is written so."""
+one of the pins alone, as avr-size has them, to a hundredth or 16 bytes: compilers differ; with --write the page is written so."""
 import pathlib
 import re
 import subprocess
@@ -17,6 +17,10 @@ SERVICES = {
     "Reflectance": "Reflectance s(4, A0, A1);", "Servos": "Servos s(9, 10);", "Spi": "Spi s(10);",
     "Steppers": "Stepper a(8, 9, 10, 11), b(2, 3, 4); Steppers s(a, b);",
     "Thermometers": "OneWireBus bus(2); ThermometersOf<8> s(bus);", "Tone": "Tone s(9);", "Weather": "Weather s;"}
+
+
+def near(told, measured):
+    return abs(int(told.replace(",", "")) - measured) <= max(16, measured // 100)
 
 
 def size(root, build, folder, service):
@@ -48,16 +52,18 @@ def main(root, build, writes):
             seen.add(service)
             sizes = size(root, build, folder, service)
             right = f"{found[1]}| {sizes[0] - flash:,} | {sizes[1] - ram} |"
-            if right != found[0]:
-                faults += 1
-                print(f"docs/sensors.md: {service}: is {right[len(found[1]):]}")
+            if near(found[3], sizes[0] - flash) and near(found[4], sizes[1] - ram):
+                return found[0]
+            faults += 1
+            print(f"docs/sensors.md: {service}: is {right[len(found[1]):]}")
             return right
-        text = re.sub(r"^(\|.*`Asip(\w+)\.h` )\| [\d,]+ \| \d+ \|$", row, text, flags=re.MULTILINE)
-        pins = f"the pins alone ({flash:,} and {ram})"
-        if pins not in text:
+        text = re.sub(r"^(\|.*`Asip(\w+)\.h` )\| ([\d,]+) \| (\d+) \|$", row, text, flags=re.MULTILINE)
+        told = re.search(r"the pins alone \(([\d,]+) and (\d+)\)", text)
+        if not told or not near(told[1], flash) or not near(told[2], ram):
+            pins = f"the pins alone ({flash:,} and {ram})"
             faults += 1
             print(f"docs/sensors.md: {pins}")
-            text = re.sub(r"the pins alone \([\d,]+ and \d+\)", pins, text)
+            text = text.replace(told[0], pins) if told else text
     for service in sorted(SERVICES.keys() - seen):
         print(f"docs/sensors.md has no row of Asip{service}.h")
         faults += 1

@@ -64,7 +64,7 @@ class Tables:
                 # TEXT=7d by CLI11 2.1, TEXT [7d] by 2.4; before it there may be a range. Settings of the file: NAME = 7d.
                 there = re.search(rf"{option} [^=\n\[]*(?:\[[^\]\n]* - [^\]\n]*\])?(?:=| ?\[)([^\s\]]+)"
                                   if option.startswith("--") else rf"^  {option} = (\S+)$", page, re.M)
-                self.expect(there and there[1] == default.replace(",", ""), f"docs/asip-registry.md: {option} has the default {there and there[1]}, not {default}")
+                self.expect(there and there[1].replace(",", "") == default.replace(",", ""), f"docs/asip-registry.md: {option} has the default {there and there[1]}, not {default}")
 
     def messages(self):
         """What a program is said to print is somewhere in its sources."""
