@@ -77,7 +77,7 @@ class SPI:
 
     @property
     def frequency(self) -> int:
-        """What was asked for: the board takes the next lower one that it has."""
+        """What was asked for: the board takes the next lower one that it has. Its slowest is a 128th of its clock, 125 kHz at 16 MHz."""
         return self._kilohertz * 1000
 
     def write(self, buffer: "bytes | bytearray | memoryview", *, start: int = 0, end: int | None = None) -> None:
@@ -95,22 +95,25 @@ class SPI:
         view[:] = self._transfer(out)
 
     def _choose(self, pin: int) -> None:
+        before, self._pin = self._pin, pin
         if self._keeps:
             self._keeps = False
-            self._ask([b""], keeps=False)
-        self._pin = pin
+            try:  # a driver that ends its transfer has a lock to give back: the board lets go by itself, later
+                self._ask([b""], False, before)
+            except OSError:
+                pass
 
     def _transfer(self, data: bytes) -> bytes:
         pieces = [data[at:at + _ROOM] for at in range(0, len(data), _ROOM)]
         read = b""
         for at in range(0, len(pieces), _TOGETHER):
             keeps, self._keeps = self._pin != _NO_PIN, False  # a fault leaves nothing to be given up
-            read += self._ask(pieces[at:at + _TOGETHER], keeps)
+            read += self._ask(pieces[at:at + _TOGETHER], keeps, self._pin)
             self._keeps = keeps
         return read
 
-    def _ask(self, pieces: list[bytes], keeps: bool) -> bytes:
-        commands = [{"transfer": [self._pin, self._kilohertz, self._mode, int(keeps), one.hex().upper()]} for one in pieces]
+    def _ask(self, pieces: list[bytes], keeps: bool, pin: int) -> bytes:
+        commands = [{"transfer": [pin, self._kilohertz, self._mode, int(keeps), one.hex().upper()]} for one in pieces]
         try:
             if len(commands) == 1:
                 return bytes.fromhex(self._service.command("transfer", *commands[0]["transfer"], timeout=self._timeout))

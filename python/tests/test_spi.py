@@ -10,13 +10,13 @@ from asip.spi import SPI
 
 class Recorded:
     def __init__(self):
-        self.seen, self.lists, self.fault = [], 0, None
+        self.seen, self.lists, self.fault, self.lost_release = [], 0, None, None
 
     def command(self, name, *args, timeout=None):
         assert name == "transfer" and len(args[-1]) <= 32
         self.seen.append(list(args))
-        if self.fault:
-            raise self.fault
+        if self.fault or (self.lost_release and not args[-1]):
+            raise self.fault or self.lost_release
         return bytes(255 - byte for byte in bytes.fromhex(args[-1])).hex().upper()
 
     def _together(self, commands, what, *, timeout=None):
@@ -71,6 +71,20 @@ class SpiBus(unittest.TestCase):
         self.assertEqual(caught.exception.errno, errno.EBUSY)
         self.board.fault = None
         self.spi.write(b"1")
+
+    def test_transfer_whose_end_is_lost_is_over(self):
+        """As the SPIDevice of drivers does it: it gives the lock back behind the pin, and only if that raises nothing."""
+        select = self.spi.chip_select(10)
+        for self.board.lost_release in (errors.Unproven("no answer"), errors.BoardError("DEVICE_NOT_AVAILABLE", code=8)):
+            self.board.seen.clear()
+            self.assertTrue(self.spi.try_lock())
+            select.value = False
+            self.spi.write(b"1")
+            select.value = True
+            self.spi.unlock()
+            self.assertTrue(select.value)
+            self.spi.write(b"2")
+            self.assertEqual([(one[0], one[3], one[4]) for one in self.board.seen], [(10, 1, "31"), (10, 0, ""), (255, 0, "32")])
 
 
 if __name__ == "__main__":
