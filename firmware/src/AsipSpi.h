@@ -4,8 +4,9 @@
 //   asip::Spi spi(10, 9);      // the pins that choose a chip, one to four, high while it is not chosen
 //
 // V,t,10,1000,0,0,018000 chooses the chip at pin 10, writes three bytes at 1000 kHz or the next lower rate in
-// mode 0 and reads as many, @V,t,0003FF, 16 at most; pin 255 chooses none. V,t,10,1000,0,1,... keeps the chip
-// chosen for what follows, for 250 ms at most; another one is error 8 meanwhile.
+// mode 0 and reads as many, @V,t,0003FF, 16 at most; pin 255 chooses none. The slowest rate is a 128th of the
+// clock, 125 kHz at 16 MHz: whoever asks for less gets that. V,t,10,1000,0,1,... keeps the chip chosen for
+// what follows, for 250 ms at most; another one is error 8 meanwhile.
 #pragma once
 
 #if defined(ARDUINO) && !defined(__AVR__)
