@@ -15,7 +15,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "browser"))
 
-from rig import DESK, Browser, Bus, Trace, eventually, publish_boards  # noqa: E402
+from rig import DESK, Browser, Bus, Trace, eventually, paho_client, publish_boards  # noqa: E402
 
 BOARDS = 10_000
 POINTS = 3600
@@ -24,28 +24,25 @@ EIGHT_HOURS = 8 * 3600 * 60  # points
 # A plot that is full from its beginning, and gets so many points more with each frame.
 PLOT = """
 const [points, per_frame, seconds, done] = arguments;
-(async () => {
-  const { Series } = await import('/core/series.js');
-  await import('/ui/plot.js');
-  if (!window.plotted) {
-    const numbers = (time) => [{ key: 'a', name: 'a', unit: 'cm', value: 100 * Math.sin(time / 700) + 5 * Math.random() }];
-    const series = new Series(points, 1e12);
-    for (let i = points; i > 0; --i) series.add(Date.now() - i * 1000 / 60, numbers(Date.now() - i * 1000 / 60));
-    document.querySelector('main').replaceChildren(document.createElement('asip-plot').begin(series, 'benchmark', 'benchmark'));
-    window.plotted = { series, numbers };
-  }
-  const { series, numbers } = window.plotted;
-  let frames = 0, added = 0;
-  const end = performance.now() + seconds * 1000;
-  const step = () => {
-    ++frames;
-    const last = series.times.at(-1), now = Date.now();
-    for (let i = 1; i <= per_frame; ++i) added += series.add(last + (now - last) * i / per_frame, numbers(now));
-    if (performance.now() < end) requestAnimationFrame(step);
-    else done([frames / seconds, added]);
-  };
-  requestAnimationFrame(step);
-})();
+if (!window.plotted) {
+  const Series = window.Series;
+  const numbers = (time) => [{ key: 'a', name: 'a', unit: 'cm', value: 100 * Math.sin(time / 700) + 5 * Math.random() }];
+  const series = new Series(points, 1e12);
+  for (let i = points; i > 0; --i) series.add(Date.now() - i * 1000 / 60, numbers(Date.now() - i * 1000 / 60));
+  document.querySelector('main').replaceChildren(document.createElement('asip-plot').begin(series, 'benchmark', 'benchmark'));
+  window.plotted = { series, numbers };
+}
+const { series, numbers } = window.plotted;
+let frames = 0, added = 0;
+const end = performance.now() + seconds * 1000;
+const step = () => {
+  ++frames;
+  const last = series.times.at(-1), now = Date.now();
+  for (let i = 1; i <= per_frame; ++i) added += series.add(last + (now - last) * i / per_frame, numbers(now));
+  if (performance.now() < end) requestAnimationFrame(step);
+  else done([frames / seconds, added]);
+};
+requestAnimationFrame(step);
 """
 
 
@@ -170,8 +167,25 @@ def come_and_go(browser):
         bus.close()
 
 
+METER = {"board": "meter", "session": "5f3a9c01", "seq": 1, "lease": 600, "services": [{"name": "pressure", "id": "B", "model": "pressure@1"}]}
+
+
 def plot(bus, browser, seconds):
-    browser.driver.get(f"{bus.url}/#/bus")
+    client = paho_client()
+    client.connect("127.0.0.1", bus.broker_port)
+    client.loop_start()
+    client.publish("asip/servicebus/meter/$description", json.dumps(METER), qos=1, retain=True)
+    client.publish("asip/servicebus/meter/$state", "online", qos=1, retain=True).wait_for_publish(20)
+    browser.driver.get(f"{bus.url}/#/board/meter")
+
+    def plotted():
+        client.publish("asip/meter/pressure/out", '{"pressure":{"pressure":1013,"temperature":21,"altitude":90}}').wait_for_publish(20)
+        return browser.run("return Boolean(window.Series = document.querySelector('asip-plot')?.series.constructor)")
+
+    eventually(plotted, "a plot, whose points are of the class that is measured", 30)
+    client.disconnect()
+    client.loop_stop()
+    browser.run("location.hash = '#/bus'")
     browser.shown("asip-system")
     browser.driver.set_script_timeout(seconds + 60)
     browser.driver.execute_async_script(PLOT, POINTS, 1, 3)

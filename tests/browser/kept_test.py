@@ -142,6 +142,23 @@ class Week(Plots):
 
 
 class NothingYet(Plots):
+    def test_LineThatIsHidden_IsSaidToBeSoWhenTheLegendIsDrawnAnew(self):
+        self.start()
+        self.go("board/desk", "asip-plot canvas")
+        pressed = self.browser.run("""
+            const plot = document.querySelector('asip-plot');
+            const lines = ['a', 'b'].map((key) => ({ key, name: key }));
+            const pressed = () => [...plot.legend.children].map((each) => each.getAttribute('aria-pressed')).join();
+            plot.show_legend(lines);
+            plot.legend.firstChild.click();
+            const before = pressed();
+            plot.show_legend([]); // hours that are not there yet
+            plot.show_legend(lines);
+            const after = pressed();
+            plot.legend.firstChild.click();
+            return [before, after, pressed()];""")
+        self.assertEqual(pressed, ["false,true", "false,true", "true,true"])
+
     @mock.patch("axe_test.NEXT", VIEWS)
     def test_NothingIsKept_SaysWhatToDoAndItHelps(self):
         self.start()

@@ -72,6 +72,17 @@ function joined(rows, alike, enough, text_of = (part) => part[0].text) {
   return out;
 }
 
+/// Rows with a page of newer ones before them; undefined where that does not reach them. Above `most`, the oldest go: the last row of a
+/// page has the `cursor` of what is behind it, so that it can be loaded again.
+export function renewed(before, page, most) {
+  const end = page.at(-1)?.at;
+  if (!(end <= before[0].at)) return undefined;
+  const key = (row) => `${row.at} ${row.board} ${row.text} ${row.raw}`;
+  const fresh = new Set(page.map(key));
+  const rows = [...page, ...before.filter((row) => row.at < end || (row.at === end && !fresh.has(key(row))))];
+  return rows.length > most ? rows.slice(0, rows.findLastIndex((row, i) => i < most && row.cursor) + 1 || most) : rows;
+}
+
 /// "a, b, c and 4 more"
 export const some_of = (names) => [names.slice(0, kMany).join(", "), names.length > kMany && t("n-more", { n: names.length - kMany })].filter(Boolean).join(" ");
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened to one board, or on the whole bus.
 import { model_name } from "../core/asked.js";
-import { fits, folded, row_of, some_of } from "../core/history.js";
+import { fits, folded, renewed, row_of, some_of } from "../core/history.js";
 import { t } from "../core/language.js";
 import { first_up, moment_text, state_text } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
@@ -28,6 +28,7 @@ async function load_models(items) {
 const kPage = 50;
 const kEnough = 20; // rows; where commands or boards fill what was asked for with fewer, more is
 const kMorePages = 4;
+const kMost = 5000; // rows, more than they are, while new ones come
 let each_command = false; // kept from board to board
 const kSearched = 1000; // a page of the search
 const kSearchedPages = 10;
@@ -73,22 +74,24 @@ class History extends Part {
   async page(limit, cursor, turn) {
     const answer = await request(`${this.path}?limit=${limit}${cursor ? `&cursor=${encodeURIComponent(cursor)}` : ""}`);
     const known = await load_models(answer.items);
-    return turn === this.turn ? { rows: answer.items.map((item) => row_of(item, known, this.pins())), cursor: answer.cursor } : undefined;
+    const rows = answer.items.map((item) => row_of(item, known, this.pins()));
+    if (rows.length > 0) rows.at(-1).cursor = answer.cursor;
+    return turn === this.turn ? { rows, cursor: answer.cursor } : undefined;
   }
 
-  /// What is new, before what is there. A page that does not reach that begins anew.
+  /// What is new, before what is there. Where even a large page does not reach that, it begins anew.
   async refresh() {
-    const before = this.rows;
-    if (before.length === 0 || before.length > kSearched * kMorePages) return this.load();
     const turn = this.turn;
-    const page = await this.page(kPage, undefined, turn).catch(() => undefined);
-    if (!page || turn !== this.turn) return;
-    const end = page.rows.at(-1)?.at;
-    if (!(end <= before[0].at)) return this.load();
-    const key = (row) => `${row.at} ${row.board} ${row.text} ${row.raw}`;
-    const fresh = new Set(page.rows.map(key));
-    this.rows = [...page.rows, ...before.filter((row) => row.at <= end && !fresh.has(key(row)))];
-    this.show();
+    for (const limit of this.rows.length > 0 ? [kPage, kSearched] : []) {
+      const page = await this.page(limit, undefined, turn).catch(() => undefined);
+      if (!page || turn !== this.turn) return;
+      const rows = renewed(this.rows, page.rows, kMost);
+      if (!rows) continue;
+      if (rows.at(-1).cursor) this.cursor = rows.at(-1).cursor;
+      this.rows = rows;
+      return this.show();
+    }
+    return this.load();
   }
 
   async load(cursor) {

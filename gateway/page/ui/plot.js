@@ -158,10 +158,12 @@ class Plot extends Part {
     if (key === this.legend_key) return;
     this.legend_key = key;
     this.legend.replaceChildren(...(lines.length < 2 ? [] : lines.map((line, i) => {
-      const button = h("button", { class: `line${i % kColors}`, "aria-pressed": "true", onclick: () => {
+      const button = h("button", { class: `line${i % kColors}`, onclick: () => {
         if (!this.hidden_lines.delete(line.key)) this.hidden_lines.add(line.key);
-        button.setAttribute("aria-pressed", !this.hidden_lines.has(line.key));
+        press();
       } }, line.name);
+      const press = () => button.setAttribute("aria-pressed", !this.hidden_lines.has(line.key));
+      press();
       return button;
     })));
   }

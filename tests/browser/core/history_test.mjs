@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fits, folded, row_of, some_of } from "../../../gateway/page/core/history.js";
+import { fits, folded, renewed, row_of, some_of } from "../../../gateway/page/core/history.js";
 
 const at = (second) => `2026-11-26T10:00:${String(second).padStart(2, "0")}.000Z`;
 const command = (second, request, more = {}) => row_of({ board: "desk", at: at(second), what: "command", by: "ann", service: "servo", request, status: "ok", ...more });
@@ -73,4 +73,29 @@ test("each word is looked for, whatever its case", () => {
   assert.equal(fits(row, "ANN raw"), true);
   assert.equal(fits(row, "desk servo W,0,90"), true, "also as it was sent");
   assert.equal(fits(row, "bob"), false);
+});
+
+test("what is new comes before what is there, the oldest go, and they can be loaded again", () => {
+  const rows = (from, count, cursor) => {
+    const made = Array.from({ length: count }, (_, i) => ({ board: "desk", at: (from - i) * 1000, text: "Servo 0", raw: `ann ${from - i}` }));
+    if (cursor) made.at(-1).cursor = cursor;
+    return made;
+  };
+  const seconds = (all) => all.map((row) => row.at / 1000);
+  const there = [...rows(10, 4, "at 7"), ...rows(6, 6, "at 1")];
+  const more = renewed(there, rows(13, 5, "at 9"), 100);
+  assert.deepEqual(seconds(more), [13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1]);
+  assert.equal(more.at(-1).cursor, "at 1");
+  const cut = renewed(there, rows(13, 5, "at 9"), 12);
+  assert.deepEqual([seconds(cut), cut.at(-1).cursor], [[13, 12, 11, 10, 9, 8, 7], "at 7"], "at the end of a page, never between");
+  assert.equal(renewed(there, rows(20, 5), 100), undefined, "there is a gap");
+  assert.equal(renewed(there, [], 100), undefined);
+  // A robot for an hour, a look each five seconds: never again from its beginning.
+  let all = [...rows(5000, 50, "at 4951"), ...rows(4950, 1000, "at 3951"), ...rows(3950, 1000, "at 2951"), ...rows(2950, 1000, "at 1951"), ...rows(1950, 1000, "at 951")];
+  for (let now = 5005; now <= 8600; now += 5) {
+    all = renewed(all, rows(now, 50, `at ${now - 49}`), 5000);
+    assert.ok(all.length > 2000 && all.length <= 5000, `${all.length} at ${now}`);
+    assert.equal(all.at(-1).cursor, `at ${all.at(-1).at / 1000}`);
+    assert.equal(all[0].at - all.at(-1).at, (all.length - 1) * 1000, "no row is missing");
+  }
 });

@@ -249,7 +249,7 @@ TEST_F(GatewayTokens, KioskLink_ServesPageApiAndStreamsBelowIt) {
     }
     const auto ask = [&](const std::string& path) { return get(gateway.port(), link + path); };
     ASSERT_TRUE(wait_until([&] { return ask("api/boards/uno1").status == 200; }));
-    for (const std::string path : {"", "main.js", "net/bus.js", "style.css", "api/status", "api/models"})
+    for (const std::string path : {"", "main.js", "ui/screens.js", "style.css", "api/status", "api/models"})
         EXPECT_EQ(ask(path).status, 200) << path;
     EXPECT_THAT(ask("").body, testing::Not(testing::ContainsRegex("(src|href)=\"/"))) << "relative addresses";
     EXPECT_EQ(ask("api/boards/uno2").status, 404);
