@@ -54,6 +54,7 @@ class OneWireLine final : public Part {
             text += (text.empty() ? "" : ",") + (device.attached ? short_number(device.degrees) : "detached");
         if (shorted_) text += " shorted";
         if (wrong_ > 0) text += fmt::format(" {} bits out of time", wrong_);
+        if (cut_ > 0) text += fmt::format(" {} resets cut short", cut_);
         return text;
     }
     void after_reset() override { low_ = presence_ = false; }
@@ -136,8 +137,11 @@ class OneWireLine final : public Part {
         wake_at(fell_ + kSends);
     }
 
+    // Where a reset is cut short the data sheet leaves open what devices take it for. Here it is one, as for
+    // real ones that need less.
     void rose(double lasted) {
-        if (lasted >= kReset) {
+        if (lasted > kLongestZero) {
+            if (lasted < kReset) ++cut_;
             for (auto& device : devices_)
                 device.reset();
             if (std::none_of(devices_.begin(), devices_.end(),
@@ -147,7 +151,7 @@ class OneWireLine final : public Part {
             return wake_at(now() + kPresenceAfter);
         }
         const bool zero = lasted >= kZero, one = lasted <= kOne;
-        if ((!zero && !one) || lasted > kLongestZero) ++wrong_;
+        if (!zero && !one) ++wrong_;
         for (auto& device : devices_)
             device.take_bit(one, now());
     }
@@ -169,7 +173,7 @@ class OneWireLine final : public Part {
     std::vector<Ds18b20> devices_;
     double fell_ = -1e9;
     bool low_ = false, shorted_ = false, presence_ = false, announcing_ = false;
-    unsigned wrong_ = 0;
+    unsigned wrong_ = 0, cut_ = 0;
 };
 
 PartPlan read_ds18b20(PartReader& reader) {

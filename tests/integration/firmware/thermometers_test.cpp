@@ -42,8 +42,11 @@ class ThermometerBoard : public FirmwareBoard {
         sim().run_for(500ms);  // they were found
     }
     ~ThermometerBoard() {
-        EXPECT_EQ(sim().part("wire").state().find("out of time"), std::string::npos)
-            << sim().part("wire").state();
+        const auto state = sim().part("wire").state();
+        EXPECT_EQ(state.find("out of time"), std::string::npos) << state;
+        if (!restarts_) {
+            EXPECT_EQ(state.find("cut short"), std::string::npos) << state;
+        }
     }
 
     std::string later(const std::string& request) {
@@ -54,6 +57,14 @@ class ThermometerBoard : public FirmwareBoard {
         const auto done = sim().part("wire").command(verb, argument);
         ASSERT_TRUE(done) << done.error();
     }
+    /// All pins are let go, whatever their service is about: a reset of the wire may be cut short.
+    void restart() {
+        restarts_ = true;
+        ask("#,R");
+    }
+
+  private:
+    bool restarts_ = false;
 };
 
 TEST(ThermometersTest, AllOnTheWire_AreFoundAndNamedByTheirIds) {
@@ -242,11 +253,26 @@ TEST(ThermometersTest, RestartInTheMiddle_BeginsAnew) {
     for (int i = 0; i < 12; ++i) {
         board.ask("K,M");
         board->run_for(i < 6 ? 1ms * i : 740ms + 3ms * i);
-        board.ask("#,R");
+        board.restart();
         board->run_for(500ms);
         board->take_output();
         ASSERT_EQ(board.later("K,M"), "@K,e,3,{-10.12,21.50,25.06}") << i;
     }
+}
+
+// Devices may take what was left of the reset for a whole one, and pull the line down: the next one begins
+// behind that.
+TEST(ThermometersTest, RestartInTheMiddleOfAReset_LetsDevicesFinish) {
+    ThermometerBoard board;
+    for (int i = 0; i < 10; ++i) {
+        board->send("#,R\n");
+        board->run_for(100us * i);
+        board.restart();
+        board->run_for(500ms);
+        board->take_output();
+        ASSERT_EQ(board.later("K,M"), "@K,e,3,{-10.12,21.50,25.06}") << i;
+    }
+    EXPECT_NE(board.sim().part("wire").state().find("cut short"), std::string::npos) << "the test cut none";
 }
 
 TEST(ThermometersTest, RequestsAt1000000BaudMeanwhile_LoseNoByteAndDamageNoAnswer) {
