@@ -2,9 +2,12 @@
 #include "agent/cable/cables.hpp"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <boost/asio/post.hpp>
+#include <cerrno>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "asip/model/names.hpp"
@@ -20,13 +23,37 @@ using link::CableKind;
 constexpr auto kLookAround = std::chrono::minutes(1);
 constexpr mode_t kUserAndGroup = 0660;
 
+/// Whoever may write there could take a place, or listen in place of the agent.
+void check_folder(const fs::path& folder) {
+    struct stat found{};
+    if (::lstat(folder.c_str(), &found) != 0)
+        throw std::runtime_error(std::generic_category().message(errno));
+    if (!S_ISDIR(found.st_mode)) throw std::runtime_error("it is no folder");
+    if (found.st_uid != ::geteuid()) throw std::runtime_error("the folder is of another user");
+    if ((found.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+        throw std::runtime_error("others may write in the folder (chmod 750)");
+}
+
+/// Nothing else, of which it may be the only way to it.
+void remove_port(const fs::path& path) {
+    std::error_code error;
+    if (fs::read_symlink(path, error).native().starts_with("/dev/pts/")) fs::remove(path, error);
+}
+
 /// Of an agent that was killed.
 void remove_left_over(boost::asio::io_context& io, const std::string& path) {
+    if (!fs::is_socket(path)) throw std::runtime_error("something else has this name");
     boost::asio::local::stream_protocol::socket probe(io);
     boost::system::error_code error;
     probe.connect(path, error);
     if (!error) throw std::runtime_error("another asip-agent listens at " + path);
     fs::remove(path);
+}
+
+/// Whether it ends as the name of a place that is numbered: anna-2.
+bool ends_with_number(const std::string& name) {
+    const auto last = name.find_last_not_of("0123456789");
+    return last != std::string::npos && last + 1 < name.size() && name[last] == '-';
 }
 
 }  // namespace
@@ -38,9 +65,10 @@ Cables::Cables(boost::asio::io_context& io, fs::path folder, Handlers handlers)
     if (fs::create_directories(folder_, made))
         fs::permissions(folder_, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec);
     try {
-        if (fs::exists(socket)) remove_left_over(io, socket);
+        check_folder(folder_);
+        if (fs::exists(fs::symlink_status(socket))) remove_left_over(io, socket);
         for (const auto& entry : fs::directory_iterator(folder_))
-            if (entry.is_symlink()) fs::remove(entry.path());
+            remove_port(entry.path());
         acceptor_.open();
         acceptor_.bind(socket);
         acceptor_.listen();
@@ -67,7 +95,7 @@ void Cables::stop() {
     std::error_code error;
     fs::remove(folder_ / kSocket, error);
     for (const auto& [place, at] : places_)
-        fs::remove(port_of(place), error);
+        remove_port(port_of(place));
 }
 
 void Cables::accept() {
@@ -84,14 +112,17 @@ void Cables::accept() {
     });
 }
 
-// One without a name of its own takes that of a board that is there no more: the same place, again.
+// A board without a name of its own takes the place of one of this lender that is there no more. anna-2 is
+// the second board of anna, now and after a restart: what is kept under its name is hers. The first one of
+// the user anna-2 is anna-2-1.
 std::string Cables::place_for(const std::string& by) const {
-    const auto base = model::suggest_name(by == kSocket ? by + "-1" : by);
+    const auto base = model::suggest_name(by);
+    const bool numbered = base == kSocket || ends_with_number(base);
     for (std::size_t i = 1; i <= kMaxOfOneLender; ++i) {
-        auto place = i == 1 ? base : base + "-" + std::to_string(i);
+        auto place = i == 1 && !numbered ? base : base + "-" + std::to_string(i);
         const auto found = places_.find(place);
         if (found == places_.end()) return places_.size() < kMaxPlaces ? place : std::string();
-        if (found->second.cable == 0) return place;
+        if (found->second.cable == 0 && found->second.by == by) return place;
     }
     return {};
 }
@@ -106,12 +137,13 @@ void Cables::plug(unsigned number, const Cable::Hello& hello) {
     if (place.empty()) return refuse(number, "as many boards are lent as may be");
     const auto terminal = cables_[number]->open_port();
     if (!terminal) return refuse(number, terminal.error());
+    remove_port(port_of(place));
     std::error_code error;
-    fs::remove(port_of(place), error);
     fs::create_symlink(*terminal, port_of(place), error);
     if (error) return refuse(number, port_of(place).string() + ": " + error.message());
     auto& at = places_[place];
     at.cable = number;
+    at.by = hello.by;
     if (!at.lent) at.lent = std::make_shared<Lent>();
     *at.lent = {hello.vendor, hello.product, {}};
     log::info("board lent", {{"by", hello.by}, {"port", port_of(place).string()}});
@@ -125,8 +157,7 @@ void Cables::pulled(unsigned number, const std::string& why) {
         at.cable = 0;
         at.lent->why_gone = why;
         at.pulled = Clock::now();
-        std::error_code error;
-        fs::remove(port_of(place), error);
+        remove_port(port_of(place));
     }
     boost::asio::post(io_, [this, number, alive = std::weak_ptr(alive_)] {
         if (!alive.expired()) cables_.erase(number);

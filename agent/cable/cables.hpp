@@ -34,7 +34,7 @@ class Cables {
         std::function<void(const std::string& place)> on_left;
     };
 
-    /// Throws std::runtime_error where it cannot listen there.
+    /// Throws std::runtime_error where it cannot listen there, and where another user may write.
     Cables(boost::asio::io_context& io, std::filesystem::path folder, Handlers handlers);
     ~Cables();
 
@@ -46,6 +46,7 @@ class Cables {
     using Protocol = boost::asio::local::stream_protocol;
     struct Place {
         unsigned cable = 0;  // its number; 0: pulled
+        std::string by;      // its lender
         std::shared_ptr<Lent> lent;
         Time pulled{};
     };
