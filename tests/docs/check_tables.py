@@ -49,6 +49,10 @@ class Tables:
         own = {meaning.split()[0] for meaning in self.help("asip-registry").split("Exit status:")[1].split(";")}
         registry = re.search(r"^RestartPreventExitStatus=(.*)$", self.text("packaging/systemd/asip-registry.service"), re.M)[1].split()
         self.expect(set(registry) <= own, f"asip-registry.service: ends with {sorted(own)}, is not started again after {registry}")
+        made = set(re.findall(r"^d (/run/\S+) \d+ asip asip", self.text("packaging/systemd/asip.tmpfiles"), re.M))
+        for name in glob.glob(os.path.join(self.root, "docs/*.md")):
+            used = set(re.findall(r"(?<![\w.])/run/[a-z]+", open(name).read()))
+            self.expect(used <= made, f"{name}: {sorted(used - made)} is made by no line of asip.tmpfiles")
         packages = re.findall(r"^Package: (.*)$", self.text("debian/control"), re.M)
         told = {name for row in rows(page, "package") for name in codes(row[0])}
         self.expect(told == set(packages), f"docs/run-as-services.md: packages {sorted(told ^ set(packages))} stand there or in debian/control only")
