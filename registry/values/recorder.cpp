@@ -144,11 +144,14 @@ void Recorder::set(const PropertyKey& key, double value, Instant now) {
     if (!(std::abs(value) <= kLargest)) value = kGap;
     auto found = entries_.find(key);
     if (found == entries_.end()) {
-        if (entries_.size() >= options_.max_properties) {
+        const auto board = of_board_.find(key.board);
+        if (entries_.size() >= options_.max_properties ||
+            (board != of_board_.end() && board->second >= options_.max_of_board)) {
             ++refused_;
             return;
         }
         found = entries_.emplace(key, Entry{}).first;
+        ++of_board_[key.board];
         auto& entry = found->second;
         entry.rows.key = key;
         if (timeline_) {
@@ -214,7 +217,13 @@ ValueRows Recorder::take(Instant now) {
         auto& entry = each->second;
         if (!full_) hold(entry, at);
         give(entry, rows);
-        each = entry.gone ? entries_.erase(each) : std::next(each);
+        if (!entry.gone) {
+            ++each;
+            continue;
+        }
+        if (const auto board = of_board_.find(each->first.board); --board->second == 0)
+            of_board_.erase(board);
+        each = entries_.erase(each);
     }
     waiting_ = 0;
     rows.stretches = std::exchange(ended_, {});

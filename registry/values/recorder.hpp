@@ -97,6 +97,7 @@ class Recorder {
   public:
     struct Options {
         std::size_t max_properties = 10'000;
+        std::size_t max_of_board = 512;       ///< those that were dropped since take() among them
         std::size_t max_waiting = 1'000'000;  ///< changes; beyond, there is a gap
     };
     Recorder() : Recorder(Options{}) {}
@@ -147,6 +148,7 @@ class Recorder {
     Options options_;
     std::optional<Timeline> timeline_;
     std::map<PropertyKey, Entry> entries_;
+    std::map<std::string, std::size_t> of_board_;  // entries
     std::vector<Stretch> ended_;
     Tick oldest_ = 0;  // of the changes that wait
     std::size_t waiting_ = 0;

@@ -374,7 +374,7 @@ TEST(Values, OnePartOfChangesIsTooMuch_HoursOfBeforeStay) {
 
 TEST(Values, OneBoard_DoesNotTakeTheNamesOfOthers) {
     Machine machine;
-    machine.memory.max_properties = 2 * ValueFile::kMaxNamesOfBoard;
+    machine.memory.max_of_board = 2 * ValueFile::kMaxNamesOfBoard;
     machine.start();
     for (std::size_t i = 0; i < ValueFile::kMaxNamesOfBoard + 1; ++i)
         machine.set(1, {"flood", "x/" + std::to_string(i)});
@@ -384,6 +384,25 @@ TEST(Values, OneBoard_DoesNotTakeTheNamesOfOthers) {
     machine.pass(seconds(1));
     machine.write();
     EXPECT_EQ(machine.ask(hours(1), 10).values.size(), 1u);
+}
+
+TEST(Values, FreshPropertiesOfOneBoard_TakeNoPlacesOfOthers) {
+    const Recorder::Options limits;
+    Machine machine;
+    const auto flood = [&machine](std::size_t i) { return PropertyKey{"flood", "x/" + std::to_string(i)}; };
+    for (std::size_t i = 0; i < limits.max_properties; ++i) {
+        machine.set(1, flood(i));
+        machine.recorder->drop(flood(i), machine.now());
+    }
+    EXPECT_EQ(machine.recorder->size(), limits.max_of_board);
+    EXPECT_EQ(machine.recorder->refused(), limits.max_properties - limits.max_of_board);
+    machine.set(20);
+    machine.pass(seconds(1));
+    machine.write();
+    EXPECT_EQ(machine.ask(hours(1), 10).values.size(), 1u);
+    EXPECT_EQ(machine.recorder->size(), 1u) << "those that were dropped leave";
+    machine.set(2, flood(0));
+    EXPECT_EQ(machine.recorder->size(), 2u) << "there is room again";
 }
 
 TEST(Values, FloodOfOneBoard_IsNoGapOfOthers) {
