@@ -31,7 +31,11 @@ bool Rights::sees_board(std::string_view board) const {
 }
 
 bool Rights::may_lend() const {
-    return may_label() && sees_board(std::string(link::kLentPrefix) + "board");
+    const std::string all_lent = std::string(link::kLentPrefix) + "*";
+    return may_label() && dashboard.empty() &&
+           (boards.empty() || std::any_of(boards.begin(), boards.end(), [&](const std::string& each) {
+                return each == "*" || each == all_lent;
+            }));
 }
 
 bool Rights::sees_service(std::string_view board, std::string_view service) const {

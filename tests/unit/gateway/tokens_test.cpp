@@ -33,6 +33,22 @@ TEST(Tokens, File_EachLineIsAToken) {
     EXPECT_TRUE(tokens->find("secret-3")->until);
 }
 
+TEST(Tokens, MayLend_WhereEveryLentBoardIsSeen) {
+    for (const auto& [boards, may] : {std::pair("boards=lent-*", true),
+                                      {"boards=*", true},
+                                      {"boards=uno*,lent-*", true},
+                                      {"", true},
+                                      {"boards=lent-b*", false},
+                                      {"boards=*board", false},
+                                      {"boards=lent-board", false},
+                                      {"boards=uno*", false},
+                                      {"boards=lent-*,uno* services=servo", false}}) {
+        const auto tokens = Tokens::parse(line("operator", "anna", "secret", boards));
+        ASSERT_TRUE(tokens) << tokens.error();
+        EXPECT_EQ(tokens->find("secret")->may_lend(), may) << boards;
+    }
+}
+
 TEST(Tokens, EmptyPrefixSuffixAndLonger_AreNotTheToken) {
     const std::string secret = "pQ8s7dfK2mXw";
     const auto tokens = Tokens::parse(line("viewer", "hall", secret));
