@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/cable/agent_way.hpp"
 
+#include <sys/socket.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/post.hpp>
@@ -20,8 +22,12 @@ class AgentWay final : public CableWay {
     void open(const std::string& path) {
         Protocol::socket socket(io_);
         boost::system::error_code error;
-        socket.connect(path, error);  // of this machine: at once, or refused
-        if (error)
+        socket.open(Protocol(), error);
+        if (!error) socket.non_blocking(true, error);
+        // At once, or refused: connect() of Asio would wait for an agent that takes no connections now.
+        const Protocol::endpoint agent(path);
+        if (error ||
+            ::connect(socket.native_handle(), agent.data(), static_cast<socklen_t>(agent.size())) != 0)
             return boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
                 if (!alive.expired()) handlers_.on_end("no agent takes lent boards now");
             });

@@ -29,7 +29,7 @@ CableChannel::CableChannel(Streams& streams, Dependencies dependencies, Principa
 
 CableChannel::~CableChannel() {
     streams_.remove(*this);
-    way_->send(CableKind::kEnd, why_);
+    if (code_ == 0) way_->send(CableKind::kEnd, why_);
     dependencies_.ended(why_);
 }
 
@@ -97,12 +97,14 @@ void CableChannel::revoke() {
     end("the right to lend it has ended", kNotAllowed);
 }
 
+// The agent is told now: a browser that reads nothing may keep this here for a while.
 void CableChannel::end(const std::string& why, std::uint16_t code) {
     if (code_ != 0) return;
     out_.clear();
     waiting_ = 0;
     why_ = why;
     code_ = code;
+    way_->send(CableKind::kEnd, why);
     put(CableKind::kEnd, why);
 }
 
