@@ -225,7 +225,9 @@ TEST_F(ManyBoards, Sighup_TakesWhatChangedAndLeavesTheOthersAlone) {
     EXPECT_EQ(probe_.last("asip/servicebus/leaving/$state"), "online");
 
     probe_.clear();
-    write(section("coming", coming.path()) + section("staying", staying.path()));
+    const auto with_password = section("coming", coming.path()) +
+                               "user = desk\npassword-file = " + folder_.write("password", "first\n") + "\n";
+    write(with_password + section("staying", staying.path()));
     agent().signal(SIGHUP);
     ASSERT_TRUE(is("leaving", "offline")) << agent().errors();
     ASSERT_TRUE(is("coming", "online")) << agent().errors();
@@ -236,14 +238,19 @@ TEST_F(ManyBoards, Sighup_TakesWhatChangedAndLeavesTheOthersAlone) {
     EXPECT_EQ(log.find(identified), log.rfind(identified)) << "it was not started again\n" << log;
     EXPECT_TRUE(systemd_.heard("RELOADING=1"));
 
-    write(section("coming", coming.path()) + section("staying", staying.path()) + "label = room=lab\n");
+    probe_.clear();
+    folder_.write("password", "second\n");
+    write(with_password + section("staying", staying.path()) + "label = room=lab\n");
     agent().signal(SIGHUP);
+    ASSERT_TRUE(agent().wait_for_errors("file read again.*changed=2")) << agent().errors();
     ASSERT_TRUE(probe_.wait_for([](const mqtt::Message& message) {
         return message.topic == "asip/servicebus/staying/$description" &&
                message.payload.find(R"("room":"lab")") != std::string::npos;
     })) << agent().errors();
-    ASSERT_TRUE(is("staying", "online"));
-    EXPECT_TRUE(answers("staying"));
+    for (const char* board : {"staying", "coming"}) {
+        ASSERT_TRUE(is(board, "online")) << agent().errors();
+        EXPECT_TRUE(answers(board));
+    }
 }
 
 TEST_F(ManyBoards, PortOfOneBoardReleased_OthersKeepTheirs) {
