@@ -112,6 +112,21 @@ TEST_F(GatewayAttack, Smuggling_IsRefused) {
     EXPECT_EQ(twice.waiting(), "") << "nothing behind what Content-Length says";
 }
 
+TEST_F(GatewayAttack, Pipelined_AreAnsweredInOrderAndHeadHasNoBody) {
+    Wire wire(port());
+    std::string many;
+    for (int i = 0; i < 50; ++i)
+        many += "GET /api/models/" + std::string(i % 2 == 0 ? "servo" : "nothing") +
+                " HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    wire.send(many + "HEAD /api/models/servo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+    for (int i = 0; i < 50; ++i)
+        EXPECT_EQ(read_answer(wire).status, i % 2 == 0 ? 200 : 404) << i;
+    const auto size = std::to_string(ask("/api/models/servo").body.size());
+    EXPECT_THAT(wire.read_until("\r\n\r\n"), HasSubstr("\r\nContent-Length: " + size + "\r\n"));
+    EXPECT_TRUE(wire.closed());
+    EXPECT_EQ(wire.waiting(), "") << "a body behind HEAD";
+}
+
 TEST_F(GatewayAttack, BrokenWebSocketFrames_EndThatConnectionOnly) {
     struct Case {
         const char* what;

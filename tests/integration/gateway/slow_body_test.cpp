@@ -76,11 +76,38 @@ TEST_F(GatewaySlowBody, StopsInTheMiddle_Is408AndOthersAreServedMeanwhile) {
     })) << ask("/metrics").body;
 }
 
+TEST_F(GatewaySlowBody, OneByteNowAndThen_DoesNotGiveMoreTime) {
+    Wire wire(port());
+    const auto begin = steady_clock::now();
+    wire.send(head("Content-Length: 1000"));
+    HttpAnswer answer;
+    while (answer.status == 0 && steady_clock::now() - begin < kClosedBy) {
+        wire.send(" ");
+        answer = read_answer(wire, milliseconds(100));
+    }
+    EXPECT_EQ(answer.status, 408);
+    EXPECT_GE(steady_clock::now() - begin, kBodyTime);
+    EXPECT_TRUE(wire.closed());
+    EXPECT_TRUE(nothing_was_sent());
+}
+
 TEST_F(GatewaySlowBody, AskedToGoOnAndSendsNothing_Is408) {
     Wire wire(port());
     wire.send(head("Content-Length: 6\r\nExpect: 100-continue"));
     EXPECT_EQ(wire.read_until("\r\n\r\n"), "HTTP/1.1 100 Continue\r\n\r\n");
     expect_timeout(wire, "never goes on");
+    EXPECT_TRUE(nothing_was_sent());
+}
+
+TEST_F(GatewaySlowBody, GoneInTheMiddle_NothingOfItIsExecuted) {
+    for (const std::string body : {"", "[", "[0,90"}) {
+        Wire wire(port());
+        wire.send(head("Content-Length: 6") + body);
+    }
+    EXPECT_TRUE(alive());
+    EXPECT_TRUE(wait_until([&] {
+        return ask("/metrics").body.find("\nasip_gateway_http_connections 1\n") != std::string::npos;
+    })) << ask("/metrics").body;
     EXPECT_TRUE(nothing_was_sent());
 }
 
