@@ -182,6 +182,19 @@ TEST_F(ValueFeedTest, PatternResumedFromWhatIsGone_TheNewestWithTheNumberLeftOut
     EXPECT_THAT(read(feed), ElementsAre("value 20 [1] left out 16"));
 }
 
+TEST_F(ValueFeedTest, PatternResumedFromAnotherRun_ResetAndASnapshot) {
+    distances(1, 2);
+    ValueFeed::Options options{.board = "*",
+                               .service = "*",
+                               .max_hz = 0,
+                               .after = {},
+                               .after_each = Places{"e0", {{"uno1/distance", 1}}, 0},
+                               .allowed = {}};
+    ValueFeed feed(values_, std::move(options));
+    EXPECT_THAT(read(feed),
+                ElementsAre("reset - another-epoch", R"(value 2 {"distance":[2]})", "snapshot-end 0"));
+}
+
 TEST_F(ValueFeedTest, PatternResumedAfterTheBoardWasForgotten_BeginsWithItsLastValue) {
     distances(1, 2);
     ValueFeed::Options options{.board = "*",
