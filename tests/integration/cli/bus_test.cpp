@@ -187,6 +187,28 @@ TEST_F(BusTest, Doctor_NamesEachFaultAndWhatToDo) {
 }
 
 /// Waits until a program that can print nothing more has ended.
+TEST_F(BusTest, UnreadableDescription_IsClearedByWhatTheDoctorAdvises) {
+    announce("uno1");
+    probe_.publish("asip/servicebus/broken/$description", "{", true);
+    probe_.publish("asip/servicebus/broken/$state", "online", true);
+    const auto doctor = asipctl({"doctor", "--timeout", "1s"});
+    EXPECT_THAT(doctor.output, HasSubstr("asip/servicebus/broken/$description cannot be read"));
+    EXPECT_THAT(doctor.output, HasSubstr("asipctl forget --leftovers --only documents"));
+    EXPECT_EQ(asipctl({"forget", "--leftovers", "--only", "documents", "-o", "name"}).output,
+              "asip/servicebus/broken/$description\n");
+    EXPECT_THAT(asipctl({"doctor", "--timeout", "1s"}).output, Not(HasSubstr("cannot be read")));
+}
+
+TEST_F(BusTest, ForgetABoardThatNobodyKnows_FailsWithTheNearest) {
+    announce("kitchen", "lost");
+    ChildProcess registry({ASIP_PROGRAMS "/asip-registry", "--id", "r1"}, environment());
+    ASSERT_TRUE(probe_.wait_for("asip/registry/r1/$state", "online"));
+    const auto forget = asipctl({"forget", "kitchne"});
+    EXPECT_EQ(forget.status, 1);
+    EXPECT_THAT(forget.errors, HasSubstr("did you mean \"kitchen\""));
+    EXPECT_THAT(forget.errors, Not(HasSubstr("forgot")));
+}
+
 TEST_F(BusTest, ReaderThatHasGone_EndsWhateverRuns) {
     announce("uno1");
     for (const auto* command : {"subscribe uno1", "ping uno1 -n 0"}) {

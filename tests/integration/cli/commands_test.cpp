@@ -156,6 +156,38 @@ TEST_F(SendTest, PingABoard_MeasuresItsAnswersAndCountsLosses) {
     EXPECT_THAT(child.output(), HasSubstr("2 sent, 1 answered, 50 % lost"));
 }
 
+TEST_F(SendTest, PingWithoutATerminal_EndsAfterFive) {
+    const auto ping = asipctl({"ping", "uno1", "-i", "0", "--timeout", "50ms"});
+    EXPECT_EQ(ping.status, 4);
+    EXPECT_THAT(ping.output, HasSubstr("5 sent, 0 answered"));
+}
+
+TEST_F(SendTest, ModelThatOnlyABoardCarries_IsExplained) {
+    probe_.publish("asip/servicebus/uno9/$description",
+                   R"({"board":"uno9","session":"s1","seq":1,"services":[{"name":"thermo","id":"W","model":
+                      {"name":"thermo","version":1,"id":"W","match":["Thermo"],"title":"A thermometer",
+                       "events":{"t":{"name":"celsius","title":"How warm","shape":"plain",
+                                      "fields":[{"name":"celsius","type":"integer","unit":"C"}]}}}}]})",
+                   true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    const auto explained = asipctl({"model", "thermo"});
+    EXPECT_EQ(explained.status, 0) << explained.errors;
+    EXPECT_THAT(explained.output, HasSubstr("How warm"));
+    const auto unknown = asipctl({"model", "nothing"});
+    EXPECT_EQ(unknown.status, 1);
+    EXPECT_THAT(unknown.errors, HasSubstr("no board on the bus brings one"));
+}
+
+TEST_F(SendTest, LabelsOfWhoKeepsNone_IsNoSuccess) {
+    announce("uno1");
+    ChildProcess label(program({"label", "uno1", "room=lab", "--from-bus"}), environment());
+    const auto request = probe_.wait_for("asip/uno1/in");
+    ASSERT_TRUE(request) << label.errors();
+    answer(*request, R"({"status":"ok","proof":"simulated"})");
+    EXPECT_EQ(label.wait_exit(), 1);
+    EXPECT_THAT(label.errors(), HasSubstr("keeps no labels"));
+}
+
 TEST_F(SendTest, NothingAsked_PrintsTheHelp) {
     const auto alone = asipctl({});
     EXPECT_EQ(alone.status, 0) << alone.errors;

@@ -146,6 +146,7 @@ TEST_F(LabelTest, WhatCannotBeLabelled_IsToldWithWhatToWrite) {
     EXPECT_THAT(why({"desk/servo", "room=lab"}), HasSubstr("only its name"));
     EXPECT_THAT(why({"desk/*", "name=x"}), HasSubstr("name one service"));
     EXPECT_THAT(why({"desk", "pin.999=x"}), HasSubstr("is not a pin"));
+    EXPECT_THAT(why({"desk*", "pin.A0=arm"}), HasSubstr("of several boards write the number"));
     EXPECT_THAT(why({"desk/io/2", "name=x"}), HasSubstr("asipctl label BOARD pin.A0=NAME"));
     const auto none = asipctl({"label", "dest", "room=lab"});
     EXPECT_EQ(none.status, 4);

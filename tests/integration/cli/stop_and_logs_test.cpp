@@ -95,6 +95,19 @@ TEST_F(StopTest, All_StopsEveryBoardThatIsNotOffline) {
     EXPECT_EQ(probe_.count("asip/uno3/$stop"), 0u);
 }
 
+TEST_F(StopTest, PatternsAndNames_ChooseEachBoardOnce) {
+    for (const char* board : {"crane1", "crane2", "robot"})
+        announce(board);
+    const auto stopped = stop({"crane*", "crane1", "crane1", "--from-bus", "--timeout", "2s", "-o", "jsonl"},
+                              {{"crane1", kStopped}, {"crane2", kStopped}});
+    EXPECT_EQ(stopped.status, 0) << stopped.errors;
+    EXPECT_EQ(probe_.count("asip/crane1/$stop"), 1u);
+    EXPECT_EQ(probe_.count("asip/robot/$stop"), 0u);
+    EXPECT_EQ(json::parse(probe_.wait_for("asip/crane1/$stop")->payload).at("deadline_ms"), 1800)
+        << "an agent that waits for its board answers before the patience ends";
+    EXPECT_EQ(asipctl({"stop", "nothing*", "--from-bus"}).status, 4);
+}
+
 TEST_F(StopTest, NoConfirmation_IsStatus4AndTheOtherBoardIsStoppedAllTheSame) {
     const auto stopped = stop({"robot", "crane", "--timeout", "2s"}, {{"robot", kStopped}});
     EXPECT_EQ(stopped.status, 4);
@@ -135,6 +148,20 @@ TEST_F(HoldTest, CtrlCBeforeTheAnswer_UndoesWhatMayBeExecuted) {
     ASSERT_TRUE(release);
     answer(*release, R"({"status":"ok","proof":"fence"})");
     EXPECT_EQ(child.wait_exit(), 0) << child.errors();
+}
+
+TEST_F(HoldTest, ReleaseRefused_IsStatus1WithTheReason) {
+    ChildProcess child(program({"send", "uno1/io", "write", "13", "1", "--hold", "60s"}), environment());
+    const auto command = wait_payload("hold_ms");
+    ASSERT_TRUE(command) << child.errors();
+    answer(*command, R"({"status":"ok","proof":"fence"})");
+    ASSERT_TRUE(child.wait_for_output("ok"));
+    child.signal(SIGINT);
+    const auto release = wait_payload("d,13,0");
+    ASSERT_TRUE(release);
+    answer(*release, R"({"status":"refused","reason":"queue-full","error":"too much waits"})");
+    EXPECT_EQ(child.wait_exit(), 1);
+    EXPECT_THAT(child.errors(), HasSubstr("I,d,13,0: refused (queue-full): too much waits"));
 }
 
 TEST_F(HoldTest, WhatCannotBeHeld_IsWrongUse) {

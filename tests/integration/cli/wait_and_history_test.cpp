@@ -45,6 +45,21 @@ TEST_F(ChangesTest, WaitForAStateThatComes_EndsWhenItDoes) {
     EXPECT_EQ(wait.wait_exit(), 0) << wait.errors();
 }
 
+TEST_F(ChangesTest, WaitForWhatDoesNotCome_EndsWith4AndTheState) {
+    announce("uno1");
+    const auto why = [this](const std::string& board, const std::string& time) {
+        const auto wait = asipctl({"wait", board, "--for", "lost", "--timeout", time});
+        EXPECT_EQ(wait.status, 4);
+        EXPECT_THAT(wait.errors, Not(HasSubstr("the broker was")));
+        return wait.errors;
+    };
+    EXPECT_THAT(why("uno1", "200ms"), HasSubstr("the board is online"));
+    EXPECT_THAT(why("uno1", "0"), HasSubstr("the board is online"));
+    EXPECT_THAT(why("nobody", "200ms"), HasSubstr("not announced"));
+    probe_.publish("asip/servicebus/uno1/$state", "", true);  // what a broker is late with is not there
+    EXPECT_THAT(why("uno1", "200ms"), HasSubstr("only an old description is retained"));
+}
+
 TEST_F(ChangesTest, WaitWhileTheBrokerIsGone_ClaimsNoState) {
     announce("uno1");
     ChildProcess wait(program({"wait", "uno1", "--for", "lost", "--timeout", "4s"}), environment());
