@@ -278,6 +278,17 @@ TEST_F(SparkplugNodeTest, CommandThatThePropertyRefuses_IsAnsweredAndNotSent) {
                 AllOf(HasSubstr(kBadQuality), HasSubstr("a command made pin 9 an input")));
 }
 
+TEST_F(SparkplugNodeTest, FloodOfCommandsThatFail_IsNoFloodOfData) {
+    active();
+    const auto before = world.view().data["uno1"];
+    for (int i = 0; i < 1000; ++i) {
+        world.ask("DCMD", "/uno1", "servo/0/angle", whole(1000 + i));
+        if (i % 100 == 99) world.step();
+    }
+    world.pass(1s);
+    EXPECT_LE(world.view().data["uno1"] - before, 12);
+}
+
 TEST_F(SparkplugNodeTest, LightIsSetByItsParts_AndKeepsTheOthers) {
     auto board = exported(0, false);
     board.properties.push_back(strip_of_pixels());
@@ -360,6 +371,16 @@ TEST_F(SparkplugNodeTest, WhatIsNoCommand_IsCountedAndDropped_AndTheNextOneWorks
     world.set("uno1", "distance/0", whole(1));
     world.set("uno1", "servo/0/angle", kNull);
     EXPECT_EQ(gateway.commands.size(), 1u);
+}
+
+TEST_F(SparkplugNodeTest, ReadOnly_NothingIsSet_ButBirthsAreGiven) {
+    auto& gateway = world.start_node(SparkplugWorld::read_only());
+    world.pass(3s);
+    world.set("uno1", "servo/0/angle", whole(90));
+    EXPECT_THAT(gateway.commands, IsEmpty());
+    world.rebirth();
+    world.pass(2s);
+    EXPECT_EQ(world.view().bd_seqs.size(), 2u);
 }
 
 TEST_F(SparkplugNodeTest, GatewayThatIsKilled_DiesByItsWill_WithTheNumberOfItsBirth) {
