@@ -75,11 +75,12 @@ class NotifyTest : public ::testing::Test {
 
 TEST_F(NotifyTest, MassLoss_IsOneMessageWithinASecondAndABit) {
     const auto hook = receiver();
-    start_registry("http://127.0.0.1:" + port_ + "/lab/?key=1");
+    start_registry("http://ann:p%40ss@127.0.0.1:" + port_ + "/lab/?key=1");
     announce(0, 300);
     say(0, 300, "lost");
     ASSERT_TRUE(hook->wait_for_output("POST .*\\}$")) << registry_->errors();
     EXPECT_THAT(hook->output(), HasSubstr("POST /lab/?key=1 {"));
+    EXPECT_THAT(hook->output(), HasSubstr("USER Basic YW5uOnBAc3M=")) << "ann:p@ss";
     const auto first = bodies(*hook).front();
     EXPECT_THAT(first["text"].get<std::string>(), ::testing::EndsWith(" boards lost, all behind host vm"));
     EXPECT_EQ(first["registry"], "r1");
