@@ -40,6 +40,12 @@ TEST(BadInput, LinkThatIsSomethingElse_IsNotReplaced) {
     EXPECT_EQ(std::filesystem::file_size(precious), 7u);
 }
 
+TEST(BadInput, TwoBoardsWithOneName) {
+    const TempDir folder;
+    const auto file = board_file(folder, "uno.json");
+    EXPECT_THAT(refusal({file, file}), HasSubstr("another board is called uno too"));
+}
+
 TEST(BadInput, TcpPortInUse_Refused) {
     const TempDir folder;
     const auto file = board_file(folder, "uno.json");
