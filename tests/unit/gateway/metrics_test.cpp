@@ -121,6 +121,22 @@ TEST_F(MetricsApiTest, AnswerAboutManyBoards_IsMadeInSteps) {
     EXPECT_GT(answer->steps, 2003 + 2000 / Writer::kRead + 20 * (2000 / Writer::kWritten));
 }
 
+TEST_F(MetricsApiTest, Numbers_AreOfBoardsServicesCommandsAndTheGateway) {
+    bus("asip/servicebus/desk/$stats", R"({"uptime":1,"line":{"bytes_in":5,"bytes_out":7}})");
+    ask("POST", "/api/boards/desk/services/servo/commands/write", "[0,90]");
+    answer(R"({"status":"ok","proof":"fence"})");
+    const auto text = metrics();
+    for (const char* line : {"asip_services{asip_service=\"servo\"} 3\n", "asip_boards{state=\"online\"} 3\n",
+                             "asip_gateway_commands_total{outcome=\"ok\"} 1\n",
+                             "asip_gateway_command_duration_seconds_bucket{le=\"+Inf\"} 1\n",
+                             "asip_board_line_bytes_total{board=\"desk\",direction=\"in\"} 5\n"})
+        EXPECT_THAT(text, HasSubstr(line));
+    EXPECT_THAT(text, Not(HasSubstr("quantile")));
+    const auto open = ask("GET", "/metrics", {}, {{"accept", "application/openmetrics-text; version=1.0.0"}});
+    EXPECT_TRUE(open->response->text().ends_with("# EOF\n"));
+    EXPECT_THAT(std::string(open->response->text()), HasSubstr("# TYPE asip_gateway_commands counter\n"));
+}
+
 TEST_F(MetricsApiTest, ChosenServices_ShowTheirLastValues) {
     EXPECT_THAT(metrics(), Not(HasSubstr("asip_value")));
     const auto text = metrics("?values=d*/distance,hall/*");
