@@ -28,13 +28,14 @@ int Search::longer(int turn) {
 }
 
 void Search::start(unsigned start_baud, bool rates, int turn, Time quiet_until, Time now, bool patient) {
-    rates_.assign(patient ? kPatientTurns : 1, start_baud);
+    patient_turns_ = patient ? kPatientTurns : 1;
+    rates_.assign(patient_turns_, start_baud);
     if (rates)
         for (unsigned rate : {500'000u, 1'000'000u, 250'000u, 115'200u})
             if (rate != start_baud) rates_.push_back(rate);
-    index_ = 0;
-    asked_ = asked_at_start_ = 0;
     turn_ = turn;
+    index_ = first_turn();
+    asked_ = asked_at_start_ = 0;
     heard_ = bytes_came_ = false;
     quiet_until_ = quiet_until;
     deadline_ = now;
@@ -55,9 +56,15 @@ Search::Step Search::next(Time now) {
     ++asked_;
     if (std::exchange(heard_, false) || (at_start && asked_ % 2 == 1)) return step;
     asked_ = 0;
-    index_ = (index_ + 1) % rates_.size();
-    if (index_ == 0 && rates_.size() > 1 && std::exchange(bytes_came_, false)) turn_ = longer(turn_);
+    if (++index_ < rates_.size()) return step;
+    if (rates_.size() > 1 && std::exchange(bytes_came_, false)) turn_ = longer(turn_);
+    index_ = first_turn();
     return step;
+}
+
+// Longer turns need fewer of them for the same patience.
+std::size_t Search::first_turn() const {
+    return patient_turns_ - std::max<std::size_t>(1, patient_turns_ / static_cast<std::size_t>(turn_));
 }
 
 void Machine::ask(Searching& state, Time now, Actions& out) {

@@ -36,7 +36,10 @@ class Search {
     void bytes_came() { bytes_came_ = true; }
 
   private:
+    std::size_t first_turn() const;
+
     std::vector<unsigned> rates_;
+    std::size_t patient_turns_ = 1;  // at the start rate, of a first cycle
     std::size_t index_ = 0;
     unsigned asked_ = 0;           // questions at the rate whose turn it is
     unsigned asked_at_start_ = 0;  // since start()

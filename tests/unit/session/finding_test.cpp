@@ -87,6 +87,18 @@ TEST(Search, BoardThatAnswersLate_IsHeardAtItsRate) {
     }
 }
 
+// As a board does that reports at the rate to which it was stepped up before.
+TEST(Search, PatientOneWhereBytesCome_TriesOtherRatesAgainWithinNineSeconds) {
+    Search search;
+    search.start(57600, true, 1, Time{}, Time{}, true);
+    Time other{};
+    for (Time now{}; now < Time{} + 60s; now = search.next_deadline()) {
+        if (search.next(now).baud != 57600) other = now;
+        search.bytes_came();
+        ASSERT_LT(now, other + 9s);
+    }
+}
+
 /// When a board is asked that goes on only after a second without a byte, whatever it says meanwhile.
 Time goes_on_at(bool rates, bool says_something) {
     Search search;
