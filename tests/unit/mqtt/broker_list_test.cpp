@@ -67,6 +67,35 @@ TEST_F(BrokerListTest, SilenceOfABrokerThatTook5_IsNoSuspicion) {
     EXPECT_TRUE(list.with_v5());
 }
 
+TEST_F(BrokerListTest, VersionRefused_SameBrokerIsTriedWithout5AndNothingIsReported) {
+    auto list = list_of(2);
+    EXPECT_TRUE(list.with_v5());
+    auto end = ended(list, Kind::kRefused);
+    end.version_refused = true;
+    EXPECT_FALSE(list.failed(end, true, random_).failure);
+    EXPECT_EQ(list.current().host, "broker0");
+    EXPECT_FALSE(list.with_v5());
+}
+
+TEST_F(BrokerListTest, VersionRefusedWhereNoOtherIsAllowed_IsReported) {
+    auto list = list_of(1, Version::kV5);
+    auto end = ended(list, Kind::kRefused);
+    end.version_refused = true;
+    EXPECT_TRUE(list.failed(end, true, random_).failure);
+    EXPECT_TRUE(list.with_v5());
+}
+
+TEST_F(BrokerListTest, ClosedUnansweredTwice_TriesWithout5AndReturnsTo5WhenThatFailsToo) {
+    auto list = list_of(2);
+    list.failed(unanswered(list), true, random_);
+    EXPECT_EQ(list.current().host, "broker0") << "suspected: the same broker again";
+    EXPECT_TRUE(list.with_v5());
+    list.failed(unanswered(list), true, random_);
+    EXPECT_FALSE(list.with_v5());
+    list.failed(unanswered(list), false, random_);
+    EXPECT_EQ(list.current().host, "broker1") << "the suspicion was wrong";
+}
+
 TEST_F(BrokerListTest, TlsBrokerThatClosesUnansweredThreeTimes_IsReportedAsTls) {
     BrokerList list({{"broker", 8883, true}}, Version::kV5, Backoff(100ms, 2s));
     EXPECT_EQ(list.failed(unanswered(list), true, random_).failure->kind, Kind::kNoAnswer);
