@@ -56,6 +56,18 @@ TEST_F(SubscriptionsTest, Refused_IsDueAgainAfterAGrowingPause) {
     EXPECT_TRUE(subscriptions.usable());
 }
 
+TEST_F(SubscriptionsTest, Refused_IsSaidUntilTheNextConnection) {
+    subscriptions.add("a", {.qos = 1, .no_local = true});
+    EXPECT_FALSE(send_due().at(0).was_refused);
+    answer(false);
+    now += 1min;
+    const auto again = send_due();
+    EXPECT_TRUE(again.at(0).was_refused);
+    EXPECT_TRUE(again.at(0).options.no_local);
+    subscriptions.restart();
+    EXPECT_FALSE(send_due().at(0).was_refused);
+}
+
 TEST_F(SubscriptionsTest, CouldNotBeSent_IsDueAgain) {
     subscriptions.add("a", {});
     EXPECT_THAT(filters(subscriptions.take_due(now)), testing::ElementsAre("a"));
