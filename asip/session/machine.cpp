@@ -75,7 +75,7 @@ void Machine::search(Time quiet_until, Time now, Actions& out) {
     search.start(wire_.start_baud(), wire_.has_rates(), identifying ? Search::longer(identifying->turn) : 1,
                  quiet_until, now, options_.opens_for_rate);
     asked_at_.reset();
-    state_ = Searching{search, now};
+    state_ = Searching{search, now, false};
     ask(std::get<Searching>(state_), now, out);
 }
 

@@ -54,6 +54,7 @@ class Machine {
     struct Searching {
         Search search;
         Time since;
+        bool switched = false;  // checksums, with the question that is open
     };
     struct Identifying {
         Interview interview;

@@ -34,7 +34,7 @@ void Search::start(unsigned start_baud, bool rates, int turn, Time quiet_until, 
         for (unsigned rate : {500'000u, 1'000'000u, 250'000u, 115'200u})
             if (rate != start_baud) rates_.push_back(rate);
     turn_ = turn;
-    index_ = first_turn();
+    index_ = last_ = first_turn();
     asked_ = asked_at_start_ = 0;
     heard_ = bytes_came_ = false;
     quiet_until_ = quiet_until;
@@ -42,6 +42,8 @@ void Search::start(unsigned start_baud, bool rates, int turn, Time quiet_until, 
 }
 
 Search::Step Search::next(Time now) {
+    if (std::exchange(heard_, false)) index_ = last_;
+    last_ = index_;
     const unsigned baud = rates_[index_];
     if (now < quiet_until_) {
         deadline_ = quiet_until_;
@@ -54,7 +56,7 @@ Search::Step Search::next(Time now) {
     if (at_start && ++asked_at_start_ % 4 == 3) listens = std::max(listens, kSilence);
     deadline_ = now + listens;
     ++asked_;
-    if (std::exchange(heard_, false) || (at_start && asked_ % 2 == 1)) return step;
+    if (at_start && asked_ % 2 == 1) return step;
     asked_ = 0;
     if (++index_ < rates_.size()) return step;
     if (rates_.size() > 1 && std::exchange(bytes_came_, false)) turn_ = longer(turn_);
@@ -72,7 +74,8 @@ void Machine::ask(Searching& state, Time now, Actions& out) {
     wire_.set_rate(step.baud, {}, out);
     if (!step.ask) return;
     std::vector<std::string> lines;
-    if (checksums_seen_ || has_checksums()) {
+    state.switched = checksums_seen_ || has_checksums();
+    if (state.switched) {
         lines = wire_.switching_lines(false);
     } else if (step.newline_first) {
         lines.emplace_back();
@@ -96,7 +99,9 @@ void Machine::on_event(Searching& state, const protocol::Event& event, std::stri
 void Machine::on_error(Searching& state, const protocol::ErrorReply& error, std::string_view, Time now,
                        Actions& out) {
     state.search.heard();
-    if (error.code != static_cast<int>(protocol::ErrorCode::kBadChecksum) || checksums_seen_) return;
+    if (error.code != static_cast<int>(protocol::ErrorCode::kBadChecksum) ||
+        std::exchange(state.switched, true))
+        return;
     // A program before us left checksums on.
     checksums_seen_ = true;
     auto lines = wire_.switching_lines(false);

@@ -41,6 +41,7 @@ class Search {
     std::vector<unsigned> rates_;
     std::size_t patient_turns_ = 1;  // at the start rate, of a first cycle
     std::size_t index_ = 0;
+    std::size_t last_ = 0;         // where the question before was asked
     unsigned asked_ = 0;           // questions at the rate whose turn it is
     unsigned asked_at_start_ = 0;  // since start()
     int turn_ = 1;

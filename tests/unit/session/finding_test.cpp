@@ -87,6 +87,26 @@ TEST(Search, BoardThatAnswersLate_IsHeardAtItsRate) {
     }
 }
 
+TEST(Search, WhereSomethingReadsAsAsip_IsAskedNext) {
+    Search search;
+    search.start(57600, true, 1, Time{}, Time{});
+    Time now{};
+    while (search.next(now).baud != 1'000'000)
+        now = search.next_deadline();
+    search.heard();
+    EXPECT_EQ(search.next(search.next_deadline()).baud, 1'000'000u);
+    EXPECT_EQ(search.next(search.next_deadline()).baud, 250'000u);
+}
+
+// By an agent that was killed.
+TEST(BoardSession, ChecksumsAndAFastLineWereLeftOn_BoardIsFoundAtTheFirstQuestionThere) {
+    Bench bench;
+    bench.board.baud = 1'000'000;
+    bench.board.checksum = true;
+    bench.plug();
+    EXPECT_TRUE(bench.ready_within(1s));
+}
+
 // As a board does that reports at the rate to which it was stepped up before.
 TEST(Search, PatientOneWhereBytesCome_TriesOtherRatesAgainWithinNineSeconds) {
     Search search;
