@@ -32,8 +32,8 @@ class Request {
     // True if there is another argument.
     bool more() const { return good_ && *next_ == ','; }
 
-    // The rest of the line after a comma, as text; empty if there is none. One that no comma begins spoils the
-    // request: it belongs to the argument before.
+    // The rest of the line after a comma, as text; empty if there is none. One that no comma begins spoils
+    // the request: it belongs to the argument before.
     const char* text();
 
     // True if every argument asked for was good and nothing is left over.
