@@ -81,10 +81,8 @@ class LentBoard:
                 select.select([fd] if fd is not None else [], [], [], 0.01)
 
     def send(self, message):
-        try:
+        with contextlib.suppress(OSError, websocket.WebSocketException):  # why it ended comes on the other way
             self.socket.send_binary(message)
-        except (OSError, websocket.WebSocketException):
-            self.stopping.set()
 
     def to_board(self):
         try:
