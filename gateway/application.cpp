@@ -44,7 +44,11 @@ Application::Application(ProgramOptions options)
     : options_(std::move(options)),
       timer_(io_),
       soon_(io_),
-      shares_(bus::Shares::processor_time, [this] { turn(); }),
+      shares_(bus::Shares::processor_time,
+              [this] {
+                  client_->give_way();  // a value leaves to the browser before the next message is handled
+                  turn();
+              }),
       boards_(
           shares_, [this](const mqtt::Message& received) { handle(received); },
           [this](const std::string& topic) {
