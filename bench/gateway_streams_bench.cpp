@@ -113,7 +113,7 @@ Outcome measure(int clients, int per_second, std::chrono::seconds time) {
         broker.address(),
         {"--config",
          settings_file("max-streams = 20000\nmax-connections = 20000\nmax-connections-per-address = "
-                       "20000\nmax-client-bytes = 4294967296\n")});
+                       "20000\nmax-client-bytes = 2147483648\n")});
     BusProbe probe(broker.port(), {});
     probe.publish("asip/servicebus/uno1/$description", described("uno1"), true);
     probe.publish("asip/servicebus/uno1/$state", "online", true);
