@@ -65,6 +65,7 @@ void ExportConnection::tell_soon(exports::Export& of) {
 exports::Export::Port ExportConnection::port(std::function<exports::Export&()> of) {
     exports::Export::Port port;
     port.connect = [this, of] { connect(of()); };
+    port.again = [this, of] { tell_soon(of()); };
     // It may be in the middle of a handler of that client, which must not end it.
     port.disconnect = [this] { stop(kConnectionEnd, [] {}); };
     port.publish = [this, of = std::move(of)](mqtt::Message message) {

@@ -15,13 +15,6 @@ std::vector<std::string> Dialect::watched() const {
     return result;
 }
 
-std::vector<std::string> Dialect::below(const std::string& begin, const Retained& found) {
-    std::vector<std::string> result;
-    for (auto each = found.lower_bound(begin); each != found.end() && each->first.starts_with(begin); ++each)
-        result.push_back(each->first);
-    return result;
-}
-
 std::optional<Dialect::Command> Dialect::command_below(std::string_view begin, std::string_view topic) {
     constexpr std::string_view kEnd = "/set";
     if (!topic.starts_with(begin) || !topic.ends_with(kEnd)) return std::nullopt;

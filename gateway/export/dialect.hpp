@@ -44,8 +44,8 @@ class Dialect {
     virtual std::vector<std::string> retained(const std::string& place) const = 0;
     /// Filters for what it retains, which match no command.
     virtual std::vector<std::string> watched() const;
-    /// The export's topics among all that is retained.
-    virtual std::vector<std::string> ours(const Retained& found, const std::string& place) const = 0;
+    /// Whether a topic of all that is retained is the export's.
+    virtual bool is_ours(const Retained& found, const std::string& topic, const std::string& place) const = 0;
 
     // --- the gateway
 
@@ -73,6 +73,8 @@ class Dialect {
 
     /// The board's name in topics.
     virtual std::string id_of(std::string_view board) const { return std::string(board); }
+    /// The one board that may have this id: ask id_of().
+    virtual std::string name_of(std::string_view id) const { return std::string(id); }
     virtual std::string board_state(std::string_view board) const = 0;
     /// `state`: of the catalogue.
     virtual std::string state_of_board(bool there, std::string_view state) const = 0;
@@ -124,7 +126,6 @@ class Dialect {
     virtual Expected<nlohmann::json> value_of(const Property& property, std::string_view payload) const = 0;
 
   protected:
-    static std::vector<std::string> below(const std::string& begin, const Retained& found);
     /// BEGIN + "BOARD/ENTITY/set".
     static std::optional<Command> command_below(std::string_view begin, std::string_view topic);
 };

@@ -33,6 +33,7 @@ class Export {
         // Over that connection:
         std::function<void(mqtt::Message)> publish;
         std::function<bool()> has_room;  ///< more may be published now
+        std::function<void()> again;     ///< sent() is called once others had their turn
         std::function<void()> discard;   ///< what waits to be published is forgotten
         std::function<void(const std::string& filter)> subscribe;
         /// To what others publish from now on, across connections.

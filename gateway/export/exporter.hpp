@@ -64,7 +64,8 @@ class RetainedScan {
 class Exporter final : public BoardExport {
   public:
     static constexpr Duration kBetweenDocuments = std::chrono::seconds(2);  ///< of one board
-    static constexpr std::size_t kSlice = 20;  ///< messages that are acknowledged
+    static constexpr std::size_t kSlice = 20;        ///< messages that are acknowledged
+    static constexpr std::size_t kBoardsAtOnce = 8;  ///< are looked at in a turn
     static constexpr Duration kBetweenSessions = std::chrono::seconds(20);  ///< their messages
     static constexpr Duration kScanLimit = std::chrono::seconds(10);
     static constexpr Duration kPutBack = std::chrono::milliseconds(500);  ///< behind what others empty
@@ -115,10 +116,23 @@ class Exporter final : public BoardExport {
     };
     using Records = std::unordered_map<std::string, Record>;
 
+    /// What was retained, while it is looked through: in turns.
+    struct Scanned {
+        Dialect::Retained found;
+        std::optional<Dialect::Retained::const_iterator> next;  // behind the boards
+        std::set<std::string> places;
+        std::map<std::string, std::string> sessions;  // of boards, as an exporter published them
+        std::set<std::string> wanted;                 // topics
+        std::vector<std::string> boards;              // to be looked at
+        std::set<std::string> listed;                 // these, and those that were
+    };
+
     void begin_scan(Time now);
-    void finish_scan(Time now);
-    void begin_to_show(const Dialect::Retained& found);
-    void take_retained(Record& record, Present present, const Dialect::Retained& found, bool same, Time now);
+    void finish_scan();
+    void look_through(Time now);
+    void adopt(const std::string& name, Time now);
+    void show_all(Time now);
+    void begin_to_show();
     void show_gateway();
     void show_standing();
     void show_sessions(Time now);
@@ -156,6 +170,7 @@ class Exporter final : public BoardExport {
     std::optional<Time> put_back_at_;
     std::set<std::pair<std::string, std::size_t>> pending_;  // states that wait for their turn
     RetainedScan scan_;
+    std::optional<Scanned> scanned_;
     std::string gateway_document_;    // as it was published
     std::string standing_;            // likewise
     std::size_t online_ = 0;          // of the records

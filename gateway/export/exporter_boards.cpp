@@ -61,14 +61,20 @@ void Exporter::pump(Time now) {
     // Ahead of all that is there.
     if (auto lease = turn_.renewal(now)) retain(dialect().lease(), std::move(*lease), 0);
     const auto end = acknowledged_ + kSlice;
-    while (!dirty_.empty() && acknowledged_ < end && port_.has_room()) {
+    std::size_t looked_at = 0;
+    for (; !dirty_.empty() && looked_at < kBoardsAtOnce && acknowledged_ < end && port_.has_room();
+         ++looked_at) {
         const auto name = *dirty_.begin();
         dirty_.erase(dirty_.begin());
         update(name, now);
         const auto record = records_.find(name);
         if (record != records_.end() && record->second.document_due) later_.insert(name);
     }
-    if (!dirty_.empty()) return;
+    if (!dirty_.empty()) {
+        // Else an acknowledgement goes on.
+        if (looked_at == kBoardsAtOnce && acknowledged_ + kSlice == end) port_.again();
+        return;
+    }
     if (gateway_due_) show_gateway();
     if (sessions_due_ && (sessions_at_ == Time{} || now - sessions_at_ >= kBetweenSessions) &&
         states_are_of_their_sessions())
@@ -279,11 +285,8 @@ void Exporter::show(Record& record, std::size_t index, const std::optional<json>
 // --- commands
 
 Exporter::Record* Exporter::record_of(const std::string& id) {
-    const auto named = records_.find(id);
-    if (named != records_.end() && dialect().id_of(id) == id) return &named->second;
-    for (auto& [name, record] : records_)
-        if (dialect().id_of(name) == id) return &record;
-    return nullptr;
+    const auto found = records_.find(dialect().name_of(id));
+    return found != records_.end() && dialect().id_of(found->first) == id ? &found->second : nullptr;
 }
 
 void Exporter::command(const Dialect::Command& which, const std::string& payload) {

@@ -53,7 +53,7 @@ class HomeAssistant final : public Dialect {
     std::vector<std::string> retained(const std::string& place) const override {
         return {place + "/device/+/config"};
     }
-    std::vector<std::string> ours(const Retained& found, const std::string& place) const override;
+    bool is_ours(const Retained& found, const std::string& topic, const std::string& place) const override;
     /// Whether a topic is the document of some board of this bus, or of its gateway.
     bool is_document(const std::string& topic, const std::string& place) const;
     std::string gateway_state() const override { return base() + "/$state"; }

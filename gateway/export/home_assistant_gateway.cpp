@@ -51,14 +51,11 @@ bool HomeAssistant::is_document(const std::string& topic, const std::string& pla
            topic.find('/', begin.size()) == topic.size() - kEnd.size();
 }
 
-std::vector<std::string> HomeAssistant::ours(const Retained& found, const std::string& place) const {
-    auto result = below(base() + "/", found);
+bool HomeAssistant::is_ours(const Retained& found, const std::string& topic, const std::string& place) const {
     // Another bus on this broker may have a root that begins as this one's does.
-    const auto state = model::dump_json(json(gateway_state()));
-    for (auto& topic : below(place + "/", found))
-        if (is_document(topic, place) && found.at(topic).find(state) != std::string::npos)
-            result.push_back(std::move(topic));
-    return result;
+    return topic.starts_with(base() + "/") ||
+           (is_document(topic, place) &&
+            found.at(topic).find(model::dump_json(json(gateway_state()))) != std::string::npos);
 }
 
 void HomeAssistant::describe_origin(ObjectText& document) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -43,13 +44,6 @@ json document_from(const std::string& text) {
     auto parsed =
         model::parse_json(text, {.max_bytes = kMaxDescriptionBytes, .max_depth = kMaxDescriptionDepth});
     return parsed && parsed->is_object() ? std::move(*parsed) : json();
-}
-
-std::string root_of(const std::string& description) {
-    const auto document = document_from(description);
-    if (!document.is_object()) return {};
-    const auto root = document.find("root");
-    return root != document.end() && root->is_string() ? root->get<std::string>() : std::string();
 }
 
 /// The version in a description on the bus; 0: none of ours is there.
@@ -212,23 +206,33 @@ std::string Homie::id_of(std::string_view board) const {
     return board == gateway_id() ? std::string(board) + "--" : id_from(board);
 }
 
-std::vector<std::string> Homie::ours(const Retained& found, const std::string& place) const {
-    auto result = below(base() + "/", found);
-    const auto begin = place + "/5/";
-    std::string id;
-    bool own = false;
-    for (auto& topic : below(begin, found)) {
-        const auto slash = topic.find('/', begin.size());
-        if (slash == std::string::npos) continue;
-        if (auto next = topic.substr(begin.size(), slash - begin.size()); next != id) {
-            id = std::move(next);
-            own = id == gateway_id();
-            const auto description = found.find(begin + id + "/" + std::string(kDescription));
-            if (!own && description != found.end()) own = root_of(description->second) == gateway_id();
+std::string Homie::name_of(std::string_view id) const {
+    std::string name;
+    while (!id.empty()) {
+        const bool escaped = id.starts_with("--");
+        unsigned byte = escaped ? 0 : static_cast<unsigned char>(id.front());
+        id.remove_prefix(escaped ? 2 : 1);
+        if (escaped) {
+            const auto digits = id.substr(0, 2);
+            id.remove_prefix(digits.size());
+            if (std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16).ec != std::errc())
+                break;
         }
-        if (own) result.push_back(std::move(topic));
+        name += static_cast<char>(byte);
     }
-    return result;
+    return name;
+}
+
+bool Homie::is_ours(const Retained& found, const std::string& topic, const std::string& place) const {
+    if (topic.starts_with(base() + "/")) return true;
+    const auto begin = place + "/5/";
+    const auto slash = topic.starts_with(begin) ? topic.find('/', begin.size()) : std::string::npos;
+    if (slash == std::string::npos) return false;
+    const auto device = topic.substr(0, slash);
+    if (device == begin + gateway_id()) return true;
+    const auto description = found.find(device + "/" + std::string(kDescription));
+    return description != found.end() &&
+           description->second.find("\"root\":\"" + gateway_id() + "\"") != std::string::npos;
 }
 
 std::string Homie::gateway_document(const std::vector<std::string>& boards, const std::string& on_bus) const {

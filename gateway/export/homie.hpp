@@ -41,7 +41,7 @@ class Homie final : public Dialect {
         return {base() + "/+", begin, begin + "/+", begin + "/+/$target"};
     }
     /// The devices below the same root device.
-    std::vector<std::string> ours(const Retained& found, const std::string& place) const override;
+    bool is_ours(const Retained& found, const std::string& topic, const std::string& place) const override;
     std::string gateway_state() const override { return topic(gateway_id(), "$state"); }
     std::string online() const override { return "ready"; }
     std::string leaving() const override { return "disconnected"; }
@@ -52,6 +52,7 @@ class Homie final : public Dialect {
     std::string gateway_document(const std::vector<std::string>& boards,
                                  const std::string& on_bus) const override;
     std::string id_of(std::string_view board) const override;
+    std::string name_of(std::string_view id) const override;
     std::string board_state(std::string_view board) const override { return topic(id_of(board), "$state"); }
     std::string state_of_board(bool there, std::string_view state) const override;
     std::string document_topic(std::string_view board) const override {

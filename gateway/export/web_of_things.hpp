@@ -50,8 +50,9 @@ class WebOfThings final : public Dialect {
     std::string base() const override { return options_.root + "/export/wot"; }
     std::string place() const override { return base(); }
     std::vector<std::string> retained(const std::string& /*place*/) const override { return {}; }
-    std::vector<std::string> ours(const Retained& found, const std::string& /*place*/) const override {
-        return below(base() + "/", found);
+    bool is_ours(const Retained& /*found*/, const std::string& topic,
+                 const std::string& /*place*/) const override {
+        return topic.starts_with(base() + "/");
     }
     std::string gateway_state() const override { return base() + "/$state"; }
     std::string online() const override { return R"("online")"; }

@@ -68,6 +68,7 @@ TEST(ExportIds, NameThatIsChosenLikeAnId_IsAnother) {
     for (const auto& name : names) {
         documents.insert(ha.document_topic(name));
         ids.insert(homie.id_of(name));
+        EXPECT_EQ(homie.name_of(homie.id_of(name)), name);
     }
     EXPECT_EQ(documents.size(), names.size());
     EXPECT_EQ(ids.size(), names.size());
@@ -85,7 +86,8 @@ TEST(ExportIds, DocumentsOfAnotherBusWhoseRootBeginsAlike_AreNotOurs) {
     Dialect::Retained found;
     for (const auto* each : {&ours, &theirs})
         found[each->document_topic("uno1")] = each->document(board);
-    EXPECT_THAT(ours.ours(found, "homeassistant"), ElementsAre(ours.document_topic("uno1")));
+    EXPECT_TRUE(ours.is_ours(found, ours.document_topic("uno1"), "homeassistant"));
+    EXPECT_FALSE(ours.is_ours(found, theirs.document_topic("uno1"), "homeassistant"));
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ class ExportWorld {
     struct Gateway {
         std::unique_ptr<Export> exporter;
         bool alive = true, own = false, own_up = false, own_granted = false;
+        bool again = false;                 // it asked for a turn
         std::optional<mqtt::Message> will;  // of its own connection
         std::set<std::string> own_filters;
         std::deque<mqtt::Message> inbox, own_inbox;
@@ -155,8 +156,8 @@ class ExportWorld {
                 gateway->own_granted = true;
                 gateway->exporter->own_subscribed(now);
             }
-            gateway->exporter->tick(now);
-            gateway->exporter->sent(now);
+            turn([&] { gateway->exporter->tick(now); });
+            turn([&] { gateway->exporter->sent(now); });
         }
         deliver();
     }
@@ -215,8 +216,14 @@ class ExportWorld {
     std::size_t room = 1000000;  // messages a tenth of a second
     Time now{};
     std::uint64_t refused = 0;
+    std::size_t looks = 0, most_looks = 0;  // at boards in a turn
 
   private:
+    void turn(const std::function<void()>& what) {
+        looks = 0;
+        what();
+        most_looks = std::max(most_looks, looks);
+    }
     Random random() {
         return [state = seed_ += 7]() mutable {
             state += 0x9e3779b97f4a7c15;
@@ -249,7 +256,11 @@ class ExportWorld {
                 while (gateway.alive && gateway.own && !gateway.own_inbox.empty()) {
                     const auto message = gateway.own_inbox.front();
                     gateway.own_inbox.pop_front();
-                    gateway.exporter->own_message(message, now);
+                    turn([&] { gateway.exporter->own_message(message, now); });
+                    any = true;
+                }
+                if (gateway.alive && std::exchange(gateway.again, false)) {
+                    turn([&] { gateway.exporter->sent(now); });
                     any = true;
                 }
             }
@@ -294,6 +305,7 @@ class ExportWorld {
             publish(message);
         };
         port.has_room = [gateway] { return gateway->room > 0; };
+        port.again = [gateway] { gateway->again = true; };
         port.discard = [] {};  // nothing waits
         port.subscribe = [this, gateway](const std::string& filter) {
             gateway->own_filters.insert(filter);
@@ -311,6 +323,7 @@ class ExportWorld {
             return names;
         };
         port.board = [this](const std::string& name) -> std::optional<Exporter::Present> {
+            ++looks;
             const auto found = boards.find(name);
             if (found == boards.end()) return std::nullopt;
             return Exporter::Present{found->second.there,

@@ -97,6 +97,25 @@ TEST_F(ExporterTest, BoardThatIsForgotten_LeavesNothing) {
     EXPECT_EQ(boards_shown(), 0u);
 }
 
+// A turn as long as all of them would delay each request over HTTP.
+TEST_F(ExporterTest, ManyBoards_AreLookedAtAFewInATurn) {
+    for (int i = 0; i < 100; ++i)
+        world.put("uno" + std::to_string(i), exported(1));
+    world.publish("asip/export/ha/gone/distance-0", "1", true);
+    auto& first = world.start();
+    world.pass(10s);
+    EXPECT_EQ(boards_shown(), 100u);
+    EXPECT_FALSE(world.retained.contains("asip/export/ha/gone/distance-0"));
+    world.kill(first);
+    world.publish("asip/export/ha/gone/distance-0", "1", true);
+    world.start();
+    world.pass(120s);
+    EXPECT_FALSE(world.retained.contains("asip/export/ha/gone/distance-0"));
+    EXPECT_EQ(world.times_sent(kDocument), 1u);
+    EXPECT_EQ(world.retained[kBoard], "online");
+    EXPECT_LE(world.most_looks, Exporter::kBoardsAtOnce);
+}
+
 TEST_F(ExporterTest, ValueThatIsNone_IsUnknown) {
     world.put("uno1", exported(1));
     world.start();

@@ -222,7 +222,8 @@ TEST(HomeAssistantDocument, OfTheGateway_HasConnectionBoardsAndStart) {
     EXPECT_EQ(standing["started"], options.started);
     const Dialect::Retained found{{home.gateway_document_topic(), document.dump()},
                                   {"homeassistant/device/other/config", "{}"}};
-    EXPECT_THAT(home.ours(found, "homeassistant"), testing::ElementsAre(home.gateway_document_topic()));
+    EXPECT_TRUE(home.is_ours(found, home.gateway_document_topic(), "homeassistant"));
+    EXPECT_FALSE(home.is_ours(found, "homeassistant/device/other/config", "homeassistant"));
 }
 
 TEST(HomeAssistantDocument, ReadOnly_HasNothingToSet) {
