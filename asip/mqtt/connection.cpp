@@ -174,9 +174,9 @@ void Connection::read_all() {
             return;
         }
         if (!still_open()) return;
-        if (packets_seen_ == before) return;
+        if (packets_seen_ == before && waits_for_bytes()) return;
     }
-    // What TLS has already decrypted no longer shows on the socket: come back without waiting for it.
+    // What TLS has already read no longer shows on the socket: come back without waiting for it.
     // Once, and in place of waiting for it: turns that bring forth two each leave other work none.
     if (broker_.tls && phase_ != Phase::kDown && !std::exchange(comes_back_, true)) {
         asio::post(io_, [self = shared_from_this()] {
@@ -184,6 +184,12 @@ void Connection::read_all() {
             self->serve();
         });
     }
+}
+
+/// A packet without a callback is no end of what TLS has read ahead, which no longer shows on the socket.
+bool Connection::waits_for_bytes() const {
+    const auto* tls = static_cast<const SSL*>(mosquitto_ssl_get(mosquitto_.get()));
+    return tls == nullptr || !SSL_want_nothing(tls);
 }
 
 /// libmosquitto closes its socket as soon as it has received or sent a DISCONNECT, whatever call it is in.
@@ -248,6 +254,7 @@ bool Connection::is_cut_off(Time now) {
 
 bool Connection::has_unread() const {
     int waiting = 0;
+    if (comes_back_) return true;
     return tcp_connected_ && ioctl(mosquitto_socket(mosquitto_.get()), FIONREAD, &waiting) == 0 &&
            waiting > 0;
 }

@@ -93,6 +93,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void wait_for(boost::asio::posix::stream_descriptor::wait_type what, bool Connection::* armed);
     void serve();
     void read_all();
+    bool waits_for_bytes() const;
     int write_out();             ///< what is queued; while serving, only once all has been read
     int send_queued(int error);  ///< behind a call of libmosquitto that queues a packet, and its result
     bool still_open();
@@ -129,7 +130,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool write_armed_ = false;
     unsigned duplicates_ = 0;  ///< counts the sockets that were watched
     bool serving_ = false;
-    bool comes_back_ = false;  // for what TLS has decrypted
+    bool comes_back_ = false;  // for what TLS has read
     bool closing_ = false;     ///< what the broker still sends is thrown away
     bool gives_way_ = false;
     unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more

@@ -9,6 +9,7 @@
 #include "tests/integration/mqtt/recorder.hpp"
 #include "tests/integration/mqtt/slow_lookups.hpp"
 #include "tests/support/bus_probe.hpp"
+#include "tests/support/counted.hpp"
 
 namespace asip::test {
 namespace {
@@ -69,6 +70,25 @@ TEST(MqttTls, Flood_LeavesOtherWorkOfTheLoopItsTurns) {
     boost::asio::post(bus.io, other_work);
     EXPECT_TRUE(bus.until([&] { return bus.messages.size() >= kMessages; }));
     EXPECT_LE(most, 64U);
+}
+
+// Each is a record of TLS.
+TEST(MqttTls, ManySmallMessages_AreReadManyAtATime) {
+    MosquittoBroker broker({.tls = true, .extra_lines = {"max_queued_messages 0"}});
+    constexpr std::size_t kMessages = 2000;
+    Recorder bus(tls_options(broker));
+    bus.client->subscribe("small");
+    ASSERT_TRUE(bus.connect());
+    ASSERT_TRUE(bus.until([&] { return bus.subscribed_calls > 0; }));
+    BusProbe::Options options;
+    options.ca = broker.certificates().ca;
+    BusProbe others(broker.port(), {}, options);
+    for (std::size_t i = 0; i < kMessages; ++i)
+        others.publish("small", "x");
+    ASSERT_TRUE(wait_until([&] { return others.all_acknowledged(); }));
+    const auto before = counted("thread-self", "syscr");
+    ASSERT_TRUE(bus.until([&] { return bus.messages.size() == kMessages; }));
+    EXPECT_LT(counted("thread-self", "syscr") - before, kMessages / 2);
 }
 
 TEST(MqttTls, SystemCertificateFolder_IsTrustedAlsoWithAClientCertificate) {
