@@ -60,8 +60,17 @@ class Secrets(unittest.TestCase):
         self.assertEqual(bus.asked(f"/kiosk/{bus.kiosk}/api/boards"), 200)
         self.assertEqual(bus.asked(f"/kiosk/{bus.kiosk}/api/stop", data=b"{}", headers={"Content-Type": "application/json"}), 403)
         self.assertEqual(bus.asked(f"/kiosk/{bus.kiosk}x/api/boards"), 404)
+        secrets["a link of a dashboard"] = link = self.made_link()
+        self.assertEqual(bus.asked(f"/kiosk/{link}/api/dashboards/lab"), 200)
+        self.assertEqual(bus.asked(f"/kiosk/{link}x/api/dashboards/lab"), 404)
         self.assertEqual(bus.asked("/api/boards", headers={"Authorization": f"Bearer {bus.token}"}), 200)
         self.assertEqual(bus.asked("/api/boards", headers={"Authorization": f"Bearer {bus.token}x"}), 401)
+        wrong = {"ASIP_USER": "ann", "ASIP_PASSWORD": "wrong-but-not-shown", "ASIP_CA": str(bus.work / "bus" / "ca.crt"),
+                 "ASIP_BROKER": f"mqtts://127.0.0.1:{bus.broker_port}"}
+        done = subprocess.run([str(BIN / "asipctl"), "list"], env={**os.environ, **wrong}, capture_output=True, text=True, timeout=60)
+        self.assertNotEqual(done.returncode, 0)
+        secrets["one of the environment"] = wrong["ASIP_PASSWORD"]
+        said += done.stdout + done.stderr
         # They write what they know of the connection to the broker when it is lost and made again, and when the password is wrong.
         bus.end("broker")
         self.assertIn(" trace ", self.log("agent-desk"))
@@ -73,6 +82,18 @@ class Secrets(unittest.TestCase):
         for name, secret in secrets.items():
             self.assertGreater(len(secret), 15)
             self.assertNotIn(secret, everything, name)
+
+    def made_link(self):
+        bus = self.bus
+        own = {"Authorization": f"Bearer {bus.token}", "Content-Type": "application/json"}
+        board = {"title": "lab", "widgets": [{"id": "w1", "kind": "slider", "board": "desk", "property": "servo/0/angle"}]}
+        self.assertIn(bus.asked("/api/dashboards/lab", data=json.dumps(board).encode(), headers=own, method="PUT"), (200, 201))
+        eventually(lambda: "lab" in json.dumps(bus.get("/api/dashboards")), "a dashboard", 60)
+        asked = urllib.request.Request(f"{bus.url}/api/dashboards/lab/links", b"{}", own)
+        with urllib.request.urlopen(asked, timeout=20) as answer:
+            token = json.load(answer)["token"]
+        eventually(lambda: bus.asked(f"/kiosk/{token}/api/dashboards/lab") == 200, "the link", 60)
+        return token
 
     def log(self, name):
         return (self.bus.work / f"{name}.log").read_text(errors="replace")
