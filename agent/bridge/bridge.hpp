@@ -175,12 +175,7 @@ class Bridge {
     mqtt::Message will() const { return announcer_->will(); }
     std::vector<member::Announcer::Subscription> subscriptions() const;
     /// To be added once the name is claimed: until then another agent is meant.
-    std::vector<std::string> control_subscriptions() const;
-    /// As control_subscriptions(), but the agent does without them where the broker refuses them: requests
-    /// for links, and what agents of before left, which is cleared.
-    std::vector<std::string> other_subscriptions() const {
-        return {board_.topics.link(name(), "+/+"), board_.topics.service_set(name(), "+")};
-    }
+    std::vector<member::Announcer::Subscription> control_subscriptions() const;
     const session::BoardSession& session() const { return board_.session; }
 
   private:

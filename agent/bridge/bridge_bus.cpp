@@ -36,12 +36,19 @@ std::vector<member::Announcer::Subscription> Bridge::subscriptions() const {
     return announcer_->subscriptions();
 }
 
-std::vector<std::string> Bridge::control_subscriptions() const {
+// Demands and requests for links are not acknowledged: a flood of them would take the places of commands
+// among the few messages that a broker has under way. The agent does without requests for links, and without
+// what agents of before left, where the broker refuses them.
+std::vector<member::Announcer::Subscription> Bridge::control_subscriptions() const {
     const auto& topics = board_.topics;
-    std::vector<std::string> filters{topics.board_in(name()), topics.service_in(name(), "+")};
-    if (options_.context.client_side) filters.push_back(topics.board_out(name()));
-    filters.push_back(topics.demand(name(), "+/+"));
-    return filters;
+    const mqtt::SubscribeOptions commands{.qos = 1, .no_local = true, .required = true};
+    std::vector<member::Announcer::Subscription> result{{topics.board_in(name()), commands},
+                                                        {topics.service_in(name(), "+"), commands}};
+    if (options_.context.client_side) result.push_back({topics.board_out(name()), commands});
+    result.push_back({topics.demand(name(), "+/+"), {.no_local = true, .required = true}});
+    for (auto& filter : {topics.link(name(), "+/+"), topics.service_set(name(), "+")})
+        result.push_back({filter, {.no_local = true}});
+    return result;
 }
 
 void Bridge::bus_connected(Time now, const std::string& client_id, bool expires, Effects& out) {

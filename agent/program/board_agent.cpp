@@ -98,7 +98,12 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
       stops_timer_(io_),
       shares_(bus::Shares::processor_time, [this] { share_turn(); }),
       source_shares_(
-          shares_, [this](const mqtt::Message& message) { hear_source(message); },
+          shares_, [this](const mqtt::Message& message) { hear_source(message); }, [](const std::string&) {}),
+      demand_shares_(
+          shares_,
+          [this](const mqtt::Message& message) {
+              if (const auto demand = bridge_.read(message, Clock::now())) take(*demand);
+          },
           [](const std::string&) {}) {
     host_.agents.insert(this);
 }

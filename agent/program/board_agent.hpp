@@ -139,7 +139,7 @@ class BoardAgent {
     /// Or waits until a check of CommandAge is due.
     void check_the_way();
     void take(const Inbound& message);
-    void ask_for_turn();
+    void ask_for_turn(Inbox& inbox);
     void note_published(const std::string& topic);
 
     AgentOptions options_;
@@ -173,17 +173,19 @@ class BoardAgent {
     boost::asio::steady_timer stops_timer_;
     std::optional<Loader> loader_;  // while firmware is loaded
     Inbox inbox_;
+    Inbox link_inbox_;                 // no command waits behind a request for a link
     std::optional<Time> reads_since_;  // what sockets hold may have been sent since then
     PortOutage outage_;
     mqtt::Backoff bus_patience_{std::chrono::minutes(1), std::chrono::minutes(5)};  // as a service
     std::optional<Time> armed_for_;
     bus::Shares shares_;
     bus::BoardShares source_shares_;
-    std::set<std::string> sources_;  // what is subscribed to for links
-    std::uint64_t sources_of_ = 0;   // Bridge::source_changes()
-    std::uint64_t told_ = 0;         // Bridge::standing_changes()
-    std::set<std::string> heard_;    // neighbours
-    std::set<std::string> to_hear_;  // those of them that changed, until the next turn of the loop
+    bus::BoardShares demand_shares_;  // of users: where they ask for more, the newest of each program counts
+    std::set<std::string> sources_;   // what is subscribed to for links
+    std::uint64_t sources_of_ = 0;    // Bridge::source_changes()
+    std::uint64_t told_ = 0;          // Bridge::standing_changes()
+    std::set<std::string> heard_;     // neighbours
+    std::set<std::string> to_hear_;   // those of them that changed, until the next turn of the loop
     Life life_ = Life::kRunning;
     Presence presence_ = Presence::kAway;
     std::string why_no_broker_;

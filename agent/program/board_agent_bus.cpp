@@ -47,10 +47,8 @@ void BoardAgent::connect_bus() {
 }
 
 void BoardAgent::subscribe_to_commands() {
-    for (const auto& filter : bridge_.control_subscriptions())
-        bus_->subscribe(filter, {.qos = 1, .no_local = true, .required = true});
-    for (const auto& filter : bridge_.other_subscriptions())
-        bus_->subscribe(filter, {.qos = 1, .no_local = true});
+    for (auto& [filter, how] : bridge_.control_subscriptions())
+        bus_->subscribe(std::move(filter), how);
     subscribe_to_sources();
     if (stops_) return;
     stops_ = stop_line_->listen(topics_.stop(bridge_.name()),
@@ -184,10 +182,14 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     // What waits came while the board was stopped, if it was.
     if (std::holds_alternative<Resume>(*inbound) && bridge_.is_stopped())
         inbox_.stop([](const Inbound&) { return false; });
+    if (const auto* demand = std::get_if<DemandMessage>(&*inbound))
+        return demand_shares_.message(
+            std::string_view(demand->demander).substr(0, demand->demander.find('/')), message, now);
     if (request_of(*inbound) != nullptr && bridge_.age().commanded(now, message.qos > 0)) check_the_way();
     if (!takes_turns(*inbound)) return take(*inbound);
-    const auto due = inbox_.arrive(std::move(*inbound));
-    ask_for_turn();
+    auto& inbox = std::holds_alternative<LinkRequest>(*inbound) ? link_inbox_ : inbox_;
+    const auto due = inbox.arrive(std::move(*inbound));
+    ask_for_turn(inbox);
     if (due) take(*due);
 }
 
@@ -238,12 +240,12 @@ void BoardAgent::check_the_way() {
         age.connection_changed();
 }
 
-void BoardAgent::ask_for_turn() {
-    if (ended() || !inbox_.asks_for_turn()) return;
-    boost::asio::post(io_, [this] {
-        for (auto left = inbox_.begin_turn(); left > 0 && !ended(); --left)
-            take(inbox_.pop());
-        ask_for_turn();
+void BoardAgent::ask_for_turn(Inbox& inbox) {
+    if (ended() || !inbox.asks_for_turn()) return;
+    boost::asio::post(io_, [this, &inbox] {
+        for (auto left = inbox.begin_turn(); left > 0 && !ended(); --left)
+            take(inbox.pop());
+        ask_for_turn(inbox);
     });
 }
 
@@ -265,6 +267,7 @@ void BoardAgent::report_counters() {
         if (error || ended()) return;
         if (bus_) reports_.look_for_drops(bus_->counters());
         source_shares_.tick(Clock::now());
+        demand_shares_.tick(Clock::now());
         report_counters();
     });
 }

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <csignal>
+
 #include "tests/integration/agent/fake_port.hpp"
 #include "tests/integration/agent/rig.hpp"
+#include "tests/support/counted.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
@@ -88,6 +91,40 @@ TEST(AgentBroker, HugePayloadOnAControlTopic_CostsTheAgentNothing) {
     ASSERT_TRUE(wait_until([&] { return sender.all_acknowledged(); }));
     EXPECT_LT(agent.process().resident_bytes(), memory_limit(std::size_t{20} << 20));
     EXPECT_TRUE(probe.request("asip/uno1/in", "#,?")) << agent.process().errors();
+}
+
+/// What waits for an agent, and what it does of that before it answers a command behind it.
+class AgentFlood : public testing::Test {
+  protected:
+    static constexpr std::size_t kFlood = 5000;
+
+    void SetUp() override { ASSERT_TRUE(wait_state(probe_, "online")) << agent_.process().errors(); }
+    void flood_and_command(const std::string& topic, const std::string& payload) {
+        agent_.process().signal(SIGSTOP);
+        for (std::size_t i = 0; i < kFlood; ++i)
+            probe_.publish(topic, payload);
+        probe_.publish("asip/uno1/in", R"({"raw":"#,?","id":"1","reply_to":"answers/command"})");
+        EXPECT_TRUE(wait_until([&] { return probe_.all_acknowledged(); }));
+        agent_.process().signal(SIGCONT);
+        EXPECT_TRUE(probe_.wait_for("answers/command")) << agent_.process().errors();
+    }
+
+    MosquittoBroker broker_{{.extra_lines = {"max_queued_messages 0"}}};
+    FakePort port_;
+    BusProbe probe_{broker_.port()};
+    Agent agent_{broker_, port_.path()};
+};
+
+TEST_F(AgentFlood, RequestsForLinks_DelayNoCommand) {
+    flood_and_command("asip/uno1/$link/olga/c1", R"({"remove":"none","id":"1","reply_to":"answers/link"})");
+    EXPECT_LT(probe_.count("answers/link"), kFlood / 2);
+    EXPECT_TRUE(wait_until([&] { return probe_.count("answers/link") == kFlood; }));
+}
+
+// An acknowledgement is a system call, and a broker has few messages under way that have none.
+TEST_F(AgentFlood, Demands_AreNotAcknowledged) {
+    flood_and_command("asip/servicebus/uno1/$demand/eve/c1", R"({"services":{"*":100},"lease":300})");
+    EXPECT_LT(counted(std::to_string(agent_.process().pid()), "syscw"), kFlood / 2);
 }
 
 }  // namespace
