@@ -21,6 +21,7 @@ namespace {
 namespace log = program::log;
 
 constexpr std::size_t kSocketBytes = 32 * 1024;  // of a WebSocket, beside the message that it reads
+constexpr std::uint32_t kMaxStopAnswer = 16 * 1024;
 constexpr Duration kSoon = std::chrono::milliseconds(1);
 constexpr Duration kLastWords = std::chrono::milliseconds(10);  // of WebSockets
 constexpr const char* kHomeAssistant = "homeassistant/status";
@@ -66,7 +67,9 @@ Application::Application(ProgramOptions options)
     calls.on_subscribed = [this] { gateway_->can_call(); };
     calls.on_disconnected = [this](const mqtt::ConnectionFailure& why) { gateway_->cannot_call(why); };
     asker_ = connection_for_answers(mqtt, "-commands", std::move(calls));
-    stopper_ = connection_for_answers(mqtt, "-stop", {});
+    auto short_answers = mqtt;
+    short_answers.max_packet_bytes = kMaxStopAnswer;
+    stopper_ = connection_for_answers(short_answers, "-stop", {});
     client_ = std::make_unique<mqtt::Client>(io_, std::move(mqtt), handlers());
     options_.gateway.simulator = has_program("asip-sim");
     options_.gateway.socket_bytes = options_.limits.message_bytes + kSocketBytes;
@@ -261,7 +264,8 @@ int Application::run() {
     replies.qos = 1;
     const auto answers = options_.gateway.replies();
     asker_->subscribe(answers.below("+").filter(), replies);
-    stopper_->subscribe(Commands::urgent(answers).below("+").filter(), replies);
+    // Boards know where that is, and can flood it. An acknowledgement of each message would delay an answer.
+    stopper_->subscribe(Commands::urgent(answers).below("+").filter(), {});
     for (const auto& client : {client_.get(), asker_.get(), stopper_.get()})
         client->start();
     server_->start();

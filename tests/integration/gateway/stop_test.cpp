@@ -9,6 +9,7 @@
 
 #include "running_gateway.hpp"
 #include "tests/integration/agent/rig.hpp"
+#include "tests/support/counted.hpp"
 
 namespace asip::test {
 namespace {
@@ -92,6 +93,27 @@ TEST_F(GatewayStop, UnderTenThousandCommandsOfAWebSocket_IsAnsweredAheadOfThem) 
         EXPECT_EQ(answers, kCommands);
     }
     expect_in_time("POST of a stop, under 10,000 commands of a WebSocket", took);
+}
+
+// An answer waits behind all that the broker has for that connection: nothing is acknowledged there, and what
+// is longer than an answer is not delivered.
+TEST_F(GatewayStop, FloodWhereItsAnswersCome_CostsLittle) {
+    constexpr std::size_t kFlood = 5000, kLarge = 50, kBytes = 200'000;
+    BusProbe board(broker_.port(), {"asip/uno1/$stop"});
+    const auto stop = [&] { return post(gateway_.port(), "/api/boards/uno1/stop?once=true").status; };
+    ASSERT_EQ(stop(), 200);
+    ASSERT_TRUE(board.wait_for("asip/uno1/$stop"));
+    const std::string topic = nlohmann::json::parse(*board.last("asip/uno1/$stop"))["reply_to"];
+    for (std::size_t i = 0; i < kFlood; ++i)
+        board.publish(topic, "x");
+    ASSERT_TRUE(wait_until([&] { return board.all_acknowledged(); }));
+    for (std::size_t i = 0; i < kLarge; ++i)
+        board.publish(topic, std::string(kBytes, 'x'));
+    ASSERT_TRUE(wait_until([&] { return board.all_acknowledged(); }));
+    EXPECT_EQ(stop(), 200);
+    const auto process = std::to_string(gateway_.process().pid());
+    EXPECT_LT(counted(process, "syscw"), kFlood / 2);
+    EXPECT_LT(counted(process, "rchar"), kLarge * kBytes / 2);
 }
 
 TEST_F(GatewayStop, Asipctl_UnderTenThousandCommands_IsAnsweredAheadOfThem) {
