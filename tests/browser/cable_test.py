@@ -20,7 +20,7 @@ BOARD = "lent-loopback"
 
 class Cable(PageTest):
     simulated = ({"name": "one", "image": SERVICES, "parts": [EYE]},)
-    expected_errors = ("WebSocket connection to", "Failed to load resource: net::ERR_CONNECTION_REFUSED")
+    expected_errors = ("WebSocket connection to", "Failed to load resource: net::ERR_", "status of 503")  # the gateway ends, and begins
 
     @classmethod
     def make_bus(cls):
@@ -46,8 +46,11 @@ class Cable(PageTest):
         self.browser.run("window.next_port = arguments[0]", port)
         self.browser.button("Connect the board in this computer", "asip-lend").click()
 
-    def says(self, text, seconds=20):
+    def says(self, text, seconds=60):
         eventually(lambda: text in " ".join(self.browser.text("asip-lend").split()), text, seconds)
+
+    def is_online(self):
+        eventually(lambda: self.state() == "online", "online", 60)
 
     def state(self):
         return (self.bus.board(BOARD) or {}).get("state")
@@ -60,18 +63,21 @@ class OneBoard(Cable):
         self.says(f"On the bus: {BOARD}")
         self.browser.screenshot("cable-connected")
         self.browser.find("asip-lend li a")[0].click()
-        eventually(lambda: "42" in self.browser.text(".values-box"), "the distance, live")
+        eventually(lambda: "42" in self.browser.text(".values-box"), "the distance, live", 60)
         print(f"from the click to the value: {time.monotonic() - began:.1f} s")
-        eventually(lambda: self.ports.opened["one"][:2] == [57600, 1_000_000], "the port is opened anew for another rate")
+        eventually(lambda: self.ports.opened["one"][-1] == 1_000_000, "the port is opened anew for another rate", 60)
         self.assertEqual(self.bus.asipctl("send", f"{BOARD}/servo", "write", "0", "90").returncode, 0)
 
     def test_GatewayStartedAgain_TheTabConnectsByItself(self):
         self.connect("one")
-        eventually(lambda: self.state() == "online", "online")
+        self.is_online()
+        button = self.browser.button("Disconnect", "asip-lend")
         self.bus.end("gateway")
         self.bus.start_gateway()
-        self.says(f"On the bus: {BOARD}", 40)
-        eventually(lambda: self.state() == "online", "online again")
+        self.says(f"On the bus: {BOARD}")
+        self.is_online()
+        button.click()  # it is there all the time
+        eventually(lambda: self.state() == "lost", "lost", 60)
 
     def test_TabClosed_IsAPulledCable(self):
         driver = self.browser.driver
@@ -79,25 +85,25 @@ class OneBoard(Cable):
         driver.switch_to.new_window("tab")
         self.prepare()
         self.connect("one")
-        eventually(lambda: self.state() == "online", "online")
+        self.is_online()
         driver.close()
         driver.switch_to.window(first)
-        lost = eventually(lambda: (lambda board: board["state"] == "lost" and board)(self.bus.board(BOARD)), "lost")
+        lost = eventually(lambda: (lambda board: board["state"] == "lost" and board)(self.bus.board(BOARD)), "lost", 60)
         self.assertEqual((lost["reason"], lost["description"]["warnings"][0]), ("unplugged", "the browser that lent it closed"))
 
     def test_UnpluggedThere_AndPluggedInAgain(self):
         self.connect("one")
-        eventually(lambda: self.state() == "online", "online")
+        self.is_online()
         self.bus.sim("unplug", "one")
         self.says("The board was unplugged.")
-        eventually(lambda: self.state() == "lost", "lost")
+        eventually(lambda: self.state() == "lost", "lost", 60)
         self.bus.sim("replug", "one")
         eventually((self.bus.work / "one.port").exists, "the port")
         self.browser.run("window.plug_again('one')")
         self.says(f"On the bus: {BOARD}")
-        eventually(lambda: self.state() == "online", "online")
+        self.is_online()
         self.browser.button("Disconnect", "asip-lend").click()
-        eventually(lambda: self.state() == "lost", "lost")
+        eventually(lambda: self.state() == "lost", "lost", 60)
         self.assertEqual(self.browser.find("asip-lend li"), [])
 
     def test_PortInOtherHands_IsSaid(self):

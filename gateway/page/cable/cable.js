@@ -2,7 +2,7 @@
 // A board in this computer: the page carries bytes between its serial port (Web Serial) and an agent beside the gateway. Loaded when
 // *Add board* is opened. A cable goes on while its tab is open, whatever screen is shown.
 import { base } from "../net/bus.js";
-import { h, muted, page_of, Part } from "../ui/dom.js";
+import { h, muted, page_of, Part, set_text } from "../ui/dom.js";
 import { status } from "../ui/model.js";
 
 const kStartBaud = 57600;
@@ -172,6 +172,7 @@ class Cable {
 
 class Lend extends Part {
   shown() {
+    this.rows = new Map();
     this.list = h("ul", { class: "link-list", "aria-live": "polite" });
     this.append(h("h3", {}, say("cable.connect")));
     this.what = h("p", {});
@@ -188,9 +189,27 @@ class Lend extends Part {
       this.what.append(...able
         ? [muted(say("cable.about")), h("button", { class: "main", onclick: () => this.choose() }, say("cable.choose"))]
         : [say(isSecureContext ? "cable.no-serial" : "cable.not-secure")]);
-    this.list.replaceChildren(...[...cables].map((cable) => h("li", {}, h("span", {}, cable.text), " ",
-      cable.board && h("a", { href: page_of("board", cable.board) }, cable.board), " ",
-      h("button", { onclick: () => this.remove(cable) }, say(cable.ended ? "cable.remove" : "cable.disconnect")))));
+    for (const [cable, { item }] of this.rows) {
+      if (cables.has(cable)) continue;
+      item.remove();
+      this.rows.delete(cable);
+    }
+    for (const cable of cables) this.draw_row(cable);
+  }
+
+  /// A row stays the same elements: what a person is about to press does not go away.
+  draw_row(cable) {
+    if (!this.rows.has(cable)) {
+      const row = { text: h("span", {}), link: h("a", {}), button: h("button", { onclick: () => this.remove(cable) }) };
+      this.rows.set(cable, { ...row, item: h("li", {}, row.text, " ", row.link, " ", row.button) });
+      this.list.append(this.rows.get(cable).item);
+    }
+    const { text, link, button } = this.rows.get(cable);
+    set_text(text, cable.text);
+    link.hidden = !cable.board;
+    link.href = cable.board ? page_of("board", cable.board) : "";
+    set_text(link, cable.board ?? "");
+    set_text(button, say(cable.ended ? "cable.remove" : "cable.disconnect"));
   }
 
   async choose() {
