@@ -82,10 +82,11 @@ void Bridge::yield_name(Effects& out) {
     out.begin_anew = true;
 }
 
-// A name that was given stays, whichever board is at the port. `flashed`: it was away to be changed.
+// A name that was given stays, whichever board is at the port. `flashed`: it was away to be changed. A lender
+// may lend another one.
 void Bridge::compare_with_first(bool flashed, Time now, Effects& out) {
     const FirstBoard present{traits(), letters()};
-    if (!first_board_ || flashed) first_board_ = present;
+    if (!first_board_ || flashed || options_.lent) first_board_ = present;
     std::string warning;
     if (present != *first_board_)
         warning =

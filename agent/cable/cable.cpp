@@ -75,6 +75,14 @@ void Cable::tell(CableKind kind, std::string_view payload) {
     if (!gone_) gateway_->write(link::cable_frame(kind, payload));
 }
 
+void Cable::replaced() {
+    tell(CableKind::kEnd, "its page has connected it again");
+    if (!port_) return;
+    port_->close();
+    programs_ = 0;
+    gateway_->pause_reading(false);
+}
+
 void Cable::received(std::string_view bytes) {
     reader_.take(bytes);
     while (const auto message = gone_ ? std::nullopt : reader_.next())
@@ -86,8 +94,8 @@ void Cable::take(const link::CableMessage& message) {
         case CableKind::kHello: {
             const auto hello = nlohmann::json::parse(message.payload, nullptr, false);
             if (!port_ && hello.is_object())
-                handlers_.on_hello(
-                    {text_of(hello, "by"), text_of(hello, "vendor"), text_of(hello, "product")});
+                handlers_.on_hello({text_of(hello, "by"), text_of(hello, "vendor"), text_of(hello, "product"),
+                                    text_of(hello, "cable"), text_of(hello, "place")});
             return;
         }
         case CableKind::kBytes:

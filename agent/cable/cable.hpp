@@ -24,6 +24,8 @@ class Cable {
     struct Hello {
         std::string by;  ///< whose browser it is
         std::string vendor, product;
+        std::string cable;  ///< the page's name for it; may be empty
+        std::string place;  ///< of a pupil; empty: any of its lender
     };
     struct Handlers {
         std::function<void(const Hello&)> on_hello;
@@ -40,6 +42,8 @@ class Cable {
     /// Call it once, when on_hello came. The port's name: "/dev/pts/7".
     Expected<std::string> open_port();
     void tell(link::CableKind kind, std::string_view payload);
+    /// Another one has its place: its port is gone, and the gateway ends it.
+    void replaced();
 
   private:
     /// What is not taken by the other side, before this one reads no more.

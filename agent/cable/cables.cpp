@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
 #include <stdexcept>
@@ -115,8 +116,9 @@ void Cables::accept() {
 // A board without a name of its own takes the place of one of this lender that is there no more. anna-2 is
 // the second board of anna, now and after a restart: what is kept under its name is hers. The first one of
 // the user anna-2 is anna-2-1.
-std::string Cables::place_for(const std::string& by) const {
-    const auto base = model::suggest_name(by);
+std::string Cables::place_of_lender(const std::string& by) const {
+    auto base = model::suggest_name(by);
+    if (base + "-" == link::kPupilPlace) base += "-0";  // student-0-1: student-1 is a pupil's
     const bool numbered = base == kSocket || ends_with_number(base);
     for (std::size_t i = 1; i <= kMaxOfOneLender; ++i) {
         auto place = i == 1 && !numbered ? base : base + "-" + std::to_string(i);
@@ -127,13 +129,24 @@ std::string Cables::place_for(const std::string& by) const {
     return {};
 }
 
+std::string Cables::place_for(const Cable::Hello& hello) const {
+    if (!hello.place.empty()) {
+        const bool valid = hello.place.starts_with(link::kPupilPlace) && model::valid_board_name(hello.place);
+        return valid && (places_.contains(hello.place) || places_.size() < kMaxPlaces) ? hello.place : "";
+    }
+    for (const auto& [place, at] : places_)
+        if (!hello.cable.empty() && at.by == hello.by && at.name == hello.cable) return place;
+    return place_of_lender(hello.by);
+}
+
 void Cables::refuse(unsigned number, const std::string& why) {
     log::warning("a lent board is not served", {{"why", why}});
     cables_[number]->tell(CableKind::kEnd, why);
 }
 
 void Cables::plug(unsigned number, const Cable::Hello& hello) {
-    const auto place = place_for(hello.by);
+    auto place = place_for(hello);
+    if (place.empty() && places_.size() >= kMaxPlaces && forget_oldest()) place = place_for(hello);
     if (place.empty()) return refuse(number, "as many boards are lent as may be");
     const auto terminal = cables_[number]->open_port();
     if (!terminal) return refuse(number, terminal.error());
@@ -142,10 +155,12 @@ void Cables::plug(unsigned number, const Cable::Hello& hello) {
     fs::create_symlink(*terminal, port_of(place), error);
     if (error) return refuse(number, port_of(place).string() + ": " + error.message());
     auto& at = places_[place];
-    at.cable = number;
+    if (const auto before = cables_.find(std::exchange(at.cable, number)); before != cables_.end())
+        before->second->replaced();
     at.by = hello.by;
+    at.name = hello.cable;
     if (!at.lent) at.lent = std::make_shared<Lent>();
-    *at.lent = {hello.vendor, hello.product, {}};
+    *at.lent = {hello.vendor, hello.product, {}, !hello.place.empty()};
     log::info("board lent", {{"by", hello.by}, {"port", port_of(place).string()}});
     handlers_.on_plugged(place, port_of(place).string(), at.lent);
 }
@@ -182,6 +197,18 @@ void Cables::forget_old() {
         });
         forget_old();
     });
+}
+
+bool Cables::forget_oldest() {
+    const auto oldest =
+        std::min_element(places_.begin(), places_.end(), [](const auto& one, const auto& other) {
+            return std::pair(one.second.cable != 0, one.second.pulled) <
+                   std::pair(other.second.cable != 0, other.second.pulled);
+        });
+    if (oldest == places_.end() || oldest->second.cable != 0) return false;
+    handlers_.on_left(oldest->first);
+    places_.erase(oldest);
+    return true;
 }
 
 }  // namespace asip::agent

@@ -17,7 +17,8 @@ namespace asip::agent {
 
 /// The boards that browsers lend. asip-gateway brings each cable to the Unix socket `FOLDER/gateway`; its
 /// board is then at the port `FOLDER/PLACE`, a link to a pseudo-terminal. A place is called after the lender.
-/// It stays for an hour when its cable is pulled: the next one of this lender comes there. One thread.
+/// It stays for an hour when its cable is pulled: the next one of this lender comes there. A cable that its
+/// page connects again comes to its own place, whether the connection of before has ended or not. One thread.
 class Cables {
   public:
     static constexpr std::size_t kMaxPlaces = 64;
@@ -47,6 +48,7 @@ class Cables {
     struct Place {
         unsigned cable = 0;  // its number; 0: pulled
         std::string by;      // its lender
+        std::string name{};  // of the cable, by its page
         std::shared_ptr<Lent> lent;
         Time pulled{};
     };
@@ -56,8 +58,11 @@ class Cables {
     void pulled(unsigned number, const std::string& why);
     void refuse(unsigned number, const std::string& why);
     /// Empty: as many are there as may be.
-    std::string place_for(const std::string& by) const;
+    std::string place_for(const Cable::Hello& hello) const;
+    std::string place_of_lender(const std::string& by) const;
     void forget_old();
+    /// The pulled place that waits longest; false: there is none.
+    bool forget_oldest();
     std::filesystem::path port_of(const std::string& place) const { return folder_ / place; }
 
     boost::asio::io_context& io_;

@@ -5,6 +5,7 @@
 
 #include "agent/program/running_board.hpp"
 #include "agent/program/supervisor.hpp"
+#include "asip/link/cable_frames.hpp"
 
 namespace asip::agent {
 
@@ -33,6 +34,7 @@ void Supervisor::plugged(const std::string& place, const std::string& port, std:
         return start(*board, {});
     }
     options.serial = port;
+    if (lent->pupils) options.bridge.name = std::string(link::kLentPrefix) + place;
     options.lent = std::move(lent);
     boards_.push_back(std::make_shared<Board>(io_, PlannedBoard{place, {}, std::move(options)}, several_));
     start(*boards_.back(), {});

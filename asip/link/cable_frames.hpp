@@ -9,14 +9,18 @@ namespace asip::link {
 
 /// Begins the name of each board that a browser lends: none takes the name of a board of the room.
 inline constexpr std::string_view kLentPrefix = "lent-";
+/// Begins the place of a pupil's board: "student-3". No other lender gets such a place.
+inline constexpr std::string_view kPupilPlace = "student-";
 
 /// What one message of a cable is: the first byte of it, from the page to the agent and back.
 enum class CableKind : char {
-    kHello = 'H',    ///< gateway to agent, once: JSON, `{"by":"anna","vendor":"2341","product":"0043"}`
+    kHello = 'H',    ///< gateway to agent, once: JSON, `{"by":"anna","vendor":"2341","product":"0043"}`, and
+                     ///< `cable`, the page's name for it, and the `place` of a pupil
     kBytes = 'D',    ///< of the board, or to it
     kRate = 'R',     ///< to the page: digits; what follows is at this rate
     kRestart = 'Z',  ///< to the page: restart the board by DTR
     kName = 'N',     ///< to the page: the board is on the bus under this name
+    kAlive = 'A',    ///< gateway to page: nothing; the way is there
     kEnd = 'E',      ///< nothing follows; why, for a person
 };
 

@@ -14,12 +14,15 @@ namespace {
 using nlohmann::json;
 namespace log = program::log;
 
+constexpr std::size_t kNameDigits = 16;
+constexpr const char* kHexDigits = "0123456789abcdef";
+
 bool is_usb_number(const std::string& text) {
-    return text.size() == 4 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+    return text.size() == 4 && text.find_first_not_of(kHexDigits) == std::string::npos;
 }
 
-/// Answers 400 and returns false where a parameter is no number of USB.
-bool read_usb(const Call& call, json& hello) {
+/// Answers 400 and returns false where a parameter is wrong.
+bool read_port(const Call& call, json& hello) {
     for (const char* name : {"vendor", "product"}) {
         const auto* given = call.request.parameter(name);
         if (given == nullptr) continue;
@@ -29,10 +32,24 @@ bool read_usb(const Call& call, json& hello) {
         }
         hello[name] = *given;
     }
+    const auto* name = call.request.parameter("cable");
+    if (name == nullptr) return true;
+    if (name->size() != kNameDigits || name->find_first_not_of(kHexDigits) != std::string::npos) {
+        send_problem(call, 400, "cable: sixteen hexadecimal digits in lower case");
+        return false;
+    }
+    hello["cable"] = *name;
     return true;
 }
 
 }  // namespace
+
+bool has_cables(const Call& call) {
+    if (call.gateway.has_cables()) return true;
+    send_problem(call, 404,
+                 "no agent takes lent boards here; start asip-agent and asip-gateway with --cables FOLDER");
+    return false;
+}
 
 void get_cable(Call& call) {
     auto& gateway = call.gateway;
@@ -41,13 +58,11 @@ void get_cable(Call& call) {
         response.headers.emplace_back("Upgrade", "websocket");
         return call.reply.send(std::move(response));
     }
-    if (!gateway.has_cables())
-        return send_problem(call, 404,
-                            "no agent takes lent boards here; start asip-agent and asip-gateway with "
-                            "--cables FOLDER");
+    if (!has_cables(call)) return;
     const auto& by = call.principal.rights.name;
     json hello{{"by", by}};
-    if (!read_usb(call, hello) || !has_room(call)) return;
+    if (const auto& place = call.principal.rights.place; !place.empty()) hello["place"] = place;
+    if (!read_port(call, hello) || !has_room(call)) return;
     CableChannel::Dependencies needs;
     needs.part = call.part();
     if (!needs.part.set(gateway.options().socket_bytes + CableChannel::kMaxWaiting))

@@ -20,7 +20,7 @@ namespace log = program::log;
 
 constexpr std::int64_t kLessonMinutes = 60;
 constexpr const char* kLessonForm =
-    R"(the body must be {"boards":["uno*"],"minutes":45} or {"labels":"class=4b","minutes":45})";
+    R"(the body must be {"boards":["uno*"],"minutes":45}, or with "labels":"class=4b" or "lend":true in place of boards)";
 // A browser whose lesson is over is told so, and not that a token is needed.
 constexpr std::int64_t kCookieSeconds = 12 * 3600;
 
@@ -30,7 +30,7 @@ Lessons& lessons_of(const Call& call) {
 
 json shown_lesson(const Lesson& lesson) {
     json boards = json::array();
-    std::size_t free = 0;
+    std::size_t free = lesson.lends ? Lessons::kMaxBoards - lesson.seats.size() : 0;
     for (const auto& seat : lesson.seats) {
         json item{{"board", seat.board}, {"kept", seat.kept}};
         if (!seat.cookie.empty()) item.update({{"pupil", seat.pupil}, {"since", text::iso_time(seat.since)}});
@@ -42,6 +42,7 @@ json shown_lesson(const Lesson& lesson) {
             {"path", "#/join/" + lesson.code},
             {"by", lesson.maker},
             {"until", text::iso_time(lesson.until)},
+            {"lend", lesson.lends},
             {"boards", std::move(boards)},
             {"free", free}};
 }
@@ -58,6 +59,7 @@ const Lesson* lesson_of(const Call& call) {
 struct Wanted {
     std::vector<std::string> boards;  ///< patterns
     std::string labels;
+    bool lend = false;  ///< the pupils do
     std::int64_t minutes = kLessonMinutes;
 };
 
@@ -72,6 +74,8 @@ Expected<Wanted> read_wanted(const Call& call) {
             result.boards = value.get<std::vector<std::string>>();
         } else if (name == "labels" && value.is_string()) {
             result.labels = value.get<std::string>();
+        } else if (name == "lend" && value.is_boolean()) {
+            result.lend = value.get<bool>();
         } else if (name == "minutes" && value.is_number_integer()) {
             result.minutes = value.get<std::int64_t>();
         } else {
@@ -81,7 +85,8 @@ Expected<Wanted> read_wanted(const Call& call) {
     constexpr auto kMax = std::chrono::duration_cast<std::chrono::minutes>(Lessons::kLongest).count();
     if (result.minutes < 1 || result.minutes > kMax)
         return fail("minutes: must be a whole number from 1 to " + std::to_string(kMax));
-    if (result.boards.empty() == result.labels.empty()) return fail(kLessonForm);
+    const int ways = int{!result.boards.empty()} + int{!result.labels.empty()} + int{result.lend};
+    if (ways != 1) return fail(kLessonForm);
     return result;
 }
 
@@ -95,6 +100,7 @@ auto numbered_order(const std::string& name) {
 /// though it is lost, and is lent once it is back; so does none that another lesson has.
 Expected<std::vector<std::string>> boards_wanted(const Call& call, const Wanted& wanted) {
     std::vector<std::string> names;
+    if (wanted.lend) return names;
     auto patterns = wanted.boards;
     if (patterns.empty()) patterns.emplace_back("*");
     for (const auto& pattern : patterns) {
@@ -133,8 +139,10 @@ void joined(const Call& call, const Lessons::Joined& seat) {
     if (!seat.again && call.gateway.log_rates().take(rights.name, call.now().time))
         log::info("pupil",
                   {{"by", rights.name}, {"board", rights.boards.front()}, {"from", call.peer.address}});
-    auto response = json_response(
-        {{"pupil", pupil}, {"board", rights.boards.front()}, {"until", text::iso_time(*rights.until)}});
+    auto response = json_response({{"pupil", pupil},
+                                   {"board", rights.boards.front()},
+                                   {"lend", rights.may_lend()},
+                                   {"until", text::iso_time(*rights.until)}});
     response.headers = {
         {"Cache-Control", "no-store"},
         {"Set-Cookie", cookie_text(call.gateway, call.gateway.gate().options().cookie, seat.cookie,
@@ -161,7 +169,8 @@ void post_lessons(Call& call) {
     if (!asked) return send_problem(call, 400, asked.error());
     const auto boards = boards_wanted(call, *asked);
     if (!boards) return send_problem(call, 400, boards.error());
-    if (boards->empty())
+    if (asked->lend && !has_cables(call)) return;
+    if (boards->empty() && !asked->lend)
         return send_problem(call, 404,
                             asked->labels.empty()
                                 ? "no board that is there, and in no other lesson, is named so"

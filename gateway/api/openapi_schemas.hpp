@@ -160,13 +160,14 @@ inline constexpr std::string_view kComponents = R"json({
   "Link": {"type": "object", "required": ["name", "control"], "properties": {
     "name": {"type": "string"}, "control": {"type": "boolean"}, "until": {"type": "string"}, "by": {"type": "string"},
     "token": {"type": "string"}, "path": {"type": "string"}}},
-  "LessonRequest": {"type": "object", "additionalProperties": false, "description": "boards or labels", "properties": {
+  "LessonRequest": {"type": "object", "additionalProperties": false, "description": "boards, labels or lend", "properties": {
     "boards": {"type": "array", "minItems": 1, "maxItems": 64, "items": {"type": "string"}, "description": "Names, or patterns: those that are there now"},
     "labels": {"type": "string", "description": "Those that have them now: `class=4b`. A label that is set later gives nobody a right"},
+    "lend": {"type": "boolean", "description": "Each pupil lends the board in its computer"},
     "minutes": {"type": "integer", "minimum": 1, "maximum": 480, "description": "Missing: 60"}}},
-  "Lesson": {"type": "object", "required": ["id", "code", "path", "by", "until", "boards", "free"], "properties": {
+  "Lesson": {"type": "object", "required": ["id", "code", "path", "by", "until", "lend", "boards", "free"], "properties": {
     "id": {"type": "string"}, "code": {"type": "string"}, "path": {"type": "string", "description": "Of the page, behind its address: the code is in the part that no browser sends"},
-    "by": {"type": "string"}, "until": {"type": "string"}, "free": {"type": "integer"},
+    "by": {"type": "string"}, "until": {"type": "string"}, "lend": {"type": "boolean"}, "free": {"type": "integer"},
     "boards": {"type": "array", "items": {"type": "object", "required": ["board", "kept"], "properties": {
       "board": {"type": "string"}, "kept": {"type": "boolean", "description": "By the teacher"},
       "pupil": {"type": "string"}, "since": {"type": "string"}}}}}},
@@ -174,8 +175,8 @@ inline constexpr std::string_view kComponents = R"json({
   "TakeOver": {"type": "object", "required": ["board"], "additionalProperties": false, "properties": {
     "board": {"type": "string"}, "keep": {"type": "boolean", "description": "It stays with the teacher; missing: it becomes free"}}},
   "JoinRequest": {"type": "object", "required": ["code"], "additionalProperties": false, "properties": {"code": {"type": "string"}}},
-  "Seat": {"type": "object", "required": ["pupil", "board", "until"], "properties": {
-    "pupil": {"type": "string"}, "board": {"type": "string"}, "until": {"type": "string"}}},
+  "Seat": {"type": "object", "required": ["pupil", "board", "lend", "until"], "properties": {
+    "pupil": {"type": "string"}, "board": {"type": "string"}, "lend": {"type": "boolean", "description": "The pupil lends this board, which may not be there yet"}, "until": {"type": "string"}}},
   "Status": {"type": "object", "required": ["version", "you", "broker", "mirror"],
     "description": "For a token that is limited to boards or services: of these alone, without broker address and all that is of no board; users are for an admin",
     "properties": {"version": {"type": "string"}, "you": {"type": "object"}, "broker": {"type": "object"},

@@ -114,6 +114,8 @@ void get_events(Call& call);
 void get_service_stream(Call& call);
 void get_stream(Call& call);
 void get_cable(Call& call);
+/// Answers 404 and returns false where no agent takes lent boards.
+bool has_cables(const Call& call);
 void get_status(Call& call);
 void post_code(Call& call);
 void delete_session(Call& call);

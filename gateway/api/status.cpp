@@ -81,6 +81,7 @@ void get_status(Call& call) {
     if (!rights.lesson.empty())
         you["lesson"] = {{"pupil", rights.name.substr(0, rights.name.find('@'))},
                          {"board", rights.boards.front()},
+                         {"lend", rights.may_lend()},
                          {"until", text::iso_time(*rights.until)}};
     json broker{{"connected", mirror.connected()}};
     // Where there never was a connection there is no such time.

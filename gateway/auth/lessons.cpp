@@ -6,6 +6,8 @@
 #include <cctype>
 #include <charconv>
 
+#include "asip/link/cable_frames.hpp"
+
 namespace asip::gateway {
 namespace {
 
@@ -32,6 +34,7 @@ Rights rights_on(const Lesson& lesson, const Lesson::Seat& seat) {
     rights.maker = lesson.maker;
     rights.maker_mark = lesson.maker_mark;
     rights.lesson = lesson.id;
+    if (lesson.lends) rights.place = seat.pupil;
     return rights;
 }
 
@@ -73,6 +76,7 @@ Expected<std::string> Lessons::open(const Rights& teacher, const std::vector<std
     while (taken(lesson.code));
     lesson.maker = teacher.name;
     lesson.maker_mark = teacher.mark();
+    lesson.lends = boards.empty();
     for (const auto& board : boards)
         lesson.seats.push_back({board});
     lesson.end = now.time + time;
@@ -134,13 +138,25 @@ Lessons::Joined Lessons::join(std::string_view code, const std::string& address,
     return result;
 }
 
+// Of all lessons the first that none has: what is kept under the name of a board serves the next lesson, too.
+std::string Lessons::fresh_board() const {
+    const auto first = std::string(link::kLentPrefix).append(link::kPupilPlace);
+    for (std::size_t number = 1;; ++number)
+        if (auto board = first + std::to_string(number); !has(board)) return board;
+}
+
 Lessons::Joined Lessons::give(Lesson& lesson, const std::function<bool(const std::string& board)>& there,
                               const Instant& now) {
+    const bool full = std::none_of(lesson.seats.begin(), lesson.seats.end(), [](const Lesson::Seat& each) {
+        return !each.kept && each.cookie.empty();
+    });
+    if (lesson.lends && full && lesson.seats.size() < kMaxBoards) lesson.seats.push_back({fresh_board()});
     for (std::size_t i = 0; i < lesson.seats.size(); ++i) {
         auto& seat = lesson.seats[i];
-        if (seat.kept || !seat.cookie.empty() || !there(seat.board)) continue;
+        if (seat.kept || !seat.cookie.empty() || !(lesson.lends || there(seat.board))) continue;
         const auto cookie = std::string(kPupilCookie) + secrets_(kPupilCookieBytes);
-        seat.pupil = "student-" + std::to_string(i + 1);
+        seat.pupil = lesson.lends ? seat.board.substr(link::kLentPrefix.size())
+                                  : std::string(link::kPupilPlace) + std::to_string(i + 1);
         seat.cookie = hash_of(cookie);
         seat.since = now.wall;
         return {Joined::Outcome::kJoined, cookie, rights_on(lesson, seat)};

@@ -14,7 +14,8 @@
 
 namespace asip::gateway {
 
-/// Boards that a teacher lends to whoever knows a code, one to each browser, until an end.
+/// Boards that a teacher lends to whoever knows a code, one to each browser, until an end. Or the pupils
+/// lend: each browser has a place for the board in its computer.
 struct Lesson {
     /// A board, and the pupil who has it.
     struct Seat {
@@ -26,6 +27,7 @@ struct Lesson {
     };
     std::string id, code;
     std::string maker, maker_mark;  ///< as of Rights: a lesson ends with the rights of its teacher
+    bool lends = false;  ///< the pupils do: a seat is made for each, and its board may not be there yet
     std::vector<Seat> seats;
     Time end{};
     text::WallTime until{};
@@ -46,8 +48,8 @@ class Lessons {
 
     explicit Lessons(Secrets secrets) : secrets_(std::move(secrets)) {}
 
-    /// `boards`: in the order in which they are given out. Fails with a sentence where there are too many
-    /// lessons, or a board belongs to another one.
+    /// `boards`: in the order in which they are given out; none: the pupils lend theirs. Fails with a
+    /// sentence where there are too many lessons, or a board belongs to another one.
     Expected<std::string> open(const Rights& teacher, const std::vector<std::string>& boards, Duration time,
                                const Instant& now);
     const std::deque<Lesson>& all() const { return lessons_; }
@@ -88,6 +90,7 @@ class Lessons {
         Time at;
     };
     std::string fresh_code() const;
+    std::string fresh_board() const;
     std::optional<Duration> wait_of(const std::string& address, Time now);
     Joined give(Lesson& lesson, const std::function<bool(const std::string& board)>& there,
                 const Instant& now);

@@ -31,6 +31,7 @@ bool Rights::sees_board(std::string_view board) const {
 }
 
 bool Rights::may_lend() const {
+    if (!place.empty()) return true;
     const std::string all_lent = std::string(link::kLentPrefix) + "*";
     return may_label() && dashboard.empty() &&
            (boards.empty() || std::any_of(boards.begin(), boards.end(), [&](const std::string& each) {

@@ -39,6 +39,7 @@ struct Rights {
     /// A dashboard's link has its maker, a pupil the teacher; and mark() of those rights.
     std::string maker, maker_mark;
     std::string lesson;  ///< of a pupil: which one; what a pupil does ends with it
+    std::string place;   ///< of a pupil who may lend a board: that is "lent-" and this; empty: may not
 
     bool may_read() const { return role != Role::kNone; }
     bool may_command() const { return role >= Role::kOperator; }
@@ -52,7 +53,8 @@ struct Rights {
     bool may_label() const { return may_stop() && lesson.empty(); }
     bool may_send_raw() const { return may_stop() && (raw || role == Role::kAdmin); }
     bool may_forget() const { return role == Role::kAdmin && services.empty(); }
-    /// A board in its browser's computer. It sees what all browsers lend, so that it sees its own.
+    /// A board in its browser's computer. It sees what all browsers lend, so that it sees its own; a pupil
+    /// has a place for its own.
     bool may_lend() const;
     /// Make, change, share and remove dashboards. A shared dashboard gives its viewers rights of its editor.
     bool may_arrange() const { return may_command() && !limited(); }

@@ -20,7 +20,8 @@ CableChannel::CableChannel(Streams& streams, Dependencies dependencies, Principa
     : OpenStream(std::move(principal), std::move(client)),
       streams_(streams),
       dependencies_(std::move(dependencies)),
-      counted_(dependencies_.now().time) {
+      counted_(dependencies_.now().time),
+      said_(counted_) {
     streams_.add(*this);
     way_ = dependencies_.open({[this](const link::CableMessage& message) { from_agent(message); },
                                [this](const std::string& why) { end(why, kEnded); }});
@@ -91,6 +92,13 @@ bool CableChannel::received(std::string_view message) {
 // What the page is to know leaves ahead of the close.
 std::uint16_t CableChannel::close_code() const {
     return out_.empty() ? code_ : 0;
+}
+
+// A page does not see pings: without a network its socket stays open for minutes.
+void CableChannel::tick(const Instant& now) {
+    if (code_ != 0 || !out_.empty() || now.time < said_ + kAlive) return;
+    said_ = now.time;
+    put(CableKind::kAlive, {});
 }
 
 void CableChannel::revoke() {

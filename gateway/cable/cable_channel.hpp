@@ -16,6 +16,7 @@ namespace asip::gateway {
 class CableChannel : public http::Channel, public OpenStream {
   public:
     static constexpr std::size_t kMaxWaiting = std::size_t{256} * 1024;  ///< in each direction
+    static constexpr Duration kAlive = std::chrono::seconds(5);  ///< so often the page hears something
     static constexpr double kBytesPerSecond = 1e6 / 8;  ///< of the board, on average; kMaxWaiting at once
 
     struct Dependencies {
@@ -35,7 +36,7 @@ class CableChannel : public http::Channel, public OpenStream {
     bool take(std::string& message) override;
     bool received(std::string_view message) override;
     std::uint16_t close_code() const override;
-    void tick(const Instant&) override {}
+    void tick(const Instant& now) override;
     void revoke() override;
 
   private:
@@ -52,6 +53,7 @@ class CableChannel : public http::Channel, public OpenStream {
     std::size_t waiting_ = 0;
     double credit_ = kMaxWaiting;
     Time counted_{};
+    Time said_{};  // kAlive
     std::string why_ = "the browser that lent it closed";
     std::uint16_t code_ = 0;
 };

@@ -5,7 +5,9 @@ does."""
 import contextlib
 import json
 import pathlib
+import socket
 import sys
+import threading
 import time
 import unittest
 import urllib.error
@@ -17,6 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "box"))
 from box_test import OLD_NANO, needs_tools  # noqa: E402
 from bus import IMAGES, ROOT, Bus, eventually, program_path, settings_file  # noqa: E402
 from lent_board import LentBoard, board_file  # noqa: E402
+from secured_bus import SecuredBus  # noqa: E402
 
 SERVICES = IMAGES / "asip_uno_services.elf"
 EYE = {"kind": "ultrasonic", "name": "eye", "trigger": 7, "echo": 7, "distance": 42}
@@ -24,6 +27,10 @@ EYE = {"kind": "ultrasonic", "name": "eye", "trigger": 7, "echo": 7, "distance":
 
 class LendingBus(Bus):
     """A bus with an agent of lent boards, and simulated boards at nobody's computer yet."""
+
+    host = "127.0.0.1"
+    gateway_options = ()
+    agent_options = ()
 
     def __init__(self, simulated=(), tokens=()):
         self.simulated = simulated
@@ -41,39 +48,52 @@ class LendingBus(Bus):
             eventually(lambda: all((self.work / f"{board['name']}.port").exists() for board in self.simulated), "the ports")
 
     def start_cables(self):
-        self.start("agent-cables", "asip-agent", "--cables", str(self.cables), "--lease", "6",
+        self.start("agent-cables", "asip-agent", "--cables", str(self.cables), "--lease", "6", *self.agent_options,
                    "--config", settings_file(f"firmware-dir = {self.firmware}\n"))
         eventually((self.cables / "gateway").exists, "the agent's socket")
 
     def start_gateway(self):
-        options = ["--http", f"127.0.0.1:{self.http_port}", "--cables", str(self.cables)]
+        options = ["--http", f"{self.host}:{self.http_port}", "--cables", str(self.cables), *self.gateway_options]
         if self.tokens:
             self.secrets = {name: self.make_token(role, name, *more) for role, name, *more in self.tokens}
             options += ["--tokens", str(self.work / "tokens")]
         self.start("gateway", "asip-gateway", *options)
-        eventually(lambda: self.get("/healthz"), "the gateway")
+        eventually(lambda: self.get("/readyz"), "the gateway")
 
     def make_token(self, role, name, *more):
         import subprocess
         return subprocess.run([str(program_path("asip-gateway")), "token", role, name, "--tokens", str(self.work / "tokens"), *more],
                               check=True, capture_output=True, text=True).stdout.split()[0]
 
-    def lend(self, board, **more):
-        return LentBoard(self.url, str(self.work / f"{board}.port"), **more)
+    def lend(self, board, url=None, **more):
+        return LentBoard(url or self.url, str(self.work / f"{board}.port"), **more)
+
+    def ask(self, method, path, body=None, token=None, cookie=None):
+        """(status, what is answered, the cookie that is set)."""
+        headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {self.secrets[token]}"} if token else {}), **({"Cookie": cookie} if cookie else {})}
+        request = urllib.request.Request(self.url + path, None if body is None else json.dumps(body).encode(), headers, method=method)
+        try:
+            answer = urllib.request.urlopen(request, timeout=30)
+        except urllib.error.HTTPError as refused:
+            answer = refused
+        with answer:
+            text = answer.read()
+            return answer.status, json.loads(text) if text else None, answer.headers.get("Set-Cookie", "").split(";")[0]
 
     def board(self, name):
         return next((each for each in self.get("/api/boards?full=true")["items"] if each["board"] == name), None)
 
-    def online(self, name, seconds=30):
+    def online(self, name, seconds=60):
         eventually(lambda: (self.board(name) or {}).get("state") == "online", f"{name} online", seconds)
 
 
 class CableTest(unittest.TestCase):
     simulated = ({"name": "one", "image": SERVICES, "parts": [EYE]},)
     tokens = ()
+    make_bus = LendingBus
 
     def setUp(self):
-        self.bus = LendingBus(self.simulated, self.tokens)
+        self.bus = self.make_bus(self.simulated, self.tokens)
         self.addCleanup(self.bus.close)
         self.addCleanup(lambda: self._outcome.success or print(self.bus.logs()))
 
@@ -247,6 +267,233 @@ class Rights(CableTest):
         eventually(lambda: lent.closed, "the end", 5)
         self.assertLess(time.monotonic() - began, 3)
         self.assertEqual((lent.why, lent.closed), ("the right to lend it has ended", 1008))
+
+
+class Pupils(CableTest):
+    simulated = tuple({"name": name, "image": SERVICES, "parts": [EYE]} for name in ("one", "two"))
+    tokens = (("admin", "miss"), ("operator", "lab", "--boards", "uno*"))
+
+    def open_lesson(self):
+        status, lesson, _ = self.bus.ask("POST", "/api/lessons", {"lend": True, "minutes": 45}, token="miss")
+        self.assertEqual((status, lesson["boards"], lesson["lend"]), (201, [], True))
+        return lesson
+
+    def join(self, lesson, number):
+        status, seat, cookie = self.bus.ask("POST", "/api/join", {"code": lesson["code"]})
+        self.assertEqual((status, seat["pupil"], seat["board"], seat["lend"]), (200, f"student-{number}", f"lent-student-{number}", True))
+        return cookie
+
+    def state(self, name, **by):
+        _, board, _ = self.bus.ask("GET", f"/api/boards/{name}", **by)
+        return board.get("state")
+
+    def test_BoardOfAPupil_IsThePupilsAndTheTeachers_UntilTheLessonEnds(self):
+        lesson = self.open_lesson()
+        pupils = [self.join(lesson, number) for number in (1, 2)]
+        cables = [self.lend(board, cookie=cookie) for board, cookie in zip(("one", "two"), pupils)]
+        for number, cookie in enumerate(pupils, 1):
+            own, other = f"lent-student-{number}", f"lent-student-{3 - number}"
+            eventually(lambda: self.state(own, cookie=cookie) == "online", f"{own}, seen by its pupil", 60)
+            self.assertEqual(self.bus.ask("POST", f"/api/boards/{own}/services/servo/commands/write", [0, 90], cookie=cookie)[0], 200)
+            self.assertEqual(self.bus.ask("GET", f"/api/boards/{other}", cookie=cookie)[0], 404)
+            self.assertEqual(self.bus.ask("POST", f"/api/boards/{own}/labels", {"labels": {"class": "4b"}}, cookie=cookie)[0], 403)
+            self.assertEqual(self.state(own, token="miss"), "online")
+            self.assertEqual(self.bus.ask("GET", f"/api/boards/{own}", token="lab")[0], 404)
+        self.assertEqual(self.bus.ask("DELETE", f"/api/lessons/{lesson['id']}", token="miss")[0], 204)
+        for number, cable in enumerate(cables, 1):
+            eventually(lambda: cable.closed, "the end of the cable", 60)
+            self.assertEqual((cable.why, cable.closed), ("the right to lend it has ended", 1008))
+            eventually(lambda: self.state(f"lent-student-{number}", token="miss") == "lost", "lost", 60)
+        for cookie in pupils:
+            self.assertEqual(self.bus.ask("GET", "/api/boards/lent-student-1", cookie=cookie)[0], 401)
+            with self.assertRaises(websocket.WebSocketBadStatusException) as refused:
+                self.lend("one", cookie=cookie)
+            self.assertEqual(refused.exception.status_code, 401)
+
+    def test_NextLesson_HasTheSameNames_WhateverTheBoardIsCalled(self):
+        lesson = self.open_lesson()
+        first = self.lend("one", cookie=self.join(lesson, 1))
+        eventually(lambda: self.state("lent-student-1", token="miss") == "online", "online", 60)
+        status, _, _ = self.bus.ask("POST", "/api/boards/lent-student-1/raw", {"lines": ["#,I,rover"]}, token="miss")
+        self.assertEqual(status, 200)
+        self.bus.ask("DELETE", f"/api/lessons/{lesson['id']}", token="miss")
+        eventually(lambda: first.closed, "the end", 60)
+        first.close()
+        for board in ("one", "two"):  # the second one while the first is there
+            cookie = self.join(self.open_lesson(), 1) if board == "one" else cookie
+            cable = self.lend(board, cookie=cookie)
+            eventually(lambda: cable.name, "its name", 60)
+            self.assertEqual(cable.name, "lent-student-1")
+            eventually(lambda: self.state("lent-student-1", cookie=cookie) == "online", "online", 60)
+        self.assertEqual([each["board"] for each in self.bus.ask("GET", "/api/boards", token="miss")[1]["items"]], ["lent-student-1"])
+        eventually(lambda: "warnings" not in self.bus.ask("GET", "/api/boards/lent-student-1", token="miss")[1]["description"], "nothing is wrong", 60)
+
+
+class SecuredLendingBus(LendingBus, SecuredBus):
+    users = (("registry",), ("gateway",), ("board", "lent-student-1"))
+
+    def start_cables(self):
+        # As the service has it: each board finds broker and password in the file of its name.
+        self.start("cables", "/usr/bin/env", "-u", "ASIP_BROKER", str(program_path("asip-agent")), "--cables", str(self.cables), "--lease", "6",
+                   "--config", settings_file(f"credentials-dir = {self.work / 'bus' / 'credentials'}\n"))
+        eventually((self.cables / "gateway").exists, "the agent's socket")
+
+
+class Secured(CableTest):
+    """A bus that lets in only whom it knows: each lent board has a name that is known before, and credentials."""
+
+    tokens = (("admin", "miss"),)
+    make_bus = SecuredLendingBus
+
+    def test_BoardOfAPupil_SpeaksForItselfAlone(self):
+        _, lesson, _ = self.bus.ask("POST", "/api/lessons", {"lend": True, "minutes": 45}, token="miss")
+        cookie = self.bus.ask("POST", "/api/join", {"code": lesson["code"]})[2]
+        self.lend("one", cookie=cookie)
+        eventually(lambda: self.bus.ask("GET", "/api/boards/lent-student-1", cookie=cookie)[1].get("state") == "online", "online", 60)
+        self.assertEqual(self.bus.ask("POST", "/api/boards/lent-student-1/services/servo/commands/write", [0, 90], cookie=cookie)[0], 200)
+
+
+class Way:
+    """A network between a browser and the gateway, which may be gone: then nothing is carried, and nobody is told."""
+
+    def __init__(self, port):
+        self.port = port
+        self.there = threading.Event()
+        self.there.set()
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{self.listener.getsockname()[1]}"
+        self.ends = []
+        threading.Thread(target=self.accept, daemon=True).start()
+
+    def accept(self):
+        while True:
+            try:
+                near, _ = self.listener.accept()
+                self.there.wait()
+                far = socket.create_connection(("127.0.0.1", self.port))
+            except OSError:
+                return
+            self.ends += [near, far]
+            for source, target in ((near, far), (far, near)):
+                threading.Thread(target=self.carry, args=(source, target), daemon=True).start()
+
+    def carry(self, source, target):
+        with contextlib.suppress(OSError):
+            while data := source.recv(4096):
+                self.there.wait()
+                target.sendall(data)
+        self.there.wait()
+        for each in (source, target):
+            with contextlib.suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+
+    def gone(self, seconds):
+        self.there.clear()
+        time.sleep(seconds)
+        self.there.set()
+
+    def close(self):
+        self.there.set()
+        for each in (self.listener, *self.ends):
+            with contextlib.suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+            each.close()
+
+
+class OverAWay(CableTest):
+    simulated = tuple({"name": name, "image": SERVICES, "parts": [EYE]} for name in ("one", "two"))
+
+    def setUp(self):
+        super().setUp()
+        self.way = Way(self.bus.http_port)
+        self.addCleanup(self.way.close)
+
+    def lent(self, **more):
+        lent = self.lend("one", **more)
+        self.bus.online("lent-loopback")
+        return lent
+
+    def works(self):
+        self.bus.online("lent-loopback")
+        sent = eventually(lambda: (lambda done: done.returncode == 0 and done)(self.bus.asipctl("send", "lent-loopback/servo", "write", "0", "90")), "a command", 60)
+        self.assertEqual(sent.returncode, 0)
+
+    def is_lost(self, reason):
+        eventually(lambda: (lambda board: (board["state"], board.get("reason")) == ("lost", reason))(self.bus.board("lent-loopback")), f"lost, {reason}", 60)
+
+
+class Network(OverAWay):
+    def test_GoneForASecond_CableGoesOn(self):
+        lent = self.lent(url=self.way.url)
+        self.way.gone(1)
+        self.works()
+        self.assertIsNone(lent.closed)
+
+    def test_GoneForTenSeconds_BoardIsSilent_AndBackOnTheSameCable(self):
+        lent = self.lent(url=self.way.url)
+        self.way.there.clear()
+        began = time.monotonic()
+        self.is_lost("silent")
+        time.sleep(max(0, began + 10 - time.monotonic()))
+        self.way.there.set()
+        self.works()
+        self.assertIsNone(lent.closed)
+        eventually(lambda: lent.alive, "the gateway says that it is there", 60)
+
+    def test_AnotherWayWhileTheOldOneStands_BoardKeepsItsName(self):
+        """A laptop that changes its network: the gateway has not seen the end of the old connection yet."""
+        old = self.lent(url=self.way.url)
+        self.way.there.clear()
+        old.leave()
+        again = self.lend("one", cable=old.cable)
+        eventually(lambda: again.name, "its name", 60)
+        self.assertEqual(again.name, "lent-loopback")
+        self.works()
+        self.assertEqual([each["board"] for each in self.bus.get("/api/boards")["items"]], ["lent-loopback"])
+        self.way.there.set()
+        eventually(lambda: old.closed, "the end of the old one", 60)
+        self.works()
+
+    def test_BrowserAsleep_BoardIsSilent_AndBack(self):
+        lent = self.lent()
+        lent.lock.acquire()  # its threads stand still
+        try:
+            self.is_lost("silent")
+        finally:
+            lent.lock.release()
+        self.works()
+        self.assertIsNone(lent.closed)
+
+    def test_ServerStartedAgain_TwoBoardsOfALenderKeepTheirNames(self):
+        cables = []
+        for board in ("one", "two"):
+            cables.append(self.lend(board))
+            eventually(lambda: cables[-1].name, "its name", 60)
+        self.assertEqual([each.name for each in cables], ["lent-loopback", "lent-loopback-2"])
+        self.bus.end("gateway")
+        for each in cables:
+            each.close()
+        eventually(lambda: not any((self.bus.cables / name).is_symlink() for name in ("loopback", "loopback-2")), "both cables are gone")
+        self.bus.start_gateway()
+        for board, before in (("two", cables[1]), ("one", cables[0])):
+            again = self.lend(board, cable=before.cable)
+            eventually(lambda: again.name, "its name", 60)
+            self.assertEqual(again.name, before.name)
+
+
+class NetworkGoneForAMinute(OverAWay):
+    def test_GatewayEndsTheCable_AndTheNextOneHasItsName(self):
+        lent = self.lent(url=self.way.url)
+        self.way.there.clear()
+        self.is_lost("silent")
+        self.is_lost("unplugged")
+        self.assertEqual(self.bus.board("lent-loopback")["description"]["warnings"], ["the browser that lent it closed"])
+        time.sleep(25)  # a minute in all
+        self.way.there.set()
+        eventually(lambda: not lent.threads[1].is_alive(), "the end of the connection", 60)
+        lent.close()
+        self.lend("one", cable=lent.cable)
+        self.works()
 
 
 if __name__ == "__main__":

@@ -46,10 +46,11 @@ class Port:
 
 
 class LentBoard:
-    def __init__(self, url, path, token=None, vendor="2341", product="0043"):
+    def __init__(self, url, path, token=None, cookie=None, cable=None, vendor="2341", product="0043"):
         headers = [f"Authorization: Bearer {token}"] if token else []
-        self.socket = websocket.create_connection(f"{url.replace('http', 'ws')}/api/cable?vendor={vendor}&product={product}",
-                                                  header=headers, suppress_origin=True, timeout=30)
+        self.cable = cable or os.urandom(8).hex()
+        self.socket = websocket.create_connection(f"{url.replace('http', 'ws')}/api/cable?vendor={vendor}&product={product}&cable={self.cable}",
+                                                  header=headers, cookie=cookie, suppress_origin=True, timeout=30)
         self.port = Port(path)
         self.port.open(57600)
         self.baud = 57600
@@ -57,6 +58,8 @@ class LentBoard:
         self.why = None
         self.closed = None  # the code
         self.restarts = 0
+        self.alive = 0  # what the gateway said without a need
+        self.left = False  # nothing on this connection counts any more
         self.lock = threading.Lock()  # of the port
         self.stopping = threading.Event()
         self.threads = [threading.Thread(target=each, daemon=True) for each in (self.from_board, self.to_board)]
@@ -64,7 +67,7 @@ class LentBoard:
             thread.start()
 
     def from_board(self):
-        while not self.stopping.is_set():
+        while not self.stopping.is_set() and not self.left:
             with self.lock:
                 fd = self.port.fd
                 ready = fd is not None and select.select([fd], [], [], 0)[0]
@@ -95,7 +98,15 @@ class LentBoard:
         except (OSError, websocket.WebSocketException):
             pass
 
+    def leave(self):
+        """As a page that connects anew: another connection has the board."""
+        self.left = True
+        self.threads[0].join(5)
+        self.port.close()
+
     def take(self, kind, payload):
+        if self.left:
+            return
         if kind == b"D":
             with self.lock:
                 self.port.write(payload)
@@ -107,6 +118,8 @@ class LentBoard:
                 self.port.open(self.baud)
         elif kind == b"N":
             self.name = payload.decode()
+        elif kind == b"A":
+            self.alive += 1
         elif kind == b"E":
             self.why = payload.decode()
 

@@ -17,7 +17,7 @@ from websocket._abnf import frame_buffer
 # Ports stand in window.fake_ports by their names; a test chooses by window.next_port, as a person does in Chromium's dialog.
 FAKE_SERIAL = """
 (() => {
-  const server = "ws://127.0.0.1:PORT/";
+  const server = "ws://PLACE/";
   class FakePort extends EventTarget {
     #socket; #readable; #writable; #gone = false;
     constructor(name) { super(); this.name = name; }
@@ -81,12 +81,14 @@ FAKE_SERIAL = """
 
 
 class PortServer:
-    def __init__(self, folder):
+    """`host`: that of the page. Browsers let no page of another machine reach 127.0.0.1."""
+
+    def __init__(self, folder, host="127.0.0.1"):
         self.folder = folder
         self.opened = {}  # rates, by the name of the port
         self.restarts = {}
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.script = FAKE_SERIAL.replace("PORT", str(self.listener.getsockname()[1]))
+        self.listener = socket.create_server((host, 0))
+        self.script = FAKE_SERIAL.replace("PLACE", f"{host}:{self.listener.getsockname()[1]}")
         threading.Thread(target=self.accept, daemon=True).start()
 
     def close(self):

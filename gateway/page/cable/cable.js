@@ -9,7 +9,10 @@ const kStartBaud = 57600;
 const kBufferBytes = 16384;
 const kDtrLowMs = 100;
 const kAgainMs = 2000; // at first
-const kAgainMaxMs = 30_000;
+const kAgainMaxMs = 10_000;
+const kSilentMs = 15_000; // the gateway says something every 5 s
+const kCheckMs = 5000;
+const kMaxWaiting = 262_144; // bytes, in either direction, as in the gateway
 const kNotAllowed = 1008; // closed by the gateway for good
 
 const texts = await fetch(new URL(`languages/${document.documentElement.lang}.json`, import.meta.url)).then((response) => response.json());
@@ -32,6 +35,7 @@ class Cable {
   constructor(port) {
     this.port = port;
     this.pause = kAgainMs;
+    this.name = [...crypto.getRandomValues(new Uint16Array(4))].map(hex).join(""); // the gateway knows it again by that
     this.show("cable.opening");
     cables.add(this);
     this.connect();
@@ -47,12 +51,14 @@ class Cable {
     const url = new URL("api/cable", base);
     url.protocol = url.protocol.replace("http", "ws");
     const { usbVendorId, usbProductId } = this.port.getInfo();
-    if (usbVendorId !== undefined) url.search = new URLSearchParams({ vendor: hex(usbVendorId), product: hex(usbProductId) });
+    url.search = new URLSearchParams({ cable: this.name, ...(usbVendorId !== undefined && { vendor: hex(usbVendorId), product: hex(usbProductId) }) });
     return url;
   }
 
   connect() {
     this.todo = Promise.resolve();
+    this.waiting = 0;
+    this.heard = performance.now();
     const socket = this.socket = new WebSocket(this.address());
     socket.binaryType = "arraybuffer";
     // The port is opened when the agent is there: it hears the board's first words.
@@ -60,15 +66,36 @@ class Cable {
       await this.open(kStartBaud);
       this.show("cable.asking");
     });
-    socket.onmessage = ({ data }) => this.then(() => this.take(String.fromCharCode(new Uint8Array(data, 0, 1)[0]), new Uint8Array(data, 1)));
-    socket.onclose = ({ code }) => this.then(async () => {
+    socket.onmessage = ({ data }) => { if (this.socket === socket) this.received(data); };
+    socket.onclose = ({ code }) => { if (this.socket === socket) this.leave(code); };
+  }
+
+  received(data) {
+    this.heard = performance.now();
+    this.waiting += data.byteLength;
+    if (this.waiting > kMaxWaiting) return this.fail(new Error(say("cable.slow")));
+    return this.then(async () => {
+      await this.take(String.fromCharCode(new Uint8Array(data, 0, 1)[0]), new Uint8Array(data, 1));
+      this.waiting -= data.byteLength;
+    });
+  }
+
+  /// The connection counts for nothing from now on. Without a network its own end would come minutes later.
+  leave(code) {
+    this.socket?.close();
+    this.socket = undefined;
+    this.then(async () => {
       await this.close();
       if (this.over || code === kNotAllowed) return this.end();
       if (!this.why) this.show("cable.again");
       await later(this.pause);
       this.pause = Math.min(2 * this.pause, kAgainMaxMs);
-      if (!this.over) this.connect();
+      return this.over ? this.end() : this.connect();
     });
+  }
+
+  check() {
+    if (this.socket && performance.now() - this.heard > kSilentMs) this.leave();
   }
 
   /// One thing after the other: what is behind a change of the rate waits for that.
@@ -148,7 +175,9 @@ class Cable {
   }
 
   send(kind, payload) {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(bytes_of(kind, payload));
+    if (this.socket?.readyState !== WebSocket.OPEN) return;
+    if (this.socket.bufferedAmount > kMaxWaiting) this.leave();
+    else this.socket.send(bytes_of(kind, payload));
   }
 
   pulled() {
@@ -160,7 +189,7 @@ class Cable {
   /// By a person, or since the port is gone.
   stop() {
     this.over = true;
-    this.socket.close();
+    this.leave();
   }
 
   end() {
@@ -174,7 +203,7 @@ class Lend extends Part {
   shown() {
     this.rows = new Map();
     this.list = h("ul", { class: "link-list", "aria-live": "polite" });
-    this.append(h("h3", {}, say("cable.connect")));
+    if (this.titled) this.append(h("h3", {}, say("cable.connect")));
     this.what = h("p", {});
     this.append(this.what, this.list);
     this.listen(changes, "change", () => this.draw());
@@ -224,14 +253,16 @@ class Lend extends Part {
   }
 }
 
-function lend(port) {
-  for (const cable of cables) {
-    if (cable.port !== port) continue;
-    if (!cable.ended) return;
-    cables.delete(cable);
-  }
+/// What it was lent by before closes the port first.
+async function lend(port) {
+  const before = [...cables].find((cable) => cable.port === port);
+  if (before && !before.over) return;
+  await before?.todo;
+  if (before && !cables.delete(before)) return; // it was lent again meanwhile
   new Cable(port);
 }
+
+setInterval(() => { for (const cable of cables) cable.check(); }, kCheckMs);
 
 // Another document comes into this tab. Browsers may keep this one for *Back*, with its sockets.
 addEventListener("pagehide", () => {
@@ -245,7 +276,7 @@ navigator.serial?.addEventListener("connect", ({ target }) => {
 
 customElements.define("asip-lend", Lend);
 
-/// Offers it ahead of an element.
-export function offer(before) {
-  before.before(document.createElement("asip-lend"));
+/// Offers it ahead of an element. `titled`: with a heading of its own.
+export function offer(before, titled = true) {
+  before.before(Object.assign(document.createElement("asip-lend"), { titled }));
 }

@@ -51,11 +51,12 @@ class Board extends Part {
     this.listen(this, "proof", (event) => set_text(this.proof, event.proof));
     this.firmware = document.createElement("asip-firmware").begin(this.name);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
+    this.warnings = h("div", { class: "warnings", role: "status" });
     this.unusable = h("p", { class: "unusable muted", role: "status" });
     this.stopped = h("p", { class: "stopped-note", role: "status" });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, `← ${t("all-boards")}`)), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
-      this.problem, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
+      this.problem, this.warnings, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
       h("section", { "aria-label": t("links") }, h("h2", {}, t("links")), document.createElement("asip-links").begin(this.name)),
       h("section", { "aria-label": t("about") }, h("h2", {}, t("about")), this.facts, this.names, this.advanced),
       h("details", { class: "history", ontoggle: (event) => { if (!this.past) event.target.append((this.past = document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false, () => this.board?.names?.pins))); } },
@@ -192,6 +193,7 @@ class Board extends Part {
     const description = board.description ?? { services: board.services };
     const called = board.labels?.name;
     set_text(this.heading.firstChild, called || this.name);
+    this.warnings.replaceChildren(...(description.warnings ?? []).map((text) => h("p", {}, text)));
     set_text(this.heading.lastChild, called ? ` ${this.name}` : "");
     this.facts.replaceChildren(...facts_of([[t("chip"), board.chip], [t("sketch"), board.sketch],
       [t("labels"), label_texts(board.labels).join(", ")],

@@ -64,7 +64,7 @@ class Boards extends Part {
     this.classList.toggle("picks", status.may_command || status.may_label);
     this.invite.hidden = !status.may_label || !boards.catalogue.complete || boards.catalogue.rows.size > 0;
     this.adding.hidden = !status.may_label || boards.catalogue.rows.size === 0;
-    this.lending.hidden = status.you.arrange !== true || boards.catalogue.rows.size === 0;
+    this.lending.hidden = status.you.arrange !== true || (boards.catalogue.rows.size === 0 && status.you.lend !== true);
   }
 
   pick(names, on) {

@@ -11,6 +11,7 @@ import { boards, status } from "./model.js";
 const kAgainMs = 2000;
 const kBlinkMs = 250;
 const kMinutes = [45, 60, 90, 180];
+const kTheirs = "*"; // no label is called so
 
 const minute_text = (iso) => clock_text(time_of(iso)).slice(0, 5);
 const pause = (ms) => new Promise((done) => { setTimeout(done, ms); });
@@ -85,22 +86,24 @@ class Classes extends Part {
     const there = [...boards.catalogue.rows.values()].filter((row) => !["lost", "offline", "no-asip"].includes(row.state));
     const labels = new Map();
     for (const row of there) for (const [key, value] of Object.entries(row.tags)) if (key !== "name") labels.set(value === "" ? key : `${key}=${value}`, (labels.get(value === "" ? key : `${key}=${value}`) ?? 0) + 1);
-    const offers = [["", t("lesson-all", { n: there.length })], ...[...labels].sort().map(([label, count]) => [label, `${label} (${count})`])];
+    const lend = status.you.lend === true;
+    const offers = [...(there.length > 0 || !lend ? [["", t("lesson-all", { n: there.length })]] : []), ...[...labels].sort().map(([label, count]) => [label, `${label} (${count})`]),
+      ...(lend ? [[kTheirs, t("lesson-theirs")]] : [])];
     if (JSON.stringify(offers) !== this.offers) {
       const { value } = this.which;
       this.offers = JSON.stringify(offers);
       this.which.replaceChildren(...offers.map(([label, text]) => h("option", { value: label }, text)));
-      if (labels.has(value)) this.which.value = value;
+      if (offers.some(([label]) => label === value)) this.which.value = value;
     }
     this.form.hidden = !this.may;
-    this.button.disabled = there.length === 0;
-    set_text(this.note, !this.may ? (status.now ? t("lesson-not-yours") : "") : there.length === 0 ? t("lesson-no-board") : t("lesson-intro"));
+    this.button.disabled = offers[0][0] === "" && there.length === 0;
+    set_text(this.note, !this.may ? (status.now ? t("lesson-not-yours") : "") : this.button.disabled ? t("lesson-no-board") : t("lesson-intro"));
     for (const lesson of this.shown_lessons.values()) lesson.show();
   }
 
   async open(labels, minutes) {
     try {
-      await request("api/lessons", { method: "POST", body: { ...(labels ? { labels } : { boards: ["*"] }), minutes } });
+      await request("api/lessons", { method: "POST", body: { ...(labels === kTheirs ? { lend: true } : labels ? { labels } : { boards: ["*"] }), minutes } });
       this.tell("");
     } catch (problem) {
       this.tell(problem.message);
@@ -144,14 +147,14 @@ class LessonCard extends Part {
     this.seats = h("ul", { class: "link-list seats" });
     const local = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
     this.append(h("section", { class: "card lesson", "aria-label": code },
-      h("div", { class: "lesson-code" }, h("div", {}, h("p", {}, t("lesson-type-at", { address: `${base.host}${base.pathname}join` })), h("p", { class: "class-code" }, code), this.state, local && h("p", { class: "muted" }, t("lesson-local"))),
+      h("div", { class: "lesson-code" }, h("div", {}, h("p", {}, t("lesson-type-at", { address: `${base.protocol === "https:" ? "https://" : ""}${base.host}${base.pathname}join` })), h("p", { class: "class-code" }, code), this.state, local && h("p", { class: "muted" }, t("lesson-local"))),
         picture_of(base.href + path)),
       h("p", { class: "lesson-tools" }, h("button", { class: "stop", onclick: () => this.ask("api/stop", this.names) }, t("lesson-stop")), h("button", { onclick: () => this.ask("api/resume", this.names) }, t("lesson-resume")),
         h("button", { onclick: () => this.ask(path_of("lessons", this.lesson.id), {}, "DELETE") }, t("lesson-end")), this.answer), this.seats));
     this.show();
   }
 
-  get names() { return { boards: this.lesson.boards.map((each) => each.board) }; }
+  get names() { return { boards: this.lesson.boards.map((each) => each.board).filter((name) => boards.catalogue.rows.has(name)) }; }
 
   async ask(path, body, method = "POST") {
     try {
@@ -209,8 +212,8 @@ class Join extends Part {
 
   async join(code) {
     try {
-      const { board } = await request("api/join", { method: "POST", body: { code } });
-      go_anew(`#/board/${encodeURIComponent(board)}`);
+      const { board, lend } = await request("api/join", { method: "POST", body: { code } });
+      go_anew(lend ? "#/lend" : `#/board/${encodeURIComponent(board)}`);
     } catch (problem) {
       set_text(this.answer, problem.message);
     }
@@ -224,10 +227,12 @@ class Pupil extends Part {
     this.said = h("small", { role: "status" });
     const board = () => status.you.lesson?.board ?? "";
     this.hidden = true;
-    this.append(this.text, h("span", { class: "actions" }, identifier(board, this.said), h("button", { onclick: leave }, t("lesson-leave"))), this.said);
+    this.lend = h("a", { class: "button", href: "#/lend" }, t("lesson-lend"));
+    this.append(this.text, h("span", { class: "actions" }, this.lend, identifier(board, this.said), h("button", { onclick: leave }, t("lesson-leave"))), this.said);
     this.listen(status, "change", () => {
       const { lesson } = status.you;
       this.hidden = !lesson;
+      this.lend.hidden = status.you.lend !== true;
       if (lesson) set_text(this.text, t("lesson-pupil", { pupil: lesson.pupil, board: lesson.board, time: minute_text(lesson.until) }));
     });
   }
@@ -237,6 +242,11 @@ class Pupil extends Part {
 export function join_screen(code, problem) {
   const over = problem?.reason === "lesson-over" && h("p", { role: "alert" }, problem.message, " ", h("button", { onclick: leave }, t("lesson-over")));
   return [t("lesson-join-class"), h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, t("lesson-join-class")), over, document.createElement("asip-join").begin(code))];
+}
+export function lend_screen() {
+  const end = h("span", {});
+  import("../cable/cable.js").then(({ offer }) => offer(end, false));
+  return [t("lesson-lend"), h("div", {}, h("h1", { tabindex: "-1" }, t("lesson-lend")), end)];
 }
 export const class_screen = () => [t("lesson-class"), document.createElement("asip-class")];
 export const class_link = () => h("a", { class: "button", href: "#/class" }, t("lesson-class"));

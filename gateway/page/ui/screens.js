@@ -3,7 +3,7 @@
 import "./add_board.js";
 import "./board.js";
 import "./boards.js";
-import { class_screen, join_screen } from "./class.js";
+import { class_screen, join_screen, lend_screen } from "./class.js";
 import { is_kiosk } from "./dashboard.js";
 import "./shell.js";
 import "./settings.js";
@@ -25,6 +25,7 @@ const screens = [
   [/^dashboard\/([^/?]+)(?:\?.*)?$/, (name) => [name, document.createElement("asip-dashboard").begin(name)], "dashboards.md"],
   [/^class$/, class_screen, "start-in-class.md"],
   [/^join(?:\/([^/]+))?$/, (code) => join_screen(code ?? ""), "start-in-class.md"],
+  [/^lend$/, lend_screen, "gateway.md#boards-in-the-computer-of-a-browser"],
   [/^history$/, () => [t("history"), h("div", {}, h("h1", { tabindex: "-1" }, t("history")), document.createElement("asip-history").begin("api/history", true))], "service-bus.md#who-did-what"],
   [/^(?:settings|bus)$/, () => [t("settings"), document.createElement("asip-settings")], "gateway.md#boards-in-other-systems"],
 ];

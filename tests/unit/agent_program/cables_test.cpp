@@ -28,7 +28,7 @@ struct CablesTest : testing::Test {
         cables.emplace(io, folder,
                        Cables::Handlers{[this](const std::string& place, const std::string&,
                                                std::shared_ptr<const Lent>) { plugged.push_back(place); },
-                                        [](const std::string&) {}});
+                                        [this](const std::string& place) { left.push_back(place); }});
     }
     std::string why_not() {
         try {
@@ -42,10 +42,11 @@ struct CablesTest : testing::Test {
         boost::asio::write(gateway, boost::asio::buffer(link::cable_frame(kind, payload)));
     }
     /// The place of the board; empty: it is refused.
-    std::string lend(const std::string& by) {
+    std::string lend(const std::string& by, nlohmann::json more = nlohmann::json::object()) {
         auto& gateway = gateways.emplace_back(io);
         gateway.connect((folder / Cables::kSocket).string());
-        tell(gateway, CableKind::kHello, nlohmann::json{{"by", by}}.dump());
+        more["by"] = by;
+        tell(gateway, CableKind::kHello, more.dump());
         const auto before = plugged.size();
         test::run_until(io, [&] { return plugged.size() > before || gateway.available() > 0; });
         return plugged.size() > before ? plugged.back() : std::string();
@@ -60,7 +61,7 @@ struct CablesTest : testing::Test {
     fs::path folder = work.path() / "cables";
     boost::asio::io_context io;
     std::deque<Protocol::socket> gateways;
-    std::vector<std::string> plugged;
+    std::vector<std::string> plugged, left;
     std::optional<Cables> cables;
 };
 
@@ -85,6 +86,50 @@ TEST_F(CablesTest, PlacesOfALender_AreTheSameWhoeverCameBefore) {
     EXPECT_EQ(lend("anna-2"), "anna-2-2");
     EXPECT_EQ(lend("anna"), "anna");
     EXPECT_EQ(lend("anna"), "anna-2");
+}
+
+TEST_F(CablesTest, CableThatItsPageConnectsAgain_HasItsPlaceAgain_AlsoWhileTheOldWayStands) {
+    const auto cable = [](const char* name) { return nlohmann::json{{"cable", name}}; };
+    listen();
+    EXPECT_EQ(lend("anna", cable("aa")), "anna");
+    EXPECT_EQ(lend("anna", cable("bb")), "anna-2");
+    const auto before = fs::read_symlink(folder / "anna-2");
+    EXPECT_EQ(lend("anna", cable("bb")), "anna-2");
+    EXPECT_NE(fs::read_symlink(folder / "anna-2"), before);
+    ASSERT_TRUE(test::run_until(io, [&] { return gateways[1].available() > 0; })) << "the old one is told";
+    tell(gateways[1], CableKind::kEnd, "ended");
+    test::run_until(io, [&] { return !fs::exists(before); });
+    EXPECT_TRUE(fs::is_symlink(folder / "anna-2")) << "the end of the old one is none of the new one";
+    // Both come back, in any order.
+    ASSERT_TRUE(pull(0, "anna"));
+    ASSERT_TRUE(pull(2, "anna-2"));
+    EXPECT_EQ(lend("anna", cable("bb")), "anna-2");
+    EXPECT_EQ(lend("anna", cable("aa")), "anna");
+    EXPECT_EQ(lend("bob", cable("aa")), "bob") << "a name counts for its lender alone";
+}
+
+TEST_F(CablesTest, PlaceOfAPupil_IsThatOfTheOneWhoHasItNow_AndNoOtherLendersEver) {
+    const auto seat = [](const char* place) { return nlohmann::json{{"place", place}}; };
+    listen();
+    EXPECT_EQ(lend("student"), "student-0-1");
+    EXPECT_EQ(lend("student"), "student-0-2");
+    EXPECT_EQ(lend("student-2"), "student-2-1");
+    EXPECT_EQ(lend("student-2@1f2e3d4c", seat("student-2")), "student-2");
+    EXPECT_EQ(lend("student-2@5a5a5a5a", seat("student-2")), "student-2") << "of the next lesson";
+    EXPECT_EQ(lend("student-2@5a5a5a5a", seat("anna")), "");
+    EXPECT_EQ(lend("student-2@5a5a5a5a", seat("student-/..")), "");
+}
+
+TEST_F(CablesTest, AllPlacesTaken_TheOneThatWaitsLongestIsForgotten) {
+    listen();
+    for (std::size_t i = 0; i < Cables::kMaxPlaces; ++i)
+        ASSERT_EQ(lend("u" + std::to_string(i)), "u" + std::to_string(i));
+    EXPECT_EQ(lend("anna"), "");
+    ASSERT_TRUE(pull(3, "u3"));
+    ASSERT_TRUE(pull(2, "u2"));
+    EXPECT_EQ(lend("anna"), "anna");
+    EXPECT_EQ(left, std::vector<std::string>{"u3"});
+    EXPECT_EQ(lend("u2"), "u2");
 }
 
 TEST_F(CablesTest, Folder_WhatTheAgentDidNotMakeStays) {

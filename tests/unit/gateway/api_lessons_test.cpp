@@ -131,8 +131,9 @@ TEST_F(LessonsApi, Pupil_IsShownAndCommandsOneBoard) {
     lesson_ = open();
     const auto joined = join(lesson_["code"]);
     ASSERT_EQ(joined->status(), 200) << joined->detail();
-    EXPECT_EQ(joined->body(),
-              (json{{"pupil", "student-1"}, {"board", "student-1"}, {"until", lesson_["until"]}}));
+    EXPECT_EQ(
+        joined->body(),
+        (json{{"pupil", "student-1"}, {"board", "student-1"}, {"lend", false}, {"until", lesson_["until"]}}));
     EXPECT_THAT(joined->header("Set-Cookie"), HasSubstr("HttpOnly; SameSite=Strict"));
     const auto cookie = cookie_of(joined);
     const auto you = with(cookie, "GET", "/api/status")->body()["you"];
@@ -250,6 +251,20 @@ TEST_F(LessonsApi, SameBrowser_HasItsBoardAgain_AndOneThatIsSignedInIsAsked) {
     const auto signed_in = cookie_of(get("/?code=" + code));
     EXPECT_EQ(join(lesson_["code"], signed_in)->status(), 409);
     EXPECT_EQ(with(signed_in, "GET", "/api/status")->body()["you"]["name"], "miss");
+}
+
+TEST_F(LessonsApi, PupilsLend_WhereAnAgentTakesLentBoards) {
+    const auto refused = as("teach", "POST", "/api/lessons", R"({"lend":true})");
+    EXPECT_EQ(refused->status(), 404);
+    EXPECT_THAT(refused->detail(), HasSubstr("no agent takes lent boards here"));
+    for (const char* wrong :
+         {R"({"lend":false})", R"({"lend":1})", R"({"lend":true,"boards":["student-1"]})"})
+        EXPECT_EQ(as("teach", "POST", "/api/lessons", wrong)->status(), 400) << wrong;
+    lesson_ = open();
+    EXPECT_EQ(lesson_["lend"], false);
+    EXPECT_EQ(join(lesson_["code"])->body()["lend"], false);
+    const auto cable = with(pupil(), "GET", "/api/cable");
+    EXPECT_EQ(cable->status(), 403) << "a pupil of a lesson on the room's boards";
 }
 
 TEST_F(LessonsApi, LastBoard_GoesToOneOfTwo) {

@@ -67,6 +67,22 @@ TEST_F(CableTest, RightThatEnds_AgentIsToldThoughTheBrowserReadsNothing) {
     EXPECT_EQ(told->payload, "the right to lend it has ended");
 }
 
+TEST_F(CableTest, QuietCable_SaysThatItIsThere) {
+    acceptor.bind(path);
+    acceptor.listen();
+    const auto channel = open();
+    std::string message;
+    channel->tick(at(4900ms));
+    EXPECT_FALSE(channel->take(message));
+    channel->tick(at(5000ms));
+    channel->tick(at(15s));
+    ASSERT_TRUE(channel->take(message));
+    EXPECT_EQ(message, "A");
+    EXPECT_FALSE(channel->take(message)) << "nothing piles up for a browser that takes nothing";
+    channel->tick(at(15s));
+    EXPECT_TRUE(channel->take(message));
+}
+
 TEST_F(CableTest, AgentThatTakesNoConnections_IsNotWaitedFor) {
     acceptor.bind(path);
     acceptor.listen(0);

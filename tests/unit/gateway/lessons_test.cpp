@@ -75,6 +75,29 @@ TEST_F(LessonsTest, CodeIsTypedAsPeopleDo_CaseBlanksAndDashesDoNotMatter) {
     EXPECT_EQ(join(typed).outcome, Outcome::kJoined);
 }
 
+TEST_F(LessonsTest, PupilsWhoLend_HaveAPlaceEach_AndTheSameNamesServeTheNextLesson) {
+    open({"lent-student-2"});
+    const auto lesson = open({});
+    const auto one = join(lesson.code);
+    ASSERT_EQ(one.outcome, Outcome::kJoined);
+    EXPECT_EQ(one.rights.boards, std::vector<std::string>{"lent-student-1"});
+    EXPECT_EQ(one.rights.place, "student-1");
+    EXPECT_TRUE(one.rights.may_lend());
+    EXPECT_FALSE(one.rights.may_label() || one.rights.may_resume());
+    const auto two = join(lesson.code);
+    EXPECT_EQ(two.rights.place, "student-3") << "another lesson has lent-student-2";
+    EXPECT_THAT(two.rights.name, testing::StartsWith("student-3@"));
+    EXPECT_FALSE(join(lessons_.all().front().code).rights.may_lend()) << "of a lesson that lends";
+    lessons_.leave(one.cookie);
+    EXPECT_EQ(join(lesson.code).rights.place, "student-1") << "the place of one who left";
+    for (std::size_t i = 2; i < Lessons::kMaxBoards; ++i)
+        EXPECT_EQ(join(lesson.code).outcome, Outcome::kJoined);
+    EXPECT_EQ(join(lesson.code).outcome, Outcome::kNoBoardFree);
+    lessons_.end(lesson.id);
+    EXPECT_EQ(lessons_.rights_of(two.cookie, at(0ms)), std::nullopt);
+    EXPECT_EQ(join(open({}).code).rights.place, "student-1");
+}
+
 TEST_F(LessonsTest, SameBrowserAgain_HasTheSameBoard) {
     const auto code = open({"uno1", "uno2"}).code;
     const auto first = join(code);
