@@ -5,6 +5,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "agent/cable/cables.hpp"
 #include "agent/describe/label_files.hpp"
 #include "agent/program/options.hpp"
 #include "asip/bus/topics.hpp"
@@ -16,6 +17,8 @@
 namespace asip::agent {
 
 namespace {
+
+constexpr std::size_t kLastPort = 65535;
 
 /// HOST:PORT, with how lines are framed there: HOST:PORT/frames, HOST:PORT/lines.
 Expected<ListenAddress> parse_framed_address(std::string_view text, std::string_view default_host) {
@@ -113,7 +116,6 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
         for (const auto* other : {&raw.serial, &raw.tcp, &raw.name})
             if (!other->empty())
                 return fail("--cables: the boards that browsers lend have an agent of their own");
-        if (!raw.listen.empty()) return fail("--cables: lent boards have no port for clients");
         raw.serial = raw.cables + "/board";
         raw.reset = "never";
         options.bridge.lent = options.bridge.session.opens_for_rate = true;
@@ -135,6 +137,9 @@ Expected<AgentOptions> checked_options(RawOptions raw) {
     for (const std::string& text : raw.listen) {
         auto listen = parse_framed_address(text, "127.0.0.1");
         if (!listen) return fail("--listen: " + listen.error());
+        if (options.bridge.lent && listen->address.port > kLastPort - Cables::kMaxPlaces)
+            return fail("--listen: lent boards take " + std::to_string(Cables::kMaxPlaces) +
+                        " ports from this one on, and there are " + std::to_string(kLastPort));
         options.listen.push_back(std::move(*listen));
     }
     const auto silence = text::parse_duration(raw.listen_silence);

@@ -28,6 +28,7 @@ struct Supervisor::Board : std::enable_shared_from_this<Supervisor::Board> {
     bool name_taken = false;  // another agent took it: to take it back would never end
     bool wanted = true;       // not: it leaves
     bool changed = false;     // it ends to be started by its new plan
+    unsigned number = 0;      // of lent boards, from 0: no two that are there have the same
 };
 
 }  // namespace asip::agent

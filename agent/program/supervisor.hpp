@@ -45,6 +45,7 @@ class Supervisor {
     void plugged(const std::string& place, const std::string& port, std::shared_ptr<const Lent> lent,
                  AgentOptions options);
     void left(const std::string& place);
+    unsigned free_number() const;
     void tell_lender(const Board& board);
     std::shared_ptr<Board> find(const std::string& key) const;
     // Signals: the end, and a changed file

@@ -36,8 +36,20 @@ void Supervisor::plugged(const std::string& place, const std::string& port, std:
     options.serial = port;
     if (lent->pupils) options.bridge.name = std::string(link::kLentPrefix) + place;
     options.lent = std::move(lent);
+    const auto number = free_number();
+    for (auto& listen : options.listen)
+        if (listen.address.port != 0)
+            listen.address.port = static_cast<std::uint16_t>(listen.address.port + number);
     boards_.push_back(std::make_shared<Board>(io_, PlannedBoard{place, {}, std::move(options)}, several_));
+    boards_.back()->number = number;
     start(*boards_.back(), {});
+}
+
+unsigned Supervisor::free_number() const {
+    for (unsigned number = 0;; ++number)
+        if (std::none_of(boards_.begin(), boards_.end(),
+                         [number](const auto& each) { return each->number == number; }))
+            return number;
 }
 
 void Supervisor::left(const std::string& place) {

@@ -130,6 +130,26 @@ board.thread_killer()
                     module="tcp_board", board="TCPBoard", make="TCPBoard(tcp_port=int(sys.argv[1]))"), port)
                 self.assert_blinked(printed, name)
 
+    def test_python_asip_over_tcp_on_boards_that_browsers_lend(self):
+        sys.path[:0] = [str(ROOT / "tests" / folder) for folder in ("cable", "box")]
+        from lending_test import LendingBus
+
+        first = free_port()
+
+        class ListeningBus(LendingBus):
+            agent_options = ("--listen", str(first))
+
+        names = ("one", "two")
+        self.bus = ListeningBus([{"name": name, "image": str(IMAGES / "asip_uno_services.elf"), "parts": board(name, "")["parts"]} for name in names])
+        for number, name in enumerate(names):
+            lent = self.bus.lend(name)
+            self.addCleanup(lent.close)
+            eventually(lambda: lent.name, "its name", 60)
+            self.bus.online(lent.name)
+            printed = self.run_client("import sys, time\n" + self.BLINK.format(
+                module="tcp_board", board="TCPBoard", make="TCPBoard(tcp_port=int(sys.argv[1]))"), first + number)
+            self.assert_blinked(printed, name)
+
     def test_python_asip_over_mqtt(self):
         self.begin(board("ours", "asip_uno_services.elf"), board("old", "asip_uno_04_services.elf"))
         for name in ("ours", "old"):
