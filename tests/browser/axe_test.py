@@ -12,6 +12,7 @@ import unittest
 import urllib.request
 
 from board_test import published
+from cable_test import LendingBus
 from dashboard_test import WHOLE
 from rig import BIN, BUILD, PageTest, eventually, settings_file
 
@@ -187,6 +188,29 @@ class Empty(Axe):
         self.start()
         self.browser.shown("#token", seconds=40)
         self.check("sign-in")
+
+
+class Lending(Axe):
+    @classmethod
+    def make_bus(cls):
+        return LendingBus()
+
+    def test_BoardInThisComputer_AsATeacherAndAsAPupil(self):
+        self.start()
+        self.go("add", "asip-lend p")
+        self.check("add-lend")
+        self.go("class", "form.open-lesson")
+        self.check("class-lend")
+        code = self.bus.post("/api/lessons", {"lend": True})["code"]
+        self.addCleanup(self.browser.driver.delete_all_cookies)
+        joined = self.browser.driver.execute_async_script("""const [code, done] = arguments;
+            fetch("api/join", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ code }) }).then((answer) => done(answer.status));""", code)
+        self.assertEqual(joined, 200)
+        self.start("#/lend")
+        self.browser.shown("asip-pupil a.button")
+        self.browser.shown("asip-lend p")
+        for _ in VIEWS:
+            self.check("lend-pupil")
 
 
 if __name__ == "__main__":

@@ -226,6 +226,8 @@ class Pupil extends Part {
     this.text = h("span", { role: "status" });
     this.said = h("small", { role: "status" });
     const board = () => status.you.lesson?.board ?? "";
+    this.setAttribute("role", "region");
+    this.setAttribute("aria-label", t("lesson-class"));
     this.hidden = true;
     this.lend = h("a", { class: "button", href: "#/lend" }, t("lesson-lend"));
     this.append(this.text, h("span", { class: "actions" }, this.lend, identifier(board, this.said), h("button", { onclick: leave }, t("lesson-leave"))), this.said);
