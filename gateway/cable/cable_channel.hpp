@@ -16,7 +16,7 @@ namespace asip::gateway {
 class CableChannel : public http::Channel, public OpenStream {
   public:
     static constexpr std::size_t kMaxWaiting = std::size_t{256} * 1024;  ///< in each direction
-    static constexpr Duration kAlive = std::chrono::seconds(5);  ///< so often the page hears something
+    static constexpr Duration kAlive = std::chrono::seconds(1);  ///< so often the page hears something
     static constexpr double kBytesPerSecond = 1e6 / 8;  ///< of the board, on average; kMaxWaiting at once
 
     struct Dependencies {

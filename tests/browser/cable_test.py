@@ -184,6 +184,8 @@ def processes_below(parent):
 
 
 class Away(Cable):
+    simulated = ({"name": "one", "image": SERVICES, "parts": [EYE, {"kind": "servo", "name": "servo", "pin": 9}]},)
+
     def sleep_until(self, reason):
         """The laptop sleeps: all of the browser stands still."""
         asleep = processes_below(self.browser.driver.service.process.pid)
@@ -202,6 +204,23 @@ class Away(Cable):
             self.sleep_until(reason)
             self.is_online()
             self.says(f"On the bus: {BOARD}")
+
+    def test_NetworkGoneForTenSeconds_NoCommandOfThatTimeReachesTheBoard(self):
+        way = Way(self.bus.http_port)
+        self.addCleanup(way.close)
+        self.browser.driver.get(f"{way.url}/#/add")
+        self.press("one")
+        self.is_online()
+        self.assertEqual(self.bus.asipctl("send", f"{BOARD}/servo", "write", "0", "90").returncode, 0)
+        eventually(lambda: self.bus.part("one/servo").startswith("90"), "the servo turns", 60)
+        way.there.clear()
+        began = time.monotonic()
+        self.assertNotEqual(self.bus.asipctl("send", f"{BOARD}/servo", "write", "0", "33").returncode, 0)
+        time.sleep(max(0, began + 10 - time.monotonic()))
+        self.assertEqual(self.state(), "lost")
+        way.there.set()
+        self.is_online()
+        self.assertTrue(self.bus.part("one/servo").startswith("90"), self.bus.part("one/servo"))
 
     def test_NetworkGoneForAMinute_PageSaysSo_AndConnectsByItself(self):
         way = Way(self.bus.http_port)

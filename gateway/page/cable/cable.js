@@ -10,8 +10,9 @@ const kBufferBytes = 16384;
 const kDtrLowMs = 100;
 const kAgainMs = 2000; // at first
 const kAgainMaxMs = 10_000;
-const kSilentMs = 15_000; // the gateway says something every 5 s
-const kCheckMs = 5000;
+const kSilentMs = 5000; // the gateway says something every second
+const kCheckMs = 1000;
+const kConnectMs = 10_000; // more, until there is a connection
 const kMaxWaiting = 262_144; // bytes, in either direction, as in the gateway
 const kNotAllowed = 1008; // closed by the gateway for good
 
@@ -58,20 +59,25 @@ class Cable {
   connect() {
     this.todo = Promise.resolve();
     this.waiting = 0;
-    this.heard = performance.now();
+    this.heard = Date.now() + kConnectMs; // a clock that goes on while a computer sleeps
     const socket = this.socket = new WebSocket(this.address());
     socket.binaryType = "arraybuffer";
     // The port is opened when the agent is there: it hears the board's first words.
-    socket.onopen = () => this.then(async () => {
-      await this.open(kStartBaud);
-      this.show("cable.asking");
-    });
+    socket.onopen = () => {
+      this.heard = Date.now();
+      this.then(async () => {
+        await this.open(kStartBaud);
+        this.show("cable.asking");
+      });
+    };
     socket.onmessage = ({ data }) => { if (this.socket === socket) this.received(data); };
     socket.onclose = ({ code }) => { if (this.socket === socket) this.leave(code); };
   }
 
+  /// What comes behind a silence was sent long ago: no board executes a command that late.
   received(data) {
-    this.heard = performance.now();
+    if (!this.check()) return undefined;
+    this.heard = Date.now();
     this.waiting += data.byteLength;
     if (this.waiting > kMaxWaiting) return this.fail(new Error(say("cable.slow")));
     return this.then(async () => {
@@ -94,8 +100,11 @@ class Cable {
     });
   }
 
+  /// False: it was silent for too long, and is left.
   check() {
-    if (this.socket && performance.now() - this.heard > kSilentMs) this.leave();
+    const silent = this.socket && Date.now() - this.heard > kSilentMs;
+    if (silent) this.leave();
+    return !silent;
   }
 
   /// One thing after the other: what is behind a change of the rate waits for that.
