@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/running_exports.hpp"
 
+#include <utility>
+
 #include "asip/bus/request/reply.hpp"
 #include "asip/program/log.hpp"
-#include "gateway/gateway.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -87,11 +88,20 @@ void Exports::changes() {
         if (change == nullptr)
             lost = true;
         else if (!change->board.empty())  // else it is of the gateway itself
-            export_->changed(change->board, now);
+            changed(change->board, now);
     }
     if (lost)
         for (const auto& name : gateway_.mirror().board_names())
             export_->changed(name, now);
+}
+
+// Each look costs messages and their acknowledgements: of a board that changes all the time the newest state
+// counts.
+void Exports::changed(const std::string& board, Time now) {
+    if (looks_.take(board, now))
+        export_->changed(board, now);
+    else
+        later_.insert(board);
 }
 
 void Exports::message_of_service(const bus::TopicRef& topic, const mqtt::Message& message) {
@@ -104,9 +114,13 @@ void Exports::message(const mqtt::Message& message) {
 }
 
 void Exports::tick() {
+    const auto now = gateway_.now().time;
+    looks_.expire(now);
+    for (const auto& board : std::exchange(later_, {}))
+        changed(board, now);
     changes();
     connection_.tidy();
-    export_->tick(gateway_.now().time);
+    export_->tick(now);
 }
 
 void Exports::stop(Duration limit, std::function<void()> done) {

@@ -2,16 +2,16 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/client.hpp"
 #include "gateway/export/export.hpp"
+#include "gateway/gateway.hpp"
 
 namespace asip::gateway {
-
-class Gateway;
 
 /// An export's connection to the broker, there while the export wants it.
 class ExportConnection {
@@ -68,12 +68,15 @@ class Exports {
     void command(const std::string& board, const property::Request& request,
                  std::function<void(std::string)> done);
     std::optional<exports::Export::Present> board(const std::string& name);
+    void changed(const std::string& board, Time now);
 
     Gateway& gateway_;
     ExportConnection connection_;
     std::unique_ptr<exports::Export> export_;
     std::shared_ptr<void> told_;  // how boards stand
     std::uint64_t seen_ = 0;      // of the gateway's changes
+    Rates looks_{10};             // at each board
+    std::set<std::string> later_;
 };
 
 /// `asip-gateway clean`: clears all that these exports left. Returns the exit status; what happened is

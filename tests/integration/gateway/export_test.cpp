@@ -57,6 +57,25 @@ class GatewayExport : public testing::Test {
     BusProbe probe_{broker_.port()};
 };
 
+// Each would be a message, and its acknowledgement, of each export.
+TEST_F(GatewayExport, StateThatChangesAllTheTime_IsShownAFewTimesASecond_AndTheLastCounts) {
+    const auto gateway = start();
+    ASSERT_TRUE(gateway->ready());
+    const std::string state = "asip/servicebus/uno1/$state";
+    probe_.publish("asip/servicebus/uno1/$description", described("uno1"));
+    probe_.publish(state, "online");
+    ASSERT_TRUE(becomes(kBoard, "online")) << gateway->process().errors();
+    gateway->process().signal(SIGSTOP);
+    for (int i = 0; i < 4000; ++i)
+        probe_.publish(state, i % 2 == 0 ? "lost" : "online", false, 0);
+    probe_.publish(state, "offline");
+    ASSERT_TRUE(wait_until([&] { return probe_.all_acknowledged(); }));
+    gateway->process().signal(SIGCONT);
+    ASSERT_TRUE(gateway->becomes("uno1", "offline"));
+    EXPECT_TRUE(becomes(kBoard, "offline"));
+    EXPECT_LT(probe_.count(kBoard), 300u);
+}
+
 class GatewayExportOfABoard : public GatewayExport {
   protected:
     SimulatedUno uno_;
