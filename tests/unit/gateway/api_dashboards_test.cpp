@@ -369,6 +369,13 @@ TEST_F(Dashboards_, Links_AreListedWithTheirMakers_AndEndAfterAMonthUnlessTheySa
     EXPECT_EQ(days(1), 365);
     const auto token = link("{}");
     EXPECT_FALSE(get("/kiosk/" + token + "/api/dashboards/lab")->body().contains("links"));
+    const auto open = socket("/kiosk/" + token);
+    pass(30 * 24h - 1s);
+    EXPECT_EQ(get("/kiosk/" + token + "/api/dashboards/lab")->status(), 200);
+    EXPECT_EQ(open->channel->close_code(), 0);
+    pass(1s);
+    EXPECT_EQ(get("/kiosk/" + token + "/api/dashboards/lab")->status(), 404);
+    EXPECT_EQ(open->channel->close_code(), 1008);
 }
 
 TEST_F(Dashboards_, LinksWhoseTimeIsOver_TakeNoRoom) {

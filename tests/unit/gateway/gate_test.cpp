@@ -214,7 +214,9 @@ TEST_F(GateTest, SessionThatEnded_ItsStreamsEnd) {
     gate.logins().end(leave);
     EXPECT_FALSE(gate.still_admitted(*leaving, at(1s))) << "signed out";
     EXPECT_TRUE(gate.still_admitted(*staying, at(1s)));
-    EXPECT_FALSE(gate.still_admitted(*staying, at(13h))) << "12 hours are over";
+    EXPECT_TRUE(gate.still_admitted(*staying, at(12h - 1s)));
+    EXPECT_FALSE(gate.still_admitted(*staying, at(12h)));
+    EXPECT_EQ(gate.admit(get({{"cookie", "asip=" + stay}}), at(12h))->rights.role, Role::kNone);
 }
 
 TEST_F(GateTest, RightsOnSomeServices_AreForNoWholeBoard) {
