@@ -57,6 +57,7 @@ Application::Application(RegistryOptions options)
     registry_ = std::make_unique<Registry>(options_, std::move(*models), system_random(), port(),
                                            history_.get(), now(), values_.get());
     client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
+    answerer_ = connection_for_answers();
     if (!options_.notify.empty()) {
         auto webhook = Webhook::create(io_, options_.notify);
         if (!webhook) throw std::runtime_error("--notify: " + webhook.error());
@@ -106,6 +107,9 @@ Port Application::port() {
     port.publish = [this](mqtt::Message message) {
         client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
     };
+    port.answer = [this](mqtt::Message message) {
+        (answerer_->connected() ? answerer_ : client_)->publish(std::move(message), mqtt::Priority::kReply);
+    };
     port.subscribe = [this](std::string filter, bool retained) {
         mqtt::SubscribeOptions subscription;
         subscription.retained = retained;
@@ -149,6 +153,19 @@ mqtt::Client::Handlers Application::handlers() {
     return result;
 }
 
+std::unique_ptr<mqtt::Client> Application::connection_for_answers() {
+    auto options = options_.mqtt;
+    options.client_id += options.client_id.empty() ? "" : "-answers";
+    options.own_topics.clear();
+    options.max_queued_bytes = 32u << 20;
+    mqtt::Client::Handlers result;
+    result.on_published = [this](const std::string&) { schedule_turn(); };
+    result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
+        registry_->denied(topic, reason, now());
+    };
+    return std::make_unique<mqtt::Client>(io_, std::move(options), std::move(result));
+}
+
 int Application::run() {
     log::info("registry starts", {{"id", options_.id}, {"broker", options_.mqtt.brokers.front().describe()}});
     for (auto& [filter, qos, retained] : registry_->subscriptions()) {
@@ -158,6 +175,7 @@ int Application::run() {
         client_->subscribe(std::move(filter), subscription);
     }
     client_->start();
+    answerer_->start();
     schedule_tick();
     io_.run();
     return status_;
@@ -211,7 +229,7 @@ void Application::schedule_tick() {
 /// Behind what the connection has to read. While more comes, reading gets kReadingShare times what the last
 /// answer took, so that a flood of costly questions does not pile up in front of others.
 void Application::schedule_turn() {
-    if (!registry_->questions_wait() || client_->counters().queued >= kMaxUnsent) return;
+    if (!registry_->questions_wait() || answerer_->counters().queued >= kMaxUnsent) return;
     if (std::exchange(turn_scheduled_, true)) return;
     boost::asio::post(io_, [this] {
         turn_scheduled_ = false;
@@ -252,6 +270,7 @@ void Application::notify() {
 
 void Application::stop() {
     stopping_ = true;  // nothing is said behind the goodbye
+    answerer_->stop(std::chrono::seconds(1), [] {});
     client_->publish(registry_->goodbye(), mqtt::Priority::kAnnouncement);
     client_->stop(std::chrono::seconds(2), [this] { end(); });
 }

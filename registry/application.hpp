@@ -32,6 +32,7 @@ class Application {
     ValueKeeper::Handlers value_handlers();
     mqtt::Options mqtt_options() const;
     mqtt::Client::Handlers handlers();
+    std::unique_ptr<mqtt::Client> connection_for_answers();
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
     void take(const mqtt::Message& message);
@@ -53,6 +54,8 @@ class Application {
     bus::BoardShares boards_;
     std::unique_ptr<Registry> registry_;
     std::unique_ptr<mqtt::Client> client_;
+    /// A busy broker reads a message of each connection in turn.
+    std::unique_ptr<mqtt::Client> answerer_;
     std::unique_ptr<Webhook> webhook_;
     bool notify_fault_logged_ = false;
     bool turn_scheduled_ = false;

@@ -11,6 +11,8 @@ namespace asip::registry {
 /// What the parts of a registry ask of its connection.
 struct Port {
     std::function<void(mqtt::Message)> publish;
+    /// An answer, which must not wait behind what is told of changes. Empty: as publish().
+    std::function<void(mqtt::Message)> answer{};
     /// `retained`: deliver stored messages, too.
     std::function<void(std::string filter, bool retained)> subscribe;
     std::function<void(const std::string& filter)> unsubscribe;

@@ -54,7 +54,7 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
           queries_,
           [this](mqtt::Message answer) {
               ++statistics_.counts.queries;
-              port_.publish(std::move(answer));
+              (port_.answer ? port_.answer : port_.publish)(std::move(answer));
           },
           [this](const std::string& topic) { return may_answer(topic); }) {
     catalogue_.suspend();

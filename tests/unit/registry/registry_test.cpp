@@ -309,6 +309,19 @@ TEST_F(RegistryTest, NamesOnlyBoardWhoseDescriptionWasMissed_IsAskedAndThenDescr
     EXPECT_EQ(connection.last("answers").at("items").at(0).value("names_only", false), false);
 }
 
+TEST(Registry, Answers_DoNotWaitBehindWhatIsToldOfChanges) {
+    Connection connection, answers;
+    auto port = connection.port();
+    port.answer = answers.port().publish;
+    Registry registry(options(), {}, counting(), port, nullptr, moment(0s));
+    registry.connected(0, moment(0s));
+    mqtt::Message query = bus_message("asip/registry/query", R"({"find":"boards"})");
+    query.response_topic = "answers";
+    registry.message(query, moment(1s));
+    EXPECT_EQ(answers.count("answers"), 1u);
+    EXPECT_EQ(connection.count("answers"), 0u);
+}
+
 TEST(RefusalLogTest, MalformedDescription_LineSaysWhichMember) {
     RefusalLog refusals;
     auto bad = description("uno1");
