@@ -94,6 +94,8 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
     if (renews) {
         drop_unused(firmware, pins, services);
     } else {
+        // Its description tells the lease: that of a word or of a name ahead of it was a guess.
+        if (!b.described) b.deadline = b.session_ends = Time{};
         changed = store(slot, members, firmware, pins, services);
         b.session = members.session;
         b.seq = members.seq;
@@ -122,9 +124,10 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
 // the description is the younger one. A board that was there behind what is known of it is gone anew.
 void Catalogue::Impl::take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a,
                                       bool new_session, Time now) {
-    const Time said_at = a.ages_are_of_now ? now : published(a, b.lease_seconds, now).value_or(now);
-    const bool dated = a.ages_are_of_now || a.expiry_seconds;
-    const auto is_behind = [&](Time time) { return dated && time != Time{} && said_at > time + kApart; };
+    const Time said_at = published(a, b.lease_seconds, now).value_or(now);
+    const auto is_behind = [&](Time time) {
+        return a.expiry_seconds && time != Time{} && said_at > time + kApart;
+    };
     const bool word = a.retained && b.epoch_gone == epoch_ && !model::is_there(b.reported) &&
                       members.state->state != b.reported;
     if (word && !is_behind(b.said_at)) {
@@ -181,12 +184,17 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     // too, and the description that came with a stop may have come and gone while nothing was heard.
     const bool gone_otherwise =
         !there && !model::is_there(b.reported) && *reported != b.reported && (live || published);
+    // It was there again behind all that is known of it, and the broker has forgotten the description that
+    // said so: its lease is over, and nobody knows since when.
+    const bool was_back = there && b.says_state && !live && published && !model::is_there(b.effective) &&
+                          *published > std::max(b.said_at, b.since);
     const bool again = !live && published && *published <= b.said_at + kApart && *reported == b.reported;
-    if ((!b.says_state && !again) || (!there && model::is_there(b.reported)) || gone_otherwise) {
+    if ((!b.says_state && !again) || (!there && model::is_there(b.reported)) || gone_otherwise || was_back) {
         Time since = live && (added || *reported != b.reported) ? now : Time{};
         if (!live && published) since = *published;
         say(b, {*reported, model::reason_of_word(*reported)}, since, now);
     }
+    if (was_back) b.deadline = b.since = Time{};
     if (!there && b.reported == *reported) b.epoch_gone = epoch_;
     b.said_at = std::max(b.said_at, published.value_or(live ? now : Time{}));
     if (live && !b.says_state && there) {

@@ -27,8 +27,6 @@ struct Announcement {
     std::string_view payload;
     bool retained = false;  ///< stored before we subscribed: a hint of what was, no sign of life
     std::optional<std::uint32_t> expiry_seconds;  ///< what is left of it, as the broker reports
-    bool ages_are_of_now = false;  ///< written by another catalogue just now, not by an agent when it
-                                   ///< announced
 };
 
 /// Why a message changed nothing. Counted; the first of a board deserves a log line.

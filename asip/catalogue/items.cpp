@@ -124,9 +124,9 @@ bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool ful
     }
     if (const auto known = remembered(b.name)) {
         if (known->first_seen) item.first_seen = *known->first_seen;
-        // What the agent says of the time counts more.
-        if (known->since && known->state == b.effective && !(b.says_state && b.since == b.reported_since))
-            item.since = *known->since;
+        // What the agent says of the time counts more, and that it was there behind what was remembered.
+        const bool told = (b.says_state && b.since == b.reported_since) || b.deadline == Time{};
+        if (known->since && known->state == b.effective && !told) item.since = *known->since;
     }
     item.reason = model::to_text(b.conflict() != nullptr && b.reason == model::StateReason::kNone
                                      ? model::StateReason::kConflict

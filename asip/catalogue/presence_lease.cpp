@@ -83,7 +83,8 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events,
         index(b, slot, true);
     }
     if (is != was || added) {
-        const bool unknown = judged ? added : !model::is_there(is) && b.reported_since == Time{};
+        const bool no_lease = added || b.deadline == Time{};
+        const bool unknown = judged ? no_lease : !model::is_there(is) && b.reported_since == Time{};
         // What the grace after an interruption added is no time in which it was there.
         const Time lease_ended = b.says_state && !b.names_only ? b.session_ends : b.deadline;
         b.since = unknown ? Time{} : judged ? lease_ended : now;
@@ -104,7 +105,8 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events,
 // for again at the latest a day later.
 Time Catalogue::Impl::forgotten_at(Board& b, Time now) const {
     const bool told = b.says_state && b.since != Time{} && b.since == b.reported_since;
-    if (const auto known = remembered(b.name); known && known->state == b.effective && !told)
+    const bool no_lease = b.deadline == Time{};  // it was there behind all that was remembered
+    if (const auto known = remembered(b.name); known && known->state == b.effective && !told && !no_lease)
         b.since = b.since == Time{} ? now - known->age : std::min(b.since, now - known->age);
     const Time gone = b.since == Time{} ? b.first_seen : b.since;
     const Time due = std::max(gone, b.last_heard) + options_.forget_after;

@@ -150,7 +150,7 @@ class Board {
     this.effective = is;
     this.keptUntil = -Infinity;
     if (was !== is || added) {
-      const unknown = judged ? added : !isThereWord(is) && this.reportedSince === -Infinity;
+      const unknown = judged ? added || this.deadline === -Infinity : !isThereWord(is) && this.reportedSince === -Infinity;
       // What the grace after an interruption added is no time in which it was there.
       const leaseEnded = this.saysState ? this.sessionEnds : this.deadline;
       this.since = unknown ? -Infinity : judged ? leaseEnded : now;
@@ -195,6 +195,7 @@ class Boards {
     const verdict = board.judge(document, retained, published, now);
     if (verdict === 'refuse') return undefined;
     if (verdict === 'accept') {
+      if (!described) board.deadline = board.sessionEnds = -Infinity; // that of a word ahead of it was a guess
       Object.assign(board, { session: document.session, seq: document.seq, lease: document.lease, description: document, described: true });
       board.takeSaidState(retained, published, other || !described, this.epoch, now);
       if (!board.saysState && !retained && described && other && !isThereWord(board.reported)) board.say('online', '', now, now);
@@ -226,11 +227,15 @@ class Boards {
     // The newer of two words counts, also where both say that it is not there: a will comes after a stop, too, and the description that came
     // with a stop may have come and gone while nothing was heard.
     const goneOtherwise = !there && !isThereWord(board.reported) && word !== board.reported && (!retained || published !== undefined);
+    // It was there again behind all that is known of it, and the broker has forgotten the description that said so: its lease is over, and
+    // nobody knows since when.
+    const wasBack = there && board.saysState && retained && !isThereWord(board.effective) && published > Math.max(board.saidAt, board.since);
     const again = retained && published <= board.saidAt + APART && word === board.reported;
-    if ((!board.saysState && !again) || (!there && isThereWord(board.reported)) || goneOtherwise) {
+    if ((!board.saysState && !again) || (!there && isThereWord(board.reported)) || goneOtherwise || wasBack) {
       const moment = !retained && (!known || word !== board.reported) ? now : -Infinity;
       board.say(word, REASON_OF_WORD[word] ?? '', retained && published !== undefined ? published : moment, now);
     }
+    if (wasBack) board.deadline = board.since = -Infinity;
     if (!there && board.reported === word) board.epochGone = this.epoch;
     board.saidAt = Math.max(board.saidAt, published ?? (retained ? -Infinity : now));
     if (!retained && !board.saysState && there) Object.assign(board, { deadline: now + board.lease, lastHeard: now });

@@ -88,6 +88,8 @@ class Catalogue:
         if verdict == "refuse":
             return False
         if verdict == "accept":
+            if not described:  # that of a word ahead of it was a guess
+                entry.deadline = entry.session_ends = NEVER
             entry.session, entry.seq, entry.description, entry.lease, entry.described = session, seq, document, float(document["lease"]), True
             self._take_said_state(entry, retained, published, other or not described, now)
             if not entry.says_state and not retained and described and other and entry.reported not in THERE:
@@ -229,12 +231,18 @@ class Catalogue:
         # The newer of two words counts, also where both say that it is not there: a will comes after a stop, too, and the description that
         # came with a stop may have come and gone while nothing was heard.
         gone_otherwise = not there and entry.reported not in THERE and word != entry.reported and (not retained or published is not None)
+        # It was there again behind all that is known of it, and the broker has forgotten the description that said so: its lease is over, and
+        # nobody knows since when.
+        was_back = (there and entry.says_state and retained and published is not None and entry.effective not in THERE
+                    and published > max(entry.said_at, entry.since))
         again = retained and published is not None and published <= entry.said_at + _APART and word == entry.reported
-        if not entry.says_state and not again or not there and entry.reported in THERE or gone_otherwise:
+        if not entry.says_state and not again or not there and entry.reported in THERE or gone_otherwise or was_back:
             since = now if not retained and (added or word != entry.reported) else NEVER
             if retained and published is not None:
                 since = published
             self._say(entry, word, _REASON_OF_WORD.get(word, ""), since, now)
+        if was_back:
+            entry.deadline = entry.since = NEVER
         if not there and entry.reported == word:
             entry.epoch_gone = self._epoch
         entry.said_at = max(entry.said_at, published if published is not None else NEVER if retained else now)
@@ -256,7 +264,7 @@ class Catalogue:
         entry.kept_until = NEVER
         changed = was != state or added
         if changed:
-            unknown = judged and added or not judged and state not in THERE and entry.reported_since == NEVER
+            unknown = judged and (added or entry.deadline == NEVER) or not judged and state not in THERE and entry.reported_since == NEVER
             # What the grace after an interruption added is no time in which it was there.
             entry.since = NEVER if unknown else now if not judged else entry.session_ends if entry.says_state else entry.deadline
         if not judged and entry.reported_since != NEVER and (entry.says_state or state not in THERE):
