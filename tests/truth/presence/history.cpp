@@ -30,6 +30,13 @@ class History : Play {
             if (dice_.chance(0.2)) compare();
         }
         compare();
+        // Behind all else, so that the seeds of earlier failures play the same histories.
+        // What agents that leave the state to `$state` say is of no session.
+        const auto ends = [&](double chance) {
+            return end_.failure.empty() && setting_.says_state && dice_.chance(chance);
+        };
+        if (ends(0.2)) contest();
+        if (ends(0.1)) miss();
         ++end_.counts.histories;
         return std::move(end_);
     }
@@ -108,6 +115,70 @@ class History : Play {
         note("the agent before it is back");
         first.heal(now_);
         pass(some_time());
+    }
+    void moment(std::int64_t longest) { pass(std::chrono::milliseconds(dice_.between(1, longest))); }
+    void end_somehow(SimAgent& agent) {
+        const auto how = dice_.below(3);
+        constexpr const char* kHow[] = {"stopped", "killed", "cut off"};
+        note("agent of " + agent.board() + " is " + kHow[how]);
+        how == 0 ? agent.stop(now_) : how == 1 ? agent.kill(now_) : agent.cut_off(now_);
+    }
+    /// An agent comes back to a board that another one took, each of them ends as it may, and programs start
+    /// or have the broker again beside that: what they were not there to hear is what the broker stores.
+    void contest() {
+        ++end_.counts.contests;
+        const auto number = dice_.below(agents_.size());
+        auto& first = *agents_[number];
+        auto& second = *agents_[number ^ 1];
+        if (!first.runs()) start(first);
+        first.heal(now_);
+        moment(5000);
+        if (dice_.chance(0.7)) end_somehow(first);
+        moment(2500);
+        if (!second.runs()) start(second, dice_.between(0, 3000), dice_.chance(0.7));
+        if (dice_.chance(0.2)) become(second, BoardState::kLost, StateReason::kSilent);
+        if (dice_.chance(0.3)) moment(1500), lose_connection();
+        moment(dice_.chance(0.5) ? 3000 : setting_.lease * 1200);
+        if (first.is_cut_off()) note("the agent before it is back"), first.heal(now_);
+        for (int i = 0; i < 2; ++i) {
+            moment(i == 0 && dice_.chance(0.5) ? 100 : 1500);
+            if (dice_.chance(0.7)) end_somehow(dice_.chance(0.5) ? first : second);
+        }
+        moment(dice_.chance(0.5) ? 1500 : setting_.lease * 1200);
+        for (const auto& view : views_)
+            if (!view->is_connected()) note(view->name() + " has it again"), view->connect(now_);
+        join();
+        compare();
+        pass(std::chrono::seconds(setting_.lease));
+        compare();
+    }
+    /// A program is away while a board that was gone comes back, with another agent or the same one, and is
+    /// cut off.
+    void miss() {
+        ++end_.counts.misses;
+        const auto number = dice_.below(agents_.size());
+        auto& first = *agents_[number];
+        auto& second = *agents_[number ^ (dice_.chance(0.7) ? 1 : 0)];
+        auto& view = *views_[dice_.below(views_.size())];
+        if (!first.runs()) start(first);
+        first.heal(now_);
+        moment(5000);
+        become(first, BoardState::kOnline, StateReason::kNone);
+        dice_.chance(0.7) ? end_somehow(first) : become(first, BoardState::kLost, StateReason::kUnplugged);
+        moment(dice_.chance(0.5) ? 1500 : setting_.lease * 1500);
+        if (view.is_connected()) note(view.name() + " is away"), view.disconnect(now_);
+        moment(3000);
+        if (!second.runs()) start(second);
+        second.heal(now_);
+        become(second, BoardState::kOnline, StateReason::kNone);
+        moment(dice_.chance(0.5) ? 3000 : setting_.lease * 1500);
+        note("agent of " + second.board() + " is cut off");
+        second.cut_off(now_);
+        moment(setting_.lease * 1500);
+        if (!view.is_connected()) note(view.name() + " is back"), view.connect(now_);
+        compare();
+        moment(40'000);
+        compare();
     }
     /// Everybody is back at once, within a second, and the broker has what it stored.
     void restart_broker() {

@@ -9,12 +9,14 @@
 namespace truth::presence {
 
 struct Counts {
-    std::uint64_t histories = 0, actions = 0, comparisons = 0;
+    std::uint64_t histories = 0, actions = 0, comparisons = 0, contests = 0, misses = 0;
     Starts starts;
     Counts& operator+=(const Counts& other) {
         histories += other.histories;
         actions += other.actions;
         comparisons += other.comparisons;
+        contests += other.contests;
+        misses += other.misses;
         starts += other.starts;
         return *this;
     }

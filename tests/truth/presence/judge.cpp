@@ -52,15 +52,38 @@ std::string Judge::told(const View& view, const std::string& board, const BoardT
     return {};
 }
 
+// A view that was there when an earlier session's description took the place of the later one's, and since,
+// knows better. One that started behind that has what the broker stores. One that was away believes the
+// stored description if the lease of the later session that it knows was over, or takes the stored word for
+// a later session whose lease is over.
+std::vector<Really> Judge::possible(const View& view, const BoardTruth& truth, Time now) const {
+    std::vector<Really> possible{truth.really(now)};
+    if (truth.early) possible.push_back(truth.early->really(now));
+    if (!truth.in_vain) return possible;
+    const Time at = truth.in_vain->at;
+    if (view.heard(at) && view.connected_at() < at) return possible;
+    if (view.started_at() > at) return {truth.in_vain->really(now)};
+    possible.push_back(truth.in_vain->really(now));
+    possible.push_back({true, BoardState::kLost, StateReason::kExpired, at, at});
+    return possible;
+}
+
 std::string Judge::says(View& view, const std::string& board, const BoardTruth& truth, Time now,
                         std::uint64_t& compared) const {
-    const Really really = truth.really(now);
     // A change that is still under way, or a will that its agent puts right.
-    if (now - really.since < kPromised || now - truth.last_will < settling()) return {};
+    if (now - truth.really(now).since < kPromised || now - truth.last_will < settling()) return {};
     if (!setting_.in_order && truth.unordered_word) return {};
     const auto seen = view.board(board, now);
     if (!view.is_complete()) return now - view.connected_at() > kComplete ? "is not complete" : "";
     ++compared;
+    std::string wrong;
+    for (const auto& really : possible(view, truth, now))
+        if (wrong = differs(view, seen, really, truth, now); wrong.empty()) break;
+    return wrong;
+}
+
+std::string Judge::differs(const View& view, const std::optional<asip::bus::BoardItem>& seen,
+                           const Really& really, const BoardTruth& truth, Time now) const {
     if (!really.announced) return seen ? "has a board that never announced itself" : "";
     // A lease that ran out is judged when the program had time to hear of a renewal.
     const bool judged = really.reason == StateReason::kExpired;
@@ -70,12 +93,11 @@ std::string Judge::says(View& view, const std::string& board, const BoardTruth& 
         return {};
     if (!seen) return "has no such board";
     if (seen->state != to_text(really.state)) return "says " + seen->state;
-    return reason_and_time(view, *seen, truth, now);
+    return reason_and_time(view, *seen, really, truth, now);
 }
 
-std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem& seen,
+std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem& seen, const Really& really,
                                    const BoardTruth& truth, Time now) const {
-    const Really really = truth.really(now);
     const bool judged = really.reason == StateReason::kExpired;
     // The broker has the word of the state alone where an agent is gone for longer than a lease, or where
     // another overwrote its description before it ended.

@@ -39,8 +39,12 @@ class Judge {
     Time last_description(const std::string& board) const;
 
   private:
-    std::string reason_and_time(const View& view, const asip::bus::BoardItem& seen, const BoardTruth& truth,
-                                Time now) const;
+    /// What the view may say: where it had no chance to know which session is the later one, each.
+    std::vector<Really> possible(const View& view, const BoardTruth& truth, Time now) const;
+    std::string differs(const View& view, const std::optional<asip::bus::BoardItem>& seen,
+                        const Really& really, const BoardTruth& truth, Time now) const;
+    std::string reason_and_time(const View& view, const asip::bus::BoardItem& seen, const Really& really,
+                                const BoardTruth& truth, Time now) const;
 
     const Setting& setting_;
     const SimBroker& broker_;

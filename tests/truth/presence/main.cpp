@@ -82,14 +82,16 @@ int run(const Plan& plan) {
     work();
     for (auto& thread : others)
         thread.join();
-    fmt::print("{} histories ({:.0f} a minute), {} actions, {} comparisons, {} failed\n", counts.histories,
-               static_cast<double>(counts.histories) * 60 / passed(), counts.actions, counts.comparisons,
-               failures.load());
+    const auto histories = static_cast<double>(counts.histories);
+    fmt::print(
+        "{} histories ({:.0f} a second), {} actions, {} contests, {} misses, {} comparisons, {} failed\n",
+        counts.histories, histories / passed(), counts.actions, counts.contests, counts.misses,
+        counts.comparisons, failures.load());
     for (const auto& line : counts.starts.lines())
         fmt::print("{}\n", line);
-    const bool rare = counts.histories >= kEnoughToCount &&
-                      counts.starts.rarest() < counts.histories / kHistoriesOfEachStart;
-    if (rare) fmt::print("FAILED: a kind of start is rarer than in each hundredth history\n");
+    const auto rarest = std::min({counts.starts.rarest(), counts.contests, counts.misses});
+    const bool rare = counts.histories >= kEnoughToCount && rarest < counts.histories / kHistoriesOfEachStart;
+    if (rare) fmt::print("FAILED: a kind of start or end is rarer than in each hundredth history\n");
     return failures == 0 && !rare ? 0 : 1;
 }
 

@@ -22,6 +22,11 @@ std::string word_of(const Really& what) {
     return fmt::format("{} {}", to_text(what.state), to_text(what.reason));
 }
 
+Really until(Time lease_end, const Really& what, Time now) {
+    if (!asip::model::is_there(what.state) || now < lease_end) return what;
+    return {true, BoardState::kLost, StateReason::kExpired, lease_end, lease_end};
+}
+
 /// As agents of older versions announce.
 void leave_out_state(std::string& description) {
     const auto begin = description.find(R"(,"state":{)");
@@ -68,9 +73,11 @@ Really BoardTruth::last_word() const {
 
 Really BoardTruth::really(Time now) const {
     const Really last = last_word();
-    if (last.announced && !is_heard() && asip::model::is_there(last.state) && now >= lease_end)
-        return {true, BoardState::kLost, StateReason::kExpired, lease_end, lease_end};
-    return last;
+    return last.announced && !is_heard() ? until(lease_end, last, now) : last;
+}
+
+Really BoardTruth::Stored::really(Time now) const {
+    return until(lease_end, what, now);
 }
 
 // Also of a name that was claimed and not announced yet. An agent that is heard takes it back; of a board
@@ -79,6 +86,8 @@ void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really before = last_word();
     const Really what{true, state, asip::model::reason_of_word(state), now, now};
     say(what);
+    in_vain.reset();
+    early.reset();
     last_will = now;
     wills.push_back(now);
     const bool again = before.announced && before.state == state;
@@ -95,17 +104,24 @@ bool BoardTruth::counts(const std::string& by, Time now) const {
 
 void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::Client over,
                           int lease_seconds, bool stored, Time now) {
+    const bool just_back = asip::model::is_there(what.state) && !asip::model::is_there(said.state) &&
+                           now < described_at + kReordered;
+    if (early && now > early->lease_end + kReordered) early.reset();
+    if (by < session && now < lease_end + kReordered) early = {said, now, lease_end};
     session = by;
     lease_end = now + std::chrono::seconds(lease_seconds);
     described_by = over;
     described_at = now;
-    if (stored) stored_until = lease_end;
+    if (stored) stored_until = lease_end, in_vain.reset();
     if (unordered_word && now > unordered_word->since + kReordered) unordered_word.reset();
+    if (just_back) unordered_word = Really{true, said.state, said.reason, now, now};
     say(what);
 }
 
-void BoardTruth::describe_in_vain(const Really& what, bool stored, Time now) {
+void BoardTruth::describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now) {
     if (stored) stored_until = std::min(stored_until, now);
+    if (stored || in_vain)
+        in_vain = {what, in_vain ? in_vain->at : now, now + std::chrono::seconds(lease_seconds)};
     words.push_back({word_of(what), described_at});
 }
 
@@ -244,7 +260,7 @@ void SimAgent::perform(Announcements& out, Time now) {
             if (!says_state_ || truth_.counts(announcer_->session(), now)) {
                 truth_.describe(what, announcer_->session(), client_, lease_seconds_, message.retain, now);
             } else {
-                truth_.describe_in_vain(what, message.retain, now);
+                truth_.describe_in_vain(what, lease_seconds_, message.retain, now);
             }
             if (!says_state_) leave_out_state(message.payload);
         }

@@ -33,12 +33,24 @@ struct BoardTruth {
     std::string session;  ///< of them: the later one, while its lease runs
     Time last_will{};     ///< or another word of no session
     std::vector<Time> wills;
-    /// One beside a description of another connection, until a renewal behind it: nothing says which of them
-    /// bridged brokers deliver last.
+    /// One beside a description of another connection, or soon before one that says otherwise, until a
+    /// renewal behind it: nothing says which of them bridged brokers deliver last.
     std::optional<Really> unordered_word;
     bool taken_back = false;  ///< an agent has put it right
     SimBroker::Client described_by = 0;
     Time described_at{};
+    /// What an earlier session said beside the later one, where the broker stores it: a view that starts
+    /// behind that has nothing else.
+    struct Stored {
+        Really what;
+        Time at{};  ///< first
+        Time lease_end{};
+        Really really(Time now) const;
+    };
+    std::optional<Stored> in_vain;
+    /// What a later session said, where an earlier one spoke as that lease ended, until it speaks again:
+    /// messages take a while, so the lease is not over in each view at the same moment.
+    std::optional<Stored> early;
     /// The broker has the description until then, its lease or one of an earlier session behind it.
     Time stored_until{};
     std::vector<const SimAgent*> agents;
@@ -57,7 +69,7 @@ struct BoardTruth {
     void describe(const Really& what, const std::string& by, SimBroker::Client over, int lease_seconds,
                   bool stored, Time now);
     /// The description of an earlier session beside a later one.
-    void describe_in_vain(const Really& what, bool stored, Time now);
+    void describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now);
     /// `$state` says that the board is gone: the broker in the place of an agent, or one of an earlier
     /// session.
     void word(BoardState state, SimBroker::Client of, Time now);

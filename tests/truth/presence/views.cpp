@@ -225,8 +225,13 @@ class RecordedView final : public ViewOfBus {
     /// A turn that changes nothing that is seen is no step.
     void tick(Time now) override {
         ViewOfBus::tick(now);
-        for (auto& [board, steps] : steps_)
-            if (is_another(shown(board, now), steps.back().at("then"))) add(board, json::object(), now);
+        for (const auto& [board, steps] : steps_)
+            add_change(board, now);
+    }
+    /// A question has leases judged, too.
+    std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override {
+        add_change(name, now);
+        return ViewOfBus::board(name, now);
     }
 
   protected:
@@ -257,12 +262,15 @@ class RecordedView final : public ViewOfBus {
     static constexpr const char* kBoards[] = {"b0", "b1"};
 
     json shown(const std::string& name, Time now) {
-        const auto item = board(name, now);
+        const auto item = ViewOfBus::board(name, now);
         if (!item) return nullptr;
         return {item->state, item->reason, item->state_age < 0 ? json() : json(item->state_age)};
     }
     static bool is_another(const json& a, const json& b) {
         return a.is_null() || b.is_null() ? a != b : a[0] != b[0] || a[1] != b[1];
+    }
+    void add_change(const std::string& board, Time now) {
+        if (is_another(shown(board, now), steps_[board].back().at("then"))) add(board, json::object(), now);
     }
     void add(const std::string& board, json step, Time now) {
         step["at"] = std::chrono::duration<double>(now.time_since_epoch()).count();
