@@ -2,6 +2,7 @@
 // What can be read and set on a board, and how it stands.
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/registry/longest.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "asip/model/json.hpp"
 #include "asip/property/documents.hpp"
@@ -119,6 +120,51 @@ void get_board_values_stream(Call& call) {
                                                    feed_options(call, call.board(), "*", *max_hz)));
 }
 
+namespace {
+
+/// Of several registries, each of which keeps values for itself, the one that knew for the longest counts.
+struct LongestKept {
+    http::Reply reply;
+    text::WallTime to;
+    std::size_t waiting;
+    std::optional<bus::Answer> best{};
+
+    void take(const bus::Answer* answer) {
+        const auto better = [&] {
+            if (!best) return true;
+            if (!answer->refused.empty() || !best->refused.empty()) return answer->refused.empty();
+            return bus::known_time(*answer, to) > bus::known_time(*best, to);
+        };
+        if (answer != nullptr && better()) best = *answer;
+        if (--waiting > 0) return;
+        if (!best) return reply.send(problem(503, "no registry answers; values are kept by one"));
+        if (!best->refused.empty())
+            return reply.send(problem(best->refused == "no-history" ? 404 : 503, best->error));
+        best->id.clear();
+        reply.send(text_response(bus::encode(*best)));
+    }
+};
+
+void ask_each_registry(Call& call, const nlohmann::json& query) {
+    const auto& mirror = call.gateway.mirror();
+    std::vector<std::string> topics;
+    for (const auto& [id, info] : mirror.registries())
+        if (info.state == "online") topics.push_back(mirror.topics().registry_query(id));
+    if (topics.size() < 2) topics = {mirror.topics().any_registry_query()};
+    const auto to = text::parse_iso_time(query["to"].get<std::string>()).value_or(call.now().wall);
+    const auto longest = std::make_shared<LongestKept>(LongestKept{call.reply, to, topics.size()});
+    bool room = true;
+    for (const auto& topic : topics) {
+        room = room && call.gateway.ask_registry(
+                           model::dump_json(query), call.client(),
+                           [longest](const bus::Answer* answer) { longest->take(answer); }, topic);
+        if (!room) --longest->waiting;
+    }
+    if (longest->waiting == 0) send_problem(call, 429, "too many questions of yours are under way");
+}
+
+}  // namespace
+
 void get_board_values_kept(Call& call) {
     const auto* id = call.request.parameter("property");
     if (id == nullptr || id->empty())
@@ -138,16 +184,7 @@ void get_board_values_kept(Call& call) {
     if (const auto valid = bus::read_registry_request(query); !valid)
         return send_problem(call, 400, valid.error());
     if (!asked(call, *id) || !bus_is_there(call)) return;
-    const auto answered = [reply = call.reply](const bus::Answer* answer) {
-        if (answer == nullptr) return reply.send(problem(503, "no registry answers; values are kept by one"));
-        if (!answer->refused.empty())
-            return reply.send(problem(answer->refused == "no-history" ? 404 : 503, answer->error));
-        auto page = *answer;
-        page.id.clear();
-        reply.send(text_response(bus::encode(page)));
-    };
-    if (!call.gateway.ask_registry(model::dump_json(query), call.client(), answered))
-        send_problem(call, 429, "too many questions of yours are under way");
+    ask_each_registry(call, query);
 }
 
 }  // namespace asip::gateway::api

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         _models: dict[str, _model.Model]
 
         def query(self, query: dict[str, Any], *, timeout: float | None = None) -> dict[str, Any]: ...
+        def _wait_told(self, seconds: float, what: str) -> None: ...
 
 
 class Followed:

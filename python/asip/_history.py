@@ -6,11 +6,14 @@ import datetime
 import importlib
 import math
 
-from . import errors
+from . import _wait, errors
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, NamedTuple
+
+    from ._calls import Call
+    from ._followed import Home
 
     class _Point(NamedTuple):
         at: datetime.datetime
@@ -21,6 +24,9 @@ else:
     from collections import namedtuple
 
     _Point = namedtuple("_Point", "at mean min max")
+
+
+_TIME = "%Y-%m-%dT%H:%M:%S.%fZ"
 
 
 class Point(_Point):
@@ -55,6 +61,37 @@ def query(board: str, property: str, days: float, hours: float, points: int) -> 
     return {"find": "values", "board": board, "property": property, "from": _text(to - span), "to": _text(to), "points": points}
 
 
+def longest(bus: Home, query: dict[str, Any], seconds: float) -> History:
+    """Each registry keeps for itself: all are asked, and the one counts that knew the value for the longest."""
+    engine = bus._engine
+    if engine.peek(lambda session: session.registries is None):
+        engine.do(lambda session, now: session.look_at_registries())
+        bus._wait_told(seconds, "registries")
+    names = engine.peek(lambda session: sorted(session.registries or ()))
+    if len(names) < 2:
+        return read(bus.query(query, timeout=seconds))
+
+    def asked(name: str) -> Call:
+        return engine.ask(lambda session, now: session.query(now, dict(query), seconds, name))
+    calls = [asked(name) for name in names]
+    kept, fault = [], None
+    for call in calls:
+        try:
+            kept.append(read(_wait.result(call.future)))
+        except errors.Error as error:
+            fault = error
+    if fault is not None and not kept:
+        raise fault
+    to = datetime.datetime.strptime(query["to"], _TIME).replace(tzinfo=datetime.timezone.utc)
+    return max(kept, key=lambda history: _known(history, to))
+
+
+def _known(history: History, to: datetime.datetime) -> datetime.timedelta:
+    """For how long the value was known until `to`."""
+    ends = [*(one.at for one in history[1:]), to]
+    return sum((max(end - one.at, datetime.timedelta()) for one, end in zip(history, ends) if one.mean is not None), datetime.timedelta())
+
+
 def read(answer: dict[str, Any]) -> History:
     """From the answer of a registry; what is no point is passed over."""
     history = History()
@@ -75,7 +112,7 @@ def _point(item: Any) -> Point | None:
     if not isinstance(item, list) or len(item) not in (2, 4) or not isinstance(item[0], str):
         return None
     try:
-        at = datetime.datetime.strptime(item[0], "%Y-%m-%dT%H:%M:%S.%fZ").replace(tzinfo=datetime.timezone.utc)
+        at = datetime.datetime.strptime(item[0], _TIME).replace(tzinfo=datetime.timezone.utc)
     except ValueError:
         return None
     if len(item) == 2 and item[1] is None:

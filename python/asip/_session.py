@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 HELLO_SECONDS = 5.0    # within what time a message to ourselves comes back
 DEMAND_LEASE = 15      # seconds
+MAX_REGISTRIES = 64
 
 
 class Hold:
@@ -38,6 +39,7 @@ class Session:
         self.catalogue = Catalogue()
         self.ready = False
         self.not_ready_since = 0.0
+        self.registries: set[str] | None = None  # those that are online; None: it was not looked which
         self.kept_at = 0.0  # when something that the broker keeps of boards came last
         self.trouble = "not connected yet"
         self._connected = False
@@ -89,8 +91,8 @@ class Session:
     def link(self, now: float, board: str, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
         return self._begin(now, self.topics.link(board), board, members, timeout, command="link")
 
-    def query(self, now: float, members: dict[str, Any], timeout: float) -> tuple[Call, list[Action]]:
-        return self._begin(now, self.topics.query(), "registry", members, timeout, is_command=False, is_query=True)
+    def query(self, now: float, members: dict[str, Any], timeout: float, registry: str = "") -> tuple[Call, list[Action]]:
+        return self._begin(now, self.topics.query(registry), "registry", members, timeout, is_command=False, is_query=True)
 
     def question(self, now: float, board: str, service: str, timeout: float) -> tuple[Call, list[Action]]:
         """Asks a board's agent how the properties of a service stand; it ends within `timeout`."""
@@ -122,6 +124,13 @@ class Session:
     def look_at(self, board: str) -> list[Action]:
         """From now on the catalogue follows this board; `+` is all of them."""
         return self._want(self.topics.description(board), 1) + self._want(self.topics.state(board), 1)
+
+    def look_at_registries(self) -> list[Action]:
+        """From now on `registries` says which there are."""
+        if self.registries is not None:
+            return []
+        self.registries = set()
+        return self._want(self.topics.registries(), 1)
 
     def look_away(self, board: str) -> list[Action]:
         actions = self._leave(self.topics.state(board)) + self._leave(self.topics.description(board))
@@ -217,6 +226,11 @@ class Session:
             return self._on_own(now) if topic == self.topics.own() and not self.ready else self._on_reply(topic, payload, now)
         if levels[0] == "servicebus" and len(levels) == 3:
             return self._on_board(levels[1], levels[2], payload, retained, expiry, now)
+        if levels[0] == "registry" and levels[2:] == ["$state"]:
+            self.kept_at = now
+            if self.registries is not None:
+                self.registries.discard(levels[1])
+                self.registries.update([levels[1]] if payload == b"online" and len(self.registries) < MAX_REGISTRIES else [])
         return []
 
     def _on_own(self, now: float) -> list[Action]:

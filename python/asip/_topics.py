@@ -69,8 +69,12 @@ class Topics:
         """Asks an agent how its board stands. A level of its own: the demand of this program stays as it is."""
         return f"{self.demand(board)}-values"
 
-    def query(self) -> str:
-        return f"{self.root}/registry/query"
+    def query(self, registry: str = "") -> str:
+        """To this registry; to whichever, where none is named."""
+        return "/".join(filter(None, [self.root, "registry", registry, "query"]))
+
+    def registries(self) -> str:
+        return f"{self.root}/registry/+/$state"
 
     def reply(self, asked: str) -> str:
         """Where the answer of `asked` (a board, or `registry`) to this program comes."""

@@ -171,25 +171,30 @@ class Bus:
 
     def _know_all(self, seconds: float) -> list[str]:
         """The boards that the broker keeps, all of them; Disconnected where they did not come within `seconds`."""
-        engine, end = self._engine, time.monotonic() + seconds
+        engine = self._engine
         engine.do(lambda session, now: session.look_at("+"))
         try:
-            while True:
-                try:
-                    _wait.result(engine.ask(lambda session, now: session.mark(now, max(0.0, end - now))).future)
-                    break
-                except errors.Unproven:  # on a connection that broke
-                    continue
-                except errors.NotThere:
-                    raise errors.Disconnected(f"the broker did not tell within {seconds:g} s which boards there are", reason="no-answer") from None
-            told = time.monotonic()
-            with engine.changed:  # some brokers send what they keep in their own time
-                while time.monotonic() < end and _wait.until(engine.changed, lambda: engine.session.kept_at > told, _KEPT_PATIENCE):
-                    told = engine.session.kept_at
+            self._wait_told(seconds, "boards")
             names: list[str] = engine.peek(lambda session: session.catalogue.followed())
             return names
         finally:
             engine.do(lambda session, now: session.look_away("+"))
+
+    def _wait_told(self, seconds: float, what: str) -> None:
+        """Until what the broker keeps for the last subscriptions has come."""
+        engine, end = self._engine, time.monotonic() + seconds
+        while True:
+            try:
+                _wait.result(engine.ask(lambda session, now: session.mark(now, max(0.0, end - now))).future)
+                break
+            except errors.Unproven:  # on a connection that broke
+                continue
+            except errors.NotThere:
+                raise errors.Disconnected(f"the broker did not tell within {seconds:g} s which {what} there are", reason="no-answer") from None
+        told = time.monotonic()
+        with engine.changed:  # some brokers send what they keep in their own time
+            while time.monotonic() < end and _wait.until(engine.changed, lambda: engine.session.kept_at > told, _KEPT_PATIENCE):
+                told = engine.session.kept_at
 
     def watch(self, function: Callable[..., Any]) -> Watch:
         """Calls `function(board, state)` after each change of a board's state, in the thread `asip-callbacks`. It begins with the

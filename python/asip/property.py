@@ -124,12 +124,12 @@ class Property:
         return "" if self._known() else UNKNOWN[value.why if value is not None else "never"]
 
     def history(self, *, days: float = 0, hours: float = 0, points: int = 500, timeout: float | None = None) -> History:
-        """How it was in the last days and hours (a day where none are given), as a registry kept it: at most `points` points, each with `at`,
+        """How it was in the last days and hours (a day where none are given), as the registry kept it that knew it for the longest: at most `points` points, each with `at`,
         `mean`, `min` and `max`. Empty where nothing was kept.
         `.frame()` makes a pandas DataFrame of it. NotThere where no registry keeps values."""
         seconds = self.board._timeout(timeout)
         try:
-            return _history.read(self.board.bus.query(_history.query(self.board.name, self.id, days, hours, points), timeout=seconds))
+            return _history.longest(self.board.bus, _history.query(self.board.name, self.id, days, hours, points), seconds)
         except errors.Refused as fault:
             if fault.reason != "no-history":
                 raise

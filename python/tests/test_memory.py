@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The whole package over a bus in memory: commands, values, holds, pins, odd input."""
+import datetime
 import gc
+import json
 import re
 import threading
 import time
@@ -26,6 +28,34 @@ class Histories(Memory):
         for wrong in ({"days": -1}, {"hours": "2"}, {"points": 0}, {"points": 1.5}):
             with self.assertRaises(asip.Invalid):
                 self.desk["servo/0/angle"].history(**wrong)
+
+    def test_of_two_registries_the_one_counts_that_knew_it_for_the_longest(self):
+        self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, write=["write", 0, None])
+        hours_ago = lambda hours: f"{datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(hours=hours):%Y-%m-%dT%H:%M:%S.000Z}"
+        kept = {"r1": [[hours_ago(20), None], [hours_ago(2), 1]], "r2": [[hours_ago(9), 2]], "r3": None}
+        for name in kept:
+            self.memory._publish(f"registry/{name}/$state", "online", True)
+        self.memory._publish("registry/r4/$state", "lost", True)
+        received, asked = self.memory._received, []
+
+        def answers(topic, payload):
+            levels = topic.split("/")[1:]
+            if levels[0] != "registry" or len(levels) != 3:
+                return received(topic, payload)
+            query = json.loads(payload)
+            asked.append(levels[1])
+            says = {"refused": "no-history", "error": "none is kept"} if kept[levels[1]] is None else {"items": kept[levels[1]]}
+            self.memory._publish(query["reply_to"].split("/", 1)[1], {"id": query["id"], "registry": levels[1], **says})
+        with unittest.mock.patch.object(self.memory, "_received", answers):
+            for _ in range(2):
+                history = self.desk["servo/0/angle"].history()
+                self.assertEqual((history.registry, [one.mean for one in history]), ("r2", [2]))
+            self.memory._publish("registry/r2/$state", "offline", True)
+            self.assertEqual(eventually(lambda: (history := self.desk["servo/0/angle"].history()).registry == "r1" and history)[1].mean, 1)
+            kept.update(r1=None)
+            with self.assertRaises(asip.NotThere):
+                self.desk["servo/0/angle"].history()
+        self.assertEqual(asked[:6], ["r1", "r2", "r3"] * 2)
 
 
 class Commands(Memory):

@@ -187,5 +187,49 @@ TEST_F(ViewersThings, MayReadAndNothingElse) {
     EXPECT_TRUE(published_.empty());
 }
 
+TEST_F(ApiTest, ValuesKeptByTwoRegistries_TheLongestCountsAndIsNamed) {
+    announce();
+    for (const char* id : {"r1", "r2", "r3"})
+        bus(std::string("asip/registry/") + id + "/$state", id == std::string("r3") ? "lost" : "online");
+    const auto answer_of = [this](std::size_t question, const std::string& payload) {
+        const auto& asked = published_.at(question);
+        gateway_->message(mqtt::Message{
+            .topic = asked.response_topic, .payload = payload, .correlation = asked.correlation});
+    };
+    const auto kept_since = [](const std::string& id, const std::string& time) {
+        return R"({"registry":")" + id + R"(","find":"values","level":"hours","items":[["2026-11-21T)" +
+               time + R"(:00:00.000Z",40,42,44]]})";
+    };
+    const std::string target =
+        "/api/boards/uno1/values/kept?property=distance/"
+        "0&from=2026-11-20T12:00:00.000Z&to=2026-11-21T12:00:00.000Z";
+    settle();
+    const auto both = get(target);
+    ASSERT_EQ(published_.size(), 2u) << "a lost one is not asked";
+    EXPECT_EQ(published_[0].topic, "asip/registry/r1/query");
+    EXPECT_EQ(published_[1].topic, "asip/registry/r2/query");
+    answer_of(1, kept_since("r2", "02"));
+    EXPECT_EQ(both->status(), 0);
+    answer_of(0, kept_since("r1", "08"));
+    ASSERT_EQ(both->status(), 200) << both->detail();
+    EXPECT_EQ(both->body()["registry"], "r2");
+
+    published_.clear();
+    const auto one_is_silent = get(target);
+    answer_of(1, kept_since("r2", "08"));
+    pass(4s);
+    EXPECT_EQ(one_is_silent->status(), 200);
+
+    published_.clear();
+    const auto one_keeps_nothing = get(target);
+    answer_of(0, kept_since("r1", "08"));
+    answer_of(1, R"({"registry":"r2","refused":"no-history","error":"none is kept"})");
+    EXPECT_EQ(one_keeps_nothing->body()["registry"], "r1");
+
+    const auto nobody = get(target);
+    pass(4s);
+    EXPECT_EQ(nobody->status(), 503);
+}
+
 }  // namespace
 }  // namespace asip::gateway
