@@ -11,34 +11,12 @@
 #include <string>
 #include <utility>
 
+#include "asip/program/descriptor.hpp"
+
 namespace asip::program {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Descriptor {
-  public:
-    explicit Descriptor(int number) : number_(number) {}
-    ~Descriptor() {
-        if (number_ >= 0) ::close(number_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    bool valid() const { return number_ >= 0; }
-    bool write(std::string_view text) const {
-        while (!text.empty()) {
-            const auto count = ::write(number_, text.data(), text.size());
-            if (count < 0 && errno == EINTR) continue;
-            if (count <= 0) return false;
-            text.remove_prefix(static_cast<std::size_t>(count));
-        }
-        return true;
-    }
-    bool sync() const { return ::fsync(number_) == 0; }
-
-  private:
-    int number_;
-};
 
 Unexpected<std::string> failed(const fs::path& path) {
     return fail(path.string() + " cannot be written: " + std::strerror(errno));

@@ -98,19 +98,19 @@ Outcome<std::vector<Retained>> read_retained(const Environment& environment, Bus
 namespace {
 
 /// Below what may wait in our own queue.
-constexpr std::size_t kClearedAtOnce = 1000;
+constexpr std::size_t kPutAtOnce = 1000;
 constexpr std::size_t kMaxTopicsOfPass = 100'000;
 constexpr int kMaxVainPasses = 3;
 constexpr Duration kSilence = std::chrono::seconds(15);
 
 }  // namespace
 
-Outcome<void> clear_retained(const Environment& environment, BusSession& session,
-                             const std::vector<std::string>& topics) {
-    for (std::size_t begin = 0; begin < topics.size(); begin += kClearedAtOnce) {
-        const auto end = std::min(begin + kClearedAtOnce, topics.size());
+Outcome<void> put_retained(const Environment& environment, BusSession& session,
+                           const std::vector<Retained>& messages) {
+    for (std::size_t begin = 0; begin < messages.size(); begin += kPutAtOnce) {
+        const auto end = std::min(begin + kPutAtOnce, messages.size());
         for (auto i = begin; i < end; ++i)
-            session.publish(topics[i], "", 1, true);
+            session.publish(messages[i].topic, messages[i].payload, 1, true);
         const auto mark = session.mark_retained();
         const auto patience = environment.timeout + std::chrono::seconds(1);
         if (!session.run_until([&mark] { return mark.passed(); }, Clock::now() + patience))
@@ -118,6 +118,14 @@ Outcome<void> clear_retained(const Environment& environment, BusSession& session
                 session.unanswered("the broker did not confirm in time; run it again to see what is left"));
     }
     return {};
+}
+
+Outcome<void> clear_retained(const Environment& environment, BusSession& session,
+                             const std::vector<std::string>& topics) {
+    std::vector<Retained> nothing;
+    for (const auto& topic : topics)
+        nothing.push_back({topic, ""});
+    return put_retained(environment, session, nothing);
 }
 
 Outcome<std::size_t> clear_all_retained(const Environment& environment, BusSession& session,

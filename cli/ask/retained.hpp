@@ -23,6 +23,9 @@ Outcome<std::vector<Retained>> read_retained(const Environment& environment, Bus
                                              const std::vector<std::string>& filters);
 
 /// Returns once the broker has taken all, or fails as BusSession::unanswered.
+Outcome<void> put_retained(const Environment& environment, BusSession& session,
+                           const std::vector<Retained>& messages);
+/// The same, with nothing in place of what was there.
 Outcome<void> clear_retained(const Environment& environment, BusSession& session,
                              const std::vector<std::string>& topics);
 

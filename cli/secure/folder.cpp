@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/folder.hpp"
+#include "asip/program/descriptor.hpp"
 #include "asip/text/file_text.hpp"
 
 #include <fcntl.h>
@@ -46,20 +47,7 @@ class Mask {
 };
 constexpr mode_t kOthersMayNotWrite = 022;
 
-class File {
-  public:
-    explicit File(int number) : number_(number) {}
-    ~File() {
-        if (number_ >= 0) ::close(number_);
-    }
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
-    int number() const { return number_; }
-    int release() { return std::exchange(number_, -1); }
-
-  private:
-    int number_;
-};
+using File = program::Descriptor;
 
 /// Makes the folder unless it exists, and opens it. A folder of another user, or one in which others may
 /// write, could be exchanged under our hands for one that leads elsewhere.
@@ -68,7 +56,7 @@ Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const pass
         return tl::unexpected(cannot("make the folder", path));
     File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | flags));
     struct stat status{};
-    if (folder.number() < 0 || ::fstat(folder.number(), &status) != 0)
+    if (!folder.valid() || ::fstat(folder.number(), &status) != 0)
         return tl::unexpected(cannot("open the folder", path));
     if (status.st_uid != ::geteuid() && (also_of == nullptr || status.st_uid != also_of->pw_uid)) {
         return failure(
@@ -117,17 +105,7 @@ bool has_mode(const fs::path& file, mode_t mode) {
 /// The name of a file is safe on the disk only when its folder is.
 void sync_folder(const fs::path& path) {
     const File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (folder.number() >= 0) ::fsync(folder.number());
-}
-
-bool write_all(int file, const std::string& text) {
-    for (std::size_t done = 0; done < text.size();) {
-        const auto count = ::write(file, text.data() + done, text.size() - done);
-        if (count < 0 && errno == EINTR) continue;
-        if (count <= 0) return false;
-        done += static_cast<std::size_t>(count);
-    }
-    return ::fsync(file) == 0;
+    if (folder.valid()) folder.sync();
 }
 
 }  // namespace
@@ -200,14 +178,11 @@ Outcome<bool> SecureFolder::write(const Path& file, const std::string& text, Rea
     const Mask mask(kOthersMayNotWrite);
     const auto temporary = file.string() + ".new";
     ::unlink(temporary.c_str());
-    const int opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    if (opened < 0) return tl::unexpected(cannot("write", file));
-    bool done = write_all(opened, text);
+    const File opened(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+    if (!opened.valid()) return tl::unexpected(cannot("write", file));
+    bool done = opened.write(text) && opened.sync();
     if (const auto* user = broker_user(); done && user != nullptr && for_broker(file))
-        done = ::fchown(opened, user->pw_uid, user->pw_gid) == 0;
-    const int error = errno;
-    ::close(opened);
-    errno = error;
+        done = ::fchown(opened.number(), user->pw_uid, user->pw_gid) == 0;
     if (!done || ::rename(temporary.c_str(), file.c_str()) != 0) {
         auto why = cannot("write", file);
         ::unlink(temporary.c_str());

@@ -197,6 +197,15 @@ Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& 
     return {};
 }
 
+void order_units(const std::string& verb, const Names& units, SecureReport& report) {
+    Names call{"systemctl", verb};
+    call.insert(call.end(), units.begin(), units.end());
+    if (fs::is_directory("/run/systemd/system"))
+        run_and_wait(call);
+    else
+        report.next("then", "systemctl " + verb + " " + joined(units));
+}
+
 void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
     const auto home = program::environment_variable("HOME").value_or("");
     struct stat status{};

@@ -40,6 +40,9 @@ Outcome<Names> refresh_services(const SecureFolder& folder, const SecuredBus& bu
 /// users. Where no systemd runs, the commands are reported.
 Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& report);
 
+/// `systemctl VERB UNITS`; where no systemd runs, that command is reported.
+void order_units(const std::string& verb, const Names& units, SecureReport& report);
+
 /// What asipctl does where the user says nothing else, for root: asks this bus as its administrator. Keeps a
 /// choice that was made before.
 void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report);

@@ -275,6 +275,10 @@ TEST_P(HostileBoardTest, WhicheverVerb_WritesNoControlCharacter) {
           {"forget", "--leftovers", "--dry-run", "-o", "name"}}},
         {"context", {{"context"}, {"context", "add", kEvil, address}}},
         {"secure", {{"secure", "show", "--dir", folder_.path().string()}}},
+        {"backup",
+         {{"backup", folder_.path().string() + "/evil.backup", "--etc", folder_.path().string(),
+           "--no-secrets"}}},
+        {"restore", {{"restore", model, "--etc", folder_.path().string()}}},
         {"completion", {{"completion", "bash"}}},
         {"help", {{"help", kEvil}}},
     };

@@ -225,6 +225,7 @@ TEST(Verbs, Each_IsShownByACommandOfThePagesThatAreRun) {
     }
     for (const auto& verb : all_verbs()) {
         if (verb.name == "model") continue;  // docs/add-a-service.md, which tests/generated follows
+        if (verb.name == "backup" || verb.name == "restore") continue;  // tests/programs/backup_test.py
         EXPECT_THAT(commands, ::testing::HasSubstr("asipctl " + verb.name + " "));
     }
 }
