@@ -205,6 +205,7 @@ class Bridge {
     void tell_modes(Time now);
     void learn_levels(Time now, Effects& out);
     void on_action(const session::BoardLine& line, Time now, Effects& out);
+    void on_action(const session::LevelRestored& restored, Time now, Effects& out);
     void on_action(const session::Identified& identified, Time now, Effects& out);
     void on_action(const session::BoardReset& reset, Time now, Effects& out);
     void on_action(const session::BecameSilent& silent, Time now, Effects& out);

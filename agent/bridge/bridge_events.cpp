@@ -82,6 +82,7 @@ model::StateReason Bridge::reason_to_be_online() const {
 
 // Another state says why the board is not there.
 void Bridge::show_stop(Time now, Effects& out) {
+    board_.session.hold_outputs(is_stopped());
     if (describer_.note_stop(latch_.stopped())) describe_again(now);
     if (announcer_->state() == model::BoardState::kOnline)
         announcer_->set_state(model::BoardState::kOnline, reason_to_be_online(), now, out);
@@ -94,6 +95,7 @@ void Bridge::name_board(Time now, Effects& out) {
     labels_.load(std::move(kept));
     describer_.note_labels(labels_);
     if (options_.load_stop) latch_.load(options_.load_stop(name()));
+    board_.session.hold_outputs(is_stopped());
     describer_.note_stop(latch_.stopped());
     if (is_stopped()) out.log(Level::kWarning, latch_.why_refused(name()));
     if (options_.load_links) links_.load(options_.load_links(name()), is_stopped(), now, out);
@@ -163,6 +165,10 @@ void Bridge::on_action(const session::Garbage& garbage, Time now, Effects& out) 
             {{"reason", garbage.reason},
              {"sample", garbage.sample},
              {"count", std::to_string(session().counters().garbage)}});
+}
+
+void Bridge::on_action(const session::LevelRestored& restored, Time now, Effects&) {
+    values_.executed(restored.line, now);
 }
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {

@@ -96,17 +96,27 @@ void Safety::report(const Holds::Hold& hold, const std::string& text, Effects& o
 // --- the board
 
 void Safety::board_restarted(Effects& out) {
-    for (const auto& hold : holds_.take_all())
+    for (const auto& hold : holds_.take_all()) {
+        board_.session.will_execute(hold.safe);
         report(hold, "the board restarted; it has no holds any more", out);
+    }
     for (const auto& [safe, hold] : expired_)
         report(hold, "not renewed within " + milliseconds(hold.length) + "; the board restarted", out);
     expired_.clear();
     outputs_.board_restarted();
+    for (const auto& line : board_.session.levels())
+        if (const auto write = protocol::parse_request(line))
+            outputs_.queued(safe_form_of(board_.services, *write));
+}
+
+void Safety::make_safe(const std::string& line) {
+    lines_.add(line);
+    board_.session.will_execute(line);
 }
 
 void Safety::board_gone(Effects& out) {
     for (const auto& hold : holds_.take_all()) {
-        lines_.add(hold.safe);
+        make_safe(hold.safe);
         report(hold, "the board is not there; " + hold.safe + " is sent as soon as it is back", out);
     }
 }
@@ -115,7 +125,7 @@ void Safety::stop_services() {
     for (const auto& service : board_.services.entries())
         if (service.model)
             for (const auto& line : service.model->safe)
-                lines_.add(line);
+                make_safe(line);
 }
 
 // --- the bus
@@ -146,7 +156,7 @@ void Safety::on_stop(const Stop& message, Time now, session::Actions& actions, E
         if (service.model) lines.insert(lines.end(), service.model->safe.begin(), service.model->safe.end());
     if (lines.empty()) lines.emplace_back(kQuestion);
     for (const auto& line : lines)
-        lines_.add(line);
+        make_safe(line);
     lines_.send(board_.session, now, actions);
     stop.refused = message.waiting;
     stop.open.insert(lines.begin(), lines.end());
@@ -178,7 +188,7 @@ void Safety::answer(const OpenStop& stop, bool in_time, Time now, Effects& out) 
 
 bool Safety::release_all() {
     for (const auto& hold : holds_.take_all())
-        lines_.add(hold.safe);
+        make_safe(hold.safe);
     return pending();
 }
 
@@ -187,7 +197,7 @@ bool Safety::release_all() {
 void Safety::tick(Time now, Effects& out) {
     for (auto& hold : holds_.take_expired(now)) {
         statistics_.hold_expired();
-        lines_.add(hold.safe);
+        make_safe(hold.safe);
         expired_.insert_or_assign(hold.safe, std::move(hold));
     }
     for (const OpenStop& stop : stops_)

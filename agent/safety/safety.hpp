@@ -44,7 +44,7 @@ class Safety {
     void on_finished(const session::Finished& end, Time now, Effects& out);
 
     // --- the board
-    /// All outputs are off: each hold that ended so is reported.
+    /// Each hold that ended so is reported; what the session restores can be undone.
     void board_restarted(Effects& out);
     /// What the board does is unknown: commands with a hold are undone as soon as it is back.
     void board_gone(Effects& out);
@@ -80,6 +80,7 @@ class Safety {
         Time deadline;
     };
 
+    void make_safe(const std::string& line);
     void done(const SafeLines::Done& line, Time now, Effects& out);
     void report(const Holds::Hold& hold, const std::string& text, Effects& out);
     void answer(const OpenStop& stop, bool in_time, Time now, Effects& out);

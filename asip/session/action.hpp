@@ -95,6 +95,11 @@ struct Garbage {
     std::string sample;  ///< the first bytes, at most 32, unprintable ones replaced by '?'
 };
 
+/// The board executed a request of the session itself that writes an output's level of before its restart.
+struct LevelRestored {
+    std::string line;
+};
+
 struct Finished {
     RequestId id = 0;
     Ending ending = Ending::kTimeout;
@@ -105,7 +110,7 @@ struct Finished {
 };
 
 using Action = std::variant<Write, SetLineRate, BoardLine, Identified, BoardReset, BecameSilent, NoAnswer,
-                            LineRateChanged, Garbage, Finished>;
+                            LineRateChanged, Garbage, LevelRestored, Finished>;
 using Actions = std::vector<Action>;
 
 }  // namespace asip::session

@@ -63,6 +63,15 @@ Expected<RequestId, Refusal> BoardSession::submit(const protocol::Request& reque
 std::size_t BoardSession::cancel_waiting(Actions& out) {
     return machine_->cancel_waiting(out);
 }
+void BoardSession::hold_outputs(bool hold) {
+    machine_->hold_outputs(hold);
+}
+void BoardSession::will_execute(std::string_view line) {
+    machine_->will_execute(line);
+}
+std::vector<std::string> BoardSession::levels() const {
+    return machine_->settings().levels();
+}
 std::optional<Time> BoardSession::next_deadline() const {
     return machine_->next_deadline();
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "asip/expected.hpp"
 #include "asip/protocol/request.hpp"
@@ -114,7 +115,7 @@ class Machine;
 
 /// One ASIP board behind a byte stream: finds out what it is, paces requests so that its 64-byte receive
 /// buffer cannot overrun, proves their execution with fences, steps the line up, notices restarts, damage and
-/// silence, and restores pin modes and periods, never output values.
+/// silence, and restores pin modes, levels of output pins and periods, nothing else that was set.
 /// Pure. The caller performs what each call appends, in order, calls tick() when next_deadline() has come,
 /// and passes times that do not go back. Randomness is drawn while constructing only. One thread at a time.
 class BoardSession {
@@ -158,6 +159,12 @@ class BoardSession {
                                         Time now, Actions& out);
     /// Ends what waits and is not urgent, with kNotSent. Returns the number.
     std::size_t cancel_waiting(Actions& out);
+    /// While on, no pin is made an output that a restart made none; then that is made good.
+    void hold_outputs(bool hold);
+    /// This request is sent again and again until it is executed: nothing of before is restored in its place.
+    void will_execute(std::string_view line);
+    /// Requests that write the levels of output pins, as they would be restored.
+    std::vector<std::string> levels() const;
     /// submit() refuses nothing with kNoBoard.
     bool accepts_requests() const;
     /// How many more requests of this client may be queued, and how many wait.

@@ -131,14 +131,6 @@ void Machine::become_ready(Time now, Actions& out) {
     pump(now, out);
 }
 
-void Machine::restore_settings() {
-    for (std::string& line : settings_.restore()) {
-        Request request;
-        request.line = std::move(line);
-        queue_.waiting().push_own(std::move(request));
-    }
-}
-
 void Machine::board_restarted(std::string why, Time now, Actions& out) {
     if (leaving_) return has_left();  // nothing is to be given back
     if (!std::holds_alternative<Identifying>(state_)) progress_at_ = now;
@@ -246,7 +238,9 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
     for (RequestEnd& end : ended) {
         if (end.ending == Ending::kExecuted || end.ending == Ending::kUnproven ||
             end.ending == Ending::kNoValue) {
-            settings_.executed(end.request.line);
+            if (!end.request.restores) settings_.executed(end.request.line, keeps_level());
+            if (end.request.restores && end.request.service() == 'I' && end.request.tag() == 'd')
+                out.emplace_back(LevelRestored{end.request.line});
             if (end.request.line == "#,R") reports_.clear(), renewals_.clear();
             const auto mode = parse_mode_request(end.request.line);
             if (mode && static_cast<std::size_t>(mode->pin) < identity_.pin_modes.size())

@@ -37,6 +37,8 @@ class Machine {
                                         Time now, Actions& out);
     std::size_t cancel_waiting(Actions& out);
     void leave(Leave how, Time now, Actions& out);
+    void hold_outputs(bool hold);
+    void will_execute(std::string_view line);
     bool accepts_requests() const { return there_ && !leaving_; }
     std::size_t room(ClientId client) const;
     unsigned names_left(Time now) const { return names_.left(now); }
@@ -139,6 +141,10 @@ class Machine {
     void renew_missing(Time now);
     Time next_renewal() const;
 
+    // What clients had set (restoring.cpp)
+    void restore_settings();
+    bool keeps_level() const;
+
     // The end (leaving.cpp)
     void leave_once_quiet(Time now, Actions& out);
     void give_back(Time now, Actions& out);
@@ -160,7 +166,6 @@ class Machine {
 
     void write(const std::vector<std::string>& lines, Time now, Actions& out);
     void note_period(const RequestEnd& end);
-    void restore_settings();
     void report(std::vector<RequestEnd>& ended, Actions& out);
     void abandon_in_flight(Ending ending, Actions& out);
     bool has_checksums() const;
@@ -194,6 +199,8 @@ class Machine {
     bool restore_ = false;             // settings are to be restored once the board is ready
     bool restore_again_ = false;       // it may not have executed one of those that were restored
     Time restored_again_at_{};
+    enum class Outputs { kFree, kHeld, kOwed };  // kOwed: some were not restored, since they are held
+    Outputs outputs_ = Outputs::kFree;
     std::string banner_services_;
     unsigned suspect_baud_ = 0;  // rate at which there was too much garbage
     unsigned ready_baud_ = 0;    // rate at which the board was last ready

@@ -14,9 +14,11 @@ struct Request {
     Time deadline = Time::max();
     bool prove = true;
     bool urgent = false;
-    bool more_follow = false;  ///< see RequestOptions
-    char answer_tag = 0;       ///< tag of the event that answers it, of the same service; 0: none
-    Duration answer_time{};    ///< how long after its fence that event may come
+    bool more_follow = false;      ///< see RequestOptions
+    bool restores = false;         ///< sets what clients had set before
+    std::size_t bytes_behind = 0;  ///< on the wire, for which there has to be room in the same write
+    char answer_tag = 0;           ///< tag of the event that answers it, of the same service; 0: none
+    Duration answer_time{};        ///< how long after its fence that event may come
     AnswerCheck is_answer{};
     /// Alone between its fences: its error would not name it, or it changes how the line works.
     bool alone = false;

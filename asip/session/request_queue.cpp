@@ -216,7 +216,7 @@ bool RequestQueue::next_may_go(Time now, std::vector<std::string>& lines) {
     if (in_flight_.empty()) return true;
     // What has to be proven goes with its fence: an outage between them would go unnoticed.
     if (!next.urgent && !fences_.echo() && next.prove && in_flight_.fence_out()) return false;
-    const bool fits = in_flight_.bytes() + wire_bytes(next) + fence_bytes() <= room();
+    const bool fits = in_flight_.bytes() + wire_bytes(next) + next.bytes_behind + fence_bytes() <= room();
     const bool joins =
         fits && !next.changes_line() && !in_flight_.is_barrier() && !fences_.is_fence_question(next.line);
     fills_batch_ = !fits && may_fill_batch(now);

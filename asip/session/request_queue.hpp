@@ -60,6 +60,10 @@ class WaitingRequests {
     /// Takes out what clients wait for and is not urgent.
     std::vector<Request> take_queued();
     void forget_own() { own_.clear(); }
+    template <class Which>
+    void forget_own(Which&& which) {
+        std::erase_if(own_, which);
+    }
 
   private:
     /// Requests for one service that belong together, of which more follow.

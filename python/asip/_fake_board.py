@@ -105,8 +105,9 @@ class FakeBoard:
         self._say("online", "")
 
     def _say(self, state: str, reason: str) -> None:
-        if state == "online" and self.state != state:  # nothing is known of what it did meanwhile
-            self._stands = {id: None for id in self._stands}
+        if state == "online" and self.state != state:  # nothing is known of what it did meanwhile; levels of outputs are set again
+            outputs = {f"io/{pin}" for pin, mode in self.modes.items() if mode == 3}
+            self._stands = {id: value if id in outputs else None for id, value in self._stands.items()}
             self._restarts += 1
         self.state = state
         self._seq += 1

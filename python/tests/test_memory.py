@@ -445,10 +445,9 @@ class Pins(Memory):
         self.as_set(2, mode=3, write=1)
         self.memory.desk.back()
         self.desk.wait_for("online")
-        with self.assertRaises(asip.Unproven):
-            button.read()
-        self.as_set(2, write=1)
-        self.assertIs(button.read(), True)
+        self.assertIs(button.read(), True, "the agent sets levels of outputs again")
+        self.as_set(2, write=0)
+        self.assertIs(button.read(), False)
         self.desk.servo.write(0, 1)
         self.assertEqual(self.memory.desk.modes[2], 3)
 
@@ -466,6 +465,10 @@ class Pins(Memory):
         self.assertIn("since the board came back", str(raised.exception))
         lamp.on()
         self.assertEqual(self.commands(), [("io", "mode", [13, 3]), ("io", "write", [13, 1])])
+        self.memory.desk.lose()
+        self.memory.desk.back()
+        self.desk.wait_for("online")
+        self.assertIs(lamp.read(), True, "the agent sets levels of outputs again")
 
     def test_read_sees_each_command_that_was_answered_before_and_many_reads_at_once_are_few_questions(self):
         asked, questioned = [], self.memory.desk._questioned
@@ -644,6 +647,7 @@ class Properties(Memory):
         self.assertEqual((lamp.text, lamp.how), ("on", "set"))  # its last value
         with self.assertRaises(asip.NotThere):
             lamp.read()
+        self.memory.desk.modes.clear()
         self.memory.desk.back()
         self.desk.wait_for("online")
         with self.assertRaises(asip.Unproven) as raised:

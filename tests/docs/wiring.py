@@ -38,6 +38,9 @@ class Wiring(unittest.TestCase):
                 except asip.Unproven:
                     return None
 
+            def switched():
+                return re.findall(r"relay (on|off)$", (real.work / "sim.log").read_text(), re.MULTILINE)
+
             def shows(pin, wanted):
                 eventually(lambda: value(pin) == wanted, f"io/{pin} is {wanted}")
             shows(4, False)
@@ -54,11 +57,15 @@ class Wiring(unittest.TestCase):
             eventually(lambda: abs(home["io/14"].read() - 50) < 2, "the soil is half wet")
             home["io/9"].write({"on": True, "brightness": 128})
             eventually(lambda: real.part("home/lamp") == "pwm 128", "the lamp is dimmed")
-            real.sim("reset", "home")
-            # No level is restored; the page says what that means for such a relay.
-            eventually(lambda: real.part("home/relay") == "on" and "came back" in home["io/4"].why, "the mode is restored, and no level")
-            self.assertEqual(real.part("home/lamp"), "off")
-            shows(6, False)
+            for level, relay in ((True, ["off", "on"]), (False, [])):
+                home["io/4"].write(level)
+                home["io/9"].write({"on": True, "brightness": 128})
+                before = len(switched())
+                real.sim("reset", "home")
+                eventually(lambda: home["io/9"].how == "" and value(4) is level, "the board restarts, and its level is restored", 60)
+                self.assertEqual(switched()[before:], relay, "what the relay did meanwhile")
+                self.assertEqual(real.part("home/lamp"), "off")
+                shows(6, False)
 
 
 if __name__ == "__main__":

@@ -122,13 +122,18 @@ bool Agent::renew(unsigned client, Micros now) {
 // As agent/safety/Safety does.
 void Agent::board_gone() {
     for (const auto& hold : holds_.take_all())
-        safe_lines_.add(hold.safe);
+        make_safe(hold.safe);
+}
+
+void Agent::make_safe(const std::string& line) {
+    safe_lines_.add(line);
+    session_->will_execute(line);
 }
 
 void Agent::make_safe(Micros now) {
     for (const auto& hold : holds_.take_expired(at(now))) {
         undone_at_ = std::min(undone_at_, now);
-        safe_lines_.add(hold.safe);
+        make_safe(hold.safe);
     }
     follow_safe_lines(now);
 }
@@ -262,7 +267,8 @@ void Agent::perform(session::Actions& actions, Micros now) {
             note_(fmt::format("session: garbage, {}: `{}`", garbage->reason, garbage->sample));
         } else if (const auto* reset = std::get_if<session::BoardReset>(&action)) {
             note_("session: board reset: " + reset->why);
-            holds_.take_all();  // all outputs are off
+            for (const auto& hold : holds_.take_all())
+                session_->will_execute(hold.safe);
         } else if (std::holds_alternative<session::BecameSilent>(action)) {
             board_gone();
         } else if (const auto* changed = std::get_if<session::LineRateChanged>(&action)) {

@@ -74,6 +74,7 @@ class Agent : public AgentState {
     void note_state();
     void check_silence(Micros now);
     void board_gone();
+    void make_safe(const std::string& line);
     void make_safe(Micros now);
     static std::optional<Effect> undoing(const std::string& line);
     void follow_safe_lines(Micros now);

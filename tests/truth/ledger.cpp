@@ -109,7 +109,27 @@ bool Ledger::may_be_own(const std::string& line) const {
     if (line == "I,M" || line == "I,m" || line == "I,p" || line == "I,c") return true;
     // Analog reports that no client asked for, and that stopped: with the period that they seemed to have.
     if (line.starts_with("I,A,")) return true;
+    if (is_restored_level(line) || is_mode_of_a_duty(line)) return true;
     return (line.starts_with("I,P,") || is_period(line)) && by_line_.contains(line);
+}
+
+// The level of a pin that a command made an output, as a command set it or the end of its hold; or what
+// prepares a high level.
+bool Ledger::is_restored_level(const std::string& line) const {
+    const auto comma = line.rfind(',');
+    const bool writes = line.starts_with("I,d,");
+    if (!writes && !(line.starts_with("I,P,") && line.ends_with(",2"))) return false;
+    const auto pin = line.substr(4, comma - 4);
+    const bool low = writes && line.ends_with(",0");
+    return by_line_.contains("I,P," + pin + ",3") &&
+           (by_line_.contains("I,d," + pin + ",1") || (low && by_line_.contains(line)));
+}
+
+// A duty makes a pin a PWM pin, whatever mode a command had given it.
+bool Ledger::is_mode_of_a_duty(const std::string& line) const {
+    if (!line.starts_with("I,P,") || !line.ends_with(",5")) return false;
+    const auto any = line.substr(0, line.size() - 1);
+    return by_line_.contains(any + "1") || by_line_.contains(any + "2") || by_line_.contains(any + "3");
 }
 
 std::uint32_t Ledger::wrote(const std::string& written, Micros now) {

@@ -125,6 +125,8 @@ class Ledger {
     Micros sent(const Entry& entry) const;
     Entry* waiting_for(const std::string& line);
     bool may_be_own(const std::string& line) const;
+    bool is_restored_level(const std::string& line) const;
+    bool is_mode_of_a_duty(const std::string& line) const;
     void take_turn(const Entry& entry);
     bool is_sign(const Entry& entry, const std::string& line, Micros at) const;
     bool merged(const Entry& entry) const;

@@ -112,6 +112,7 @@ std::vector<Scenario> make() {
     const std::vector<Step> setting = {{0, output(3)}, {0, mark(1, 1)}};
     const std::vector<Step> error = {{0, wrong()}, {0, mark(1, 1)}};
     const std::vector<Step> reset = {{0, output(3)}, {15 * ms, mark(1, 1)}, {120 * ms, mark(1, 2)}};
+    const std::vector<Step> lamp = {{0, output(3)}, {10 * ms, level(3, 1)}, {120 * ms, mark(1, 1)}};
     const std::vector<Step> on_and_off = {{0, level(4, 1)}, {0, level(4, 0)}};
     const std::vector<Step> full = {{0, mark(1, 1, ",abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrst")},
                                     {0, mark(1, 2, ",zyxwvutsrqponm")}};
@@ -141,6 +142,8 @@ std::vector<Scenario> make() {
         with(of_04("error"), error),
         reset_after(40 * ms, with(ours("reset between"), reset)),
         reset_after(40 * ms, with(of_04("reset between"), reset)),
+        reset_after(40 * ms, with(ours("reset of a lamp that is on"), lamp)),
+        reset_after(40 * ms, with(of_04("reset of a lamp that is on"), lamp)),
         with(of_04("on and off"), on_and_off),
         with(ours("long lines, checksums", Checksum::kAlways), full),
         at(1'000'000, with(ours("at 1,000,000 baud"), two_clients)),

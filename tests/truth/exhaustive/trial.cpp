@@ -140,6 +140,21 @@ void Trial::check_settings() {
             ledger_.fail(fmt::format("pin {} is in mode {} of the hardware at the end, and `{}` was ok",
                                      effect->subject, modes_[effect->subject], step.command.line));
     }
+    check_levels();
+}
+
+// A pin that a command made an output, and that another one set.
+void Trial::check_levels() {
+    for (const Step& step : scenario_.steps) {
+        const auto& effect = step.command.effect;
+        if (!effect || effect->kind != Effect::Kind::kLevel || step.command.hold > 0) continue;
+        if (!ledger_.was_executed(step.command.line) ||
+            !ledger_.was_executed(fmt::format("I,P,{},3", effect->subject)))
+            continue;
+        if (levels_[effect->subject] != effect->value)
+            ledger_.fail(fmt::format("pin {} is at level {} at the end, and `{}` was ok", effect->subject,
+                                     levels_[effect->subject], step.command.line));
+    }
 }
 
 // What is held is on until its end, however often it is renewed, and off then.

@@ -93,6 +93,7 @@ class Trial : World, TrialState {
     void check_holds();
     void watch();
     void check_settings();
+    void check_levels();
     void close();
     void set_faults(const Faults& faults);
     std::string last_line() const;

@@ -170,13 +170,16 @@ TEST_F(ValuesOfBoard, NumbersThatFlow_ArePacedAndTheLastIsTold) {
 TEST_F(ValuesOfBoard, BoardAway_LastValuesStayAndAreUnknownAfterTheReturn) {
     bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
     bench.ask("asip/uno1/io/in", {{"write", {3, 1}}}, "2");
+    bench.ask("asip/uno1/servo/in", {{"write", {0, 90}}}, "3");
     bench.pass(1s);
     bench.unplug();
     bench.pass(1s);
-    EXPECT_EQ(values()["io/3"]["value"], true);
+    EXPECT_EQ(values()["servo/0/angle"]["value"], 90);
     bench.plug();
     bench.pass(10s);
-    EXPECT_EQ(values()["io/3"]["unknown"], "restart");
+    EXPECT_EQ(values()["servo/0/angle"]["unknown"], "restart");
+    EXPECT_EQ(values()["io/3"]["value"], true) << "the agent has set it again";
+    EXPECT_EQ(values()["io/3"]["how"], "set");
 }
 
 TEST_F(ValuesOfBoard, BoardThatRestartsTwice_IsToldThoughNothingIsKnownAtEitherEnd) {

@@ -210,6 +210,31 @@ TEST_F(HoldTest, BoardGone_IsReportedAndUndoneAsSoonAsItIsBack) {
     EXPECT_EQ(executed().front(), "I,d,13,0") << "before anything else";
 }
 
+TEST_F(HoldTest, BoardRestarts_WhatWasHeldIsNotRestored) {
+    bench.ask(kIo, {{"mode", {12, "output"}}});
+    bench.ask(kIo, {{"mode", {13, "output"}}}, "2");
+    bench.ask(kIo, {{"write", {12, 1}}}, "3");
+    hold();
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    bench.pass(10s);
+    EXPECT_THAT(executed(), Contains("I,P,13,3"));
+    EXPECT_THAT(executed(), Contains("I,d,12,1")) << "no hold";
+    EXPECT_THAT(executed(), Not(Contains("I,d,13,1")));
+}
+
+TEST_F(HoldTest, EndsWhileTheBoardIsAway_IsNotRestored) {
+    bench.ask(kIo, {{"mode", {13, "output"}}});
+    hold();
+    bench.unplug();
+    bench.board.executed.clear();
+    bench.board.reboot();
+    bench.plug();
+    bench.pass(10s);
+    EXPECT_THAT(executed(), Contains("I,P,13,3"));
+    EXPECT_THAT(executed(), Not(Contains("I,d,13,1")));
+}
+
 TEST_F(HoldTest, BoardRestarts_NothingIsHeldAnyMore) {
     hold();
     bench.say(bench.board.reboot());

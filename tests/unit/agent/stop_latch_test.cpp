@@ -151,6 +151,27 @@ TEST_F(Latched, BoardRestartsOrIsReplugged_StaysStopped) {
     EXPECT_EQ(power("3")["reason"], "stopped");
 }
 
+TEST_F(Latched, BoardRestarts_NoPinBeginsToDriveUntilItIsResumed) {
+    auto io = [&, number = 0](json command) mutable {
+        return bench.ask("asip/uno1/io/in", std::move(command), "io" + std::to_string(++number));
+    };
+    io({{"mode", {13, "output"}}});
+    io({{"write", {13, 1}}});
+    io({{"mode", {2, "input-pullup"}}});
+    stop();
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    bench.pass(5s);
+    EXPECT_THAT(bench.board.executed, Contains("I,P,2,2"));
+    EXPECT_THAT(bench.board.executed, Not(Contains(testing::EndsWith(",13,3"))));
+    EXPECT_THAT(bench.board.executed, Not(Contains(testing::StartsWith("I,d,13,"))));
+    resume();
+    bench.pass(1s);
+    EXPECT_THAT(bench.board.executed, Contains("I,P,13,3"));
+    EXPECT_THAT(bench.board.executed, Contains("I,d,13,0"));
+    EXPECT_THAT(bench.board.executed, Not(Contains("I,d,13,1"))) << "the stop ended it";
+}
+
 BridgeOptions kept_options(Expected<std::optional<model::StopInfo>> kept) {
     auto options = BridgeBench::defaults();
     options.keep_outputs = true;

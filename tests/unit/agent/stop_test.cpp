@@ -84,6 +84,21 @@ TEST_F(StoppedBoard, BoardRestarted_WhatWasOnBeforeIsForgotten) {
     EXPECT_THAT(executed(), ElementsAre("M,S"));
 }
 
+TEST_F(StoppedBoard, BoardRestarted_WhatWasRestoredIsUndone) {
+    bench.hear("asip/uno1/io/in", R"({"mode":[13,"output"]})");
+    bench.hear("asip/uno1/io/in", R"({"write":[13,1]})");
+    bench.pass(200ms);
+    bench.say(bench.board.reboot());
+    bench.pass(3s);
+    bench.board.executed.clear();
+    stop();
+    EXPECT_THAT(executed(), testing::UnorderedElementsAre("M,S", "I,d,13,0"));
+    bench.board.executed.clear();
+    bench.say(bench.board.reboot());
+    bench.pass(3s);
+    EXPECT_THAT(executed(), testing::Not(testing::Contains("I,d,13,1"))) << "low is what stood";
+}
+
 TEST_F(StoppedBoard, WhatWaits_IsRefusedWithTheReason) {
     bench.board.mute = true;
     for (int i = 0; i < 40; ++i)

@@ -48,7 +48,7 @@ TEST(BoardSession, DeadlineWhileWaiting_IsNotSentAndNeverWillBe) {
     EXPECT_THAT(bench.board.executed, Not(Contains("S,W,0,9")));
 }
 
-TEST_P(EachGeneration, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot) {
+TEST_P(EachGeneration, BannerInMidStream_ModesLevelsAndPeriodsAreRestored) {
     SessionOptions options = no_step_up();
     ASSERT_TRUE(bench.start(options));
     for (const char* line : {"I,P,13,3", "I,d,13,1", "D,A,100", "S,W,0,90", "I,P,12,2"})
@@ -58,7 +58,7 @@ TEST_P(EachGeneration, BannerInMidStream_ModesAndPeriodsAreRestoredValuesAreNot)
     ASSERT_TRUE(bench.ready_within(1s));
     EXPECT_EQ(bench.count("reset"), 1);
     EXPECT_EQ(bench.count("identified"), 2);
-    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,12,2", "I,P,13,3", "D,A,100"));
+    EXPECT_THAT(bench.board.executed, ElementsAre("I,P,12,2", "I,P,13,3", "I,d,13,1", "D,A,100"));
     EXPECT_EQ(bench.session.period('D'), 100u);
 }
 
