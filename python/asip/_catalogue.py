@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import re
 
-from . import _description, _model
-from ._description import STATES
-from ._entry import NEVER, THERE, WORDS, Challenger, Entry
+from . import _model
+from ._entry import NEVER, STATES, THERE, WORDS, Challenger, Entry, read_description
 from ._topics import valid_board
 
 TYPE_CHECKING = False
@@ -76,7 +75,7 @@ class Catalogue:
     # Descriptions ---------------------------------------------------------------------------------------------------------
 
     def on_description(self, board: str, document: dict[str, Any] | None, retained: bool, expiry: int | None, now: float) -> bool:
-        document = _description.read(document, board)
+        document = read_description(document, board)
         if document is None:
             return False
         added = self._known(board) is None
@@ -305,7 +304,7 @@ class Catalogue:
         entry.effective, entry.judged_reason = item["state"], item["reason"] if item.get("reason") in [*WORDS] else ""
         age = item.get("state_age", -1)
         entry.since = now - age if isinstance(age, (int, float)) and 0 <= age <= 1e9 else NEVER
-        document = _description.read(item.get("description"), name) or _description.read(
+        document = read_description(item.get("description"), name) or read_description(
             {"board": name, "session": "-", "seq": 0, "services": services, "labels": item.get("labels", {})}, name)
         if document is not None:
             entry.description, entry.session, entry.seq = document, document["session"], document["seq"]

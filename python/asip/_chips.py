@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Transfers on a board's I2C bus, as commands of its service `i2c` (docs/protocol.md). What is made of messages is pure."""
+"""Transfers on a board's I2C bus, as commands of its service `i2c` (docs/protocol.md), and such services by the lines of a board. What is made
+of messages is pure."""
 from __future__ import annotations
 
 import errno
@@ -11,19 +12,17 @@ from . import errors
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any, BinaryIO, Protocol, Sequence, Union
-
-    from ._commands import Commands
+    from typing import Any, BinaryIO, Callable, Protocol, Sequence, Union
 
     Message = tuple[int, Union[bytes, int]]  # the address of a chip, and what is written to it or how many bytes are read
     Command = tuple[str, list[Any]]
 
-    class Carrier(Protocol):
-        """What brings commands to a board."""
+    class Commanded(Protocol):
+        """A service of a board, by whatever brings its commands there."""
 
-        def scan(self) -> list[int]: ...
+        def command(self, name: str, *args: Any, timeout: float | None = None) -> Any: ...
 
-        def commands(self, commands: Sequence[Command]) -> list[str]: ...
+        def _together(self, commands: list[dict[str, list[Any]]], what: str, *, timeout: float | None = None) -> list[dict[str, Any]]: ...
 
 WRITTEN = 18  # bytes that a request has room for beside the fence behind it
 READ = 16
@@ -110,16 +109,17 @@ def _counts(count: int) -> list[tuple[int, bool]]:
 
 
 class Transfers:
-    """The bus of one board, as this program sees it. From any thread."""
+    """The bus of one board, as this program sees it. From any thread. Several commands are one request of the service."""
 
-    def __init__(self, carrier: Carrier):
-        self._carrier = carrier
+    def __init__(self, service: Commanded, timeout: float | None = None):
+        self._service, self._timeout = service, timeout
         self._numbers = itertools.count(random.randrange(100))
         self.lock = threading.Lock()
 
     def scan(self) -> list[int]:
         try:
-            return self._carrier.scan()
+            found: list[int] = self._service.command("scan", timeout=self._timeout)
+            return found
         except errors.Error as fault:
             raise error_of(fault) from fault
 
@@ -134,10 +134,16 @@ class Transfers:
         if len(commands) > MAX_COMMANDS:
             raise OSError(errno.EMSGSIZE, f"the transfer takes {len(commands)} requests, above {MAX_COMMANDS}")
         try:
-            answers = self._carrier.commands(commands)
+            answers = self._answers(commands)
         except errors.Error as fault:
             raise error_of(fault) from fault
         return _shared_out(messages, bytes.fromhex("".join(answers)))
+
+    def _answers(self, commands: Sequence[Command]) -> list[str]:
+        if len(commands) == 1:
+            return [self._service.command(commands[0][0], *commands[0][1], timeout=self._timeout)]
+        answers = self._service._together([{name: args} for name, args in commands], "transfer", timeout=self._timeout)
+        return [text for one in answers for text in one.values()]
 
 
 def _shared_out(messages: Sequence[Message], data: bytes) -> list[bytes]:
@@ -148,55 +154,35 @@ def _shared_out(messages: Sequence[Message], data: bytes) -> list[bytes]:
     return [data[end - count:end] for count, end in zip(counts, ends)]
 
 
-class BusCarrier:
-    """By a service of a board on the bus. Several commands are one request of it."""
+class LineService:
+    """A service of a board by its lines, or by the port of its agent, in the place of one on the bus: point to point."""
 
-    def __init__(self, service: Commands, timeout: float | None):
-        self._service, self._timeout = service, timeout
-
-    def scan(self) -> list[int]:
-        found: list[int] = self._service.command("scan", timeout=self._timeout)
-        return found
-
-    def commands(self, commands: Sequence[Command]) -> list[str]:
-        if len(commands) == 1:
-            return [self._service.command(commands[0][0], *commands[0][1], timeout=self._timeout)]
-        answers = self._service._together([{name: args} for name, args in commands], "transfer", timeout=self._timeout)
-        return [text for one in answers for text in one.values()]
-
-
-class LineCarrier:
-    """By the lines of a board, or of the port of its agent: point to point."""
-
-    _TAGS = {"transfer": "t", "open": "o", "send": "w", "receive": "r", "end": "e"}
-
-    def __init__(self, stream: BinaryIO):
-        self._stream = stream
+    def __init__(self, stream: BinaryIO, letter: str, tags: dict[str, str], silent: str = "", read: Callable[[str, str], Any] = lambda tag, body: body):
+        """`tags` by command; the board says nothing to those of `silent`. `read` makes a value of tag and body of an answer."""
+        self._stream, self._letter, self._tags, self._silent, self._read = stream, letter, tags, silent, read
         self._lock = threading.Lock()
         self._fences = itertools.count(random.randrange(1000))
         self._owes = False  # the board may still send what it was asked for before
 
-    def scan(self) -> list[int]:
+    def command(self, name: str, *args: Any, timeout: float | None = None) -> Any:
+        return self._together([{name: [*args]}], name)[0]["answer"]
+
+    def _together(self, commands: list[dict[str, list[Any]]], what: str, *, timeout: float | None = None) -> list[dict[str, Any]]:
         with self._lock:
             self._catch_up()
-            body = self._ask("J,s", "@J,s,")
-        return [int(one) for one in body[body.index("{") + 1:-1].split(",") if one]
+            answers = [self._one(self._tags[name], args) for one in commands for name, args in one.items()]
+        return [{"answer": answer} for answer in answers if answer is not None]
 
-    def commands(self, commands: Sequence[Command]) -> list[str]:
-        with self._lock:
-            self._catch_up()
-            return [answer for name, args in commands if (answer := self._one(self._TAGS[name], args)) is not None]
-
-    def _one(self, tag: str, args: list[Any]) -> str | None:
-        line = ",".join(["J", tag, *map(str, args)])
-        if tag in "ow":  # the board says nothing of these: the fence behind one shows that it was read
+    def _one(self, tag: str, args: list[Any]) -> Any:
+        line = ",".join([self._letter, tag, *map(str, args)])
+        if tag in self._silent:  # the fence behind it shows that it was read
             fence = self._fence()
             self._ask(f"{line}\n{fence}", f"@{fence}")
             return None
-        return self._ask(line, f"@J,{tag},")
+        return self._read(tag, self._ask(line, f"@{self._letter},{tag},"))
 
     def _fence(self) -> str:
-        return f"#,E,i2c{next(self._fences) % 1000:03}"
+        return f"#,E,chip{next(self._fences) % 1000:03}"
 
     def _catch_up(self) -> None:
         """Past late answers and errors, so that none is taken for the next one."""
@@ -216,6 +202,6 @@ class LineCarrier:
             if line.startswith(answer):
                 self._owes = False
                 return line[len(answer):]
-            if errors_count and line.startswith("~J,"):
+            if errors_count and line.startswith(f"~{self._letter},"):
                 number, _, text = line[len("~J,t,"):].partition("{")
-                raise error_of(errors.BoardError(text.rstrip("}"), code=int(number) if number.isdigit() else 0))
+                raise errors.BoardError(text.rstrip("}"), code=int(number) if number.isdigit() else 0)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import time
 
 from . import _model, _wait, errors
-from ._description import STATES
 from ._engine import Engine
-from ._entry import THERE, Entry
+from ._entry import STATES, THERE, Entry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

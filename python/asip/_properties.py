@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from ._description import whole
+from ._entry import whole
 from ._topics import valid_board, valid_name
 
 TYPE_CHECKING = False

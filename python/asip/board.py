@@ -8,7 +8,7 @@ import threading
 
 from . import _model, _wait, errors
 from ._bank import Bank
-from ._chips import BusCarrier, Transfers
+from ._chips import Transfers
 from ._followed import Followed
 from ._topics import valid_name
 from .i2c import I2C, SMBus
@@ -232,7 +232,7 @@ class Board(Followed):
         return SPI(self["spi"], timeout, self._spi)
 
     def _transfers(self, timeout: float | None) -> Transfers:
-        transfers = Transfers(BusCarrier(self["i2c"], timeout))
+        transfers = Transfers(self["i2c"], timeout)
         transfers.lock = self._chips
         return transfers
 

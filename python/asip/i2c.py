@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import errno
 
-from ._chips import LineCarrier, Transfers
+from ._chips import LineService, Transfers
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -161,12 +161,21 @@ def _counted(data: bytes) -> list[int]:
     return list(data[1:1 + min(data[0], 32)])
 
 
+def _transfers_over(stream: BinaryIO) -> Transfers:
+    tags = {"scan": "s", "transfer": "t", "open": "o", "send": "w", "receive": "r", "end": "e"}
+    return Transfers(LineService(stream, "J", tags, "ow", _read_line))
+
+
+def _read_line(tag: str, body: str) -> Any:
+    return [int(one) for one in body[body.index("{") + 1:-1].split(",") if one] if tag == "s" else body
+
+
 def over(stream: BinaryIO) -> I2C:
     """The bus of a board that no agent has, or of the TCP port of an agent: `over(serial.Serial("/dev/ttyACM0", 57600, timeout=1))`,
     `over(socket.create_connection(("localhost", 6789), 2).makefile("rwb"))`. Nothing else may read or write that stream meanwhile."""
-    return I2C(Transfers(LineCarrier(stream)))
+    return I2C(_transfers_over(stream))
 
 
 def smbus_over(stream: BinaryIO) -> SMBus:
     """The same for programs of smbus2."""
-    return SMBus(Transfers(LineCarrier(stream)))
+    return SMBus(_transfers_over(stream))

@@ -12,13 +12,13 @@ from __future__ import annotations
 import errno
 
 from . import errors
-from ._chips import error_of
+from ._chips import LineService, error_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
+    from typing import Any, BinaryIO
 
-    from ._commands import Commands
+    from ._chips import Commanded
 
 _ROOM = 16  # bytes of a request, each way
 _SELECTIONS = {0x55: 9, 0xCC: 1}  # bytes that choose a device, or all: nothing happens before another follows
@@ -50,7 +50,7 @@ class OneWire:
     """What drivers take for an `adafruit_onewire.bus.OneWireBus`. What chooses a device goes with the byte behind it as one request, so
     that nobody comes between; what is read follows as another one."""
 
-    def __init__(self, service: Commands, timeout: float | None):
+    def __init__(self, service: Commanded, timeout: float | None):
         self._service, self._timeout = service, timeout
         self._chosen: bytes | None = None  # written since the reset and not sent yet
         self.maximum_devices = 64
@@ -120,3 +120,9 @@ class OneWire:
             raise OSError(errno.ENODEV, str(fault)) from fault
         except errors.Error as fault:
             raise error_of(fault) from fault
+
+
+def over(stream: BinaryIO) -> OneWire:
+    """The bus of a board that no agent has, or of the TCP port of an agent: see `asip.i2c.over`."""
+    tags = {"reset": "R", "find": "S", "transfer": "T", "continue": "t"}
+    return OneWire(LineService(stream, "O", tags, read=lambda tag, body: int(body) if tag == "R" else body), None)

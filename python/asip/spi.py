@@ -12,13 +12,13 @@ from __future__ import annotations
 import threading
 
 from . import errors
-from ._chips import error_of
+from ._chips import LineService, error_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
+    from typing import Any, BinaryIO
 
-    from ._commands import Commands
+    from ._chips import Commanded
 
 _ROOM = 16  # bytes of a request
 _TOGETHER = 64  # requests of a command
@@ -51,7 +51,7 @@ class ChipSelect:
 class SPI:
     """What drivers for CircuitPython take for a `busio.SPI`."""
 
-    def __init__(self, service: Commands, timeout: float | None, lock: threading.Lock):
+    def __init__(self, service: Commanded, timeout: float | None, lock: threading.Lock):
         self._service, self._timeout, self._lock = service, timeout, lock
         self._kilohertz, self._mode = 100, 0
         self._pin, self._keeps = _NO_PIN, False
@@ -121,3 +121,8 @@ class SPI:
         except errors.Error as fault:
             raise error_of(fault) from fault
         return bytes.fromhex("".join(text for one in answers for text in one.values()))
+
+
+def over(stream: BinaryIO) -> SPI:
+    """The bus of a board that no agent has, or of the TCP port of an agent: see `asip.i2c.over`."""
+    return SPI(LineService(stream, "V", {"transfer": "t"}), None, threading.Lock())

@@ -10,16 +10,19 @@ from asip.i2c import I2C, SMBus, over
 
 
 class Wires:
-    """A carrier: one chip at 0x50 whose bytes count up from the register that was written last. `S`, `P` and bytes stand in `seen`."""
+    """The service: one chip at 0x50 whose bytes count up from the register that was written last. `S`, `P` and bytes stand in `seen`."""
 
     def __init__(self):
         self.seen, self.lists, self.fault = "", 0, None
         self._open, self._next = None, 0
 
-    def scan(self):
-        return [0x50]
+    def command(self, name, *args, timeout=None):
+        return [0x50] if name == "scan" else self._do([(name, args)])[0]
 
-    def commands(self, commands):
+    def _together(self, commands, what, *, timeout=None):
+        return [{"answer": answer} for answer in self._do([*one.items()][0] for one in commands)]
+
+    def _do(self, commands):
         self.lists += 1
         if self.fault:
             raise self.fault

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A 1-Wire bus as drivers see it: which commands it gives. A recorded service stands for the board."""
 import errno
+import io
 import unittest
 
 from asip import errors
-from asip.onewire import OneWire
+from asip.onewire import OneWire, over
 
 
 class Recorded:
@@ -87,6 +88,25 @@ class OneWireBus(unittest.TestCase):
             self.assertEqual((caught.exception.errno, caught.exception.__cause__), (number, fault))
         self.board.fault = None
         self.assertEqual(self.wire.scan(), [])
+
+    def test_point_to_point_the_same_are_lines(self):
+        class Line(io.BytesIO):
+            asked = b""
+
+            def write(self, data):
+                self.asked += data
+        line = Line(b"@O,R,0\r\n@O,R,1\r\n@O,T,\r\n@O,t,9101\r\n@O,S,28FF641D8316036C\r\n@O,S,\r\n~O,R,8{DEVICE_NOT_AVAILABLE}\r\n")
+        wire, into = over(line), bytearray(2)
+        self.assertFalse(wire.reset())
+        self.assertTrue(wire.reset())
+        wire.write(b"\xcc\xbe")
+        wire.readinto(into)
+        self.assertEqual(into, b"\x91\x01")
+        self.assertEqual([one.rom for one in wire.scan()], [ROM])
+        self.assertEqual(line.asked, b"O,R\nO,R\nO,T,0,CCBE\nO,t,2,\nO,S,0\nO,S,1\n")
+        with self.assertRaises(OSError) as caught:
+            wire.reset()
+        self.assertEqual(caught.exception.errno, errno.ENODEV)
 
 
 if __name__ == "__main__":

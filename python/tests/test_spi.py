@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """An SPI bus as drivers see it: which commands it gives. A recorded service stands for the board, and answers each byte by its complement."""
 import errno
+import io
 import threading
 import unittest
 
 from asip import errors
-from asip.spi import SPI
+from asip.spi import SPI, over
 
 
 class Recorded:
@@ -85,6 +86,24 @@ class SpiBus(unittest.TestCase):
             self.assertTrue(select.value)
             self.spi.write(b"2")
             self.assertEqual([(one[0], one[3], one[4]) for one in self.board.seen], [(10, 1, "31"), (10, 0, ""), (255, 0, "32")])
+
+    def test_point_to_point_the_same_are_lines(self):
+        class Line(io.BytesIO):
+            asked = b""
+
+            def write(self, data):
+                self.asked += data
+        line = Line(b"@I,a,1,{0:5}\r\n@V,t," + b"00" * 16 + b"\r\n@V,t,FF\r\n@V,t,\r\n~V,t,3{INVALID_PIN}\r\n")
+        spi, into = over(line), bytearray(17)
+        select = spi.chip_select(10)
+        select.value = False
+        spi.write_readinto(bytes(range(17)), into)
+        select.value = True
+        self.assertEqual(into, bytes(16) + b"\xff")
+        self.assertEqual(line.asked, b"V,t,10,100,0,1,000102030405060708090A0B0C0D0E0F\nV,t,10,100,0,1,10\nV,t,10,100,0,0,\n")
+        with self.assertRaises(OSError) as caught:
+            spi.write(b"1")
+        self.assertEqual(caught.exception.errno, errno.EIO)
 
 
 if __name__ == "__main__":
