@@ -9,7 +9,7 @@
 // are mounted the other way round, and both count up when the robot drives forwards. A board that wants it
 // otherwise says so before asip::board.begin(): encoders.mirror(0) counts all alike, bit N stands for encoder
 // N. Steps are counted by interrupts, whatever the board is doing: up to 8,000 cycles a second in all. On a
-// pin without one (on a Mega all but 0, 2, 3, 10 to 15, 18 to 21, 50 to 53 and A8 to A15; on a Leonardo all
+// pin without one (on a Mega all but 0, 2, 3, 10 to 13, 18 to 21, 50 to 53 and A8 to A15; on a Leonardo all
 // but 0 to 3, 7 to 11 and 14 to 17) the loop looks for them: 1,000 a second. On AVR a board with encoders
 // steps its line up to 500,000 baud at most: their interrupts leave it no more time.
 #pragma once

@@ -78,6 +78,7 @@ Chip::Chip(avr_t* avr) : avr_(avr) {
     while (*end != nullptr)
         end = &(*end)->next;
     *end = &hook_.io;
+    add_pin_changes();
     count_interrupt_entries();
     apply_fixes();
 }
@@ -111,6 +112,23 @@ void Chip::apply_fixes() {
     for (char name = '0'; name <= '3'; ++name) {
         std::uint32_t flags = 0;
         if (uart(name) != nullptr) avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS(name), &flags);
+    }
+}
+
+// simavr 1.6 has those of port B of a Mega alone. Port K is A8 to A15; its registers are those of the data
+// sheet.
+void Chip::add_pin_changes() {
+    constexpr std::uint16_t kPcifr = 0x3b, kPcicr = 0x68, kPcmsk2 = 0x6d;
+    constexpr std::uint8_t kVector = 11, kBit = 2;
+    for (auto* io = avr_->io_port; io != nullptr; io = io->next) {
+        if (std::strcmp(io->kind, "port") != 0) continue;
+        auto* port = static_cast<avr_ioport_t*>(static_cast<void*>(io));  // begins with the avr_io_t
+        if (port->name != 'K' || port->r_pcint != 0) continue;
+        port->r_pcint = kPcmsk2;
+        port->pcint.vector = kVector;
+        port->pcint.enable = AVR_IO_REGBIT(kPcicr, kBit);
+        port->pcint.raised = AVR_IO_REGBIT(kPcifr, kBit);
+        avr_register_vector(avr_, &port->pcint);
     }
 }
 

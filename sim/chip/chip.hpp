@@ -11,8 +11,9 @@
 
 namespace asip::sim {
 
-/// A simavr chip with an image, mended where simavr 1.6 differs: INT0 and INT1 are not polled while low, an
-/// interrupt takes its four cycles, and it never sleeps by the computer's clock.
+/// A simavr chip with an image, mended where simavr 1.6 differs: INT0 and INT1 are not polled while low, the
+/// pins A8 to A15 of a Mega have their interrupt, an interrupt takes its four cycles, and it never sleeps by
+/// the computer's clock.
 class Chip {
   public:
     static Expected<std::unique_ptr<Chip>> create(const BoardKind& kind, std::uint32_t frequency,
@@ -51,6 +52,7 @@ class Chip {
 
     explicit Chip(avr_t* avr);
     void apply_fixes();
+    void add_pin_changes();
     void count_interrupt_entries();
     void free_what_terminate_leaves();
 

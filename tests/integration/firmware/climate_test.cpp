@@ -180,6 +180,11 @@ TEST(ClimateTest, RequestsAt1000000BaudMeanwhile_LoseNoByteAndDamageNoAnswer) {
 TEST(ClimateTest, OtherBoards_MeasureOnPinsWithAnInterrupt) {
     ClimateBoard mega(two_sensors(), "mega");
     EXPECT_EQ(mega.measure(), "@C,e,2,{21.50:45.20,-10.10:100.00}");
+    FirmwareBoard port_k("asip_mega_dht_on_a8", "mega",
+                         {{"dht", {{"pin", "A8"}, {"temperature", 21.5}, {"humidity", 45.2}}, "room"},
+                          {"dht", {{"pin", "A15"}, {"temperature", -10.1}, {"humidity", 100}}, "cellar"}});
+    port_k.ask("C,M");
+    EXPECT_EQ(port_k.next_line(6000ms), "@C,e,2,{21.50:45.20,-10.10:100.00}");
     ClimateBoard slow(two_sensors(), "mini8", 8'000'000);
     EXPECT_EQ(slow.measure(), "@C,e,2,{21.50:45.20,-10.10:100.00}");
 }
