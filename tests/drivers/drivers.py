@@ -23,6 +23,8 @@ from bus import Bus, eventually, free_port  # noqa: E402
 sys.path.insert(0, str(bus_module.ROOT / "python"))
 import asip  # noqa: E402
 import asip.i2c  # noqa: E402
+import asip.onewire  # noqa: E402
+import asip.spi  # noqa: E402
 
 
 def board(name, display, *parts):
@@ -37,6 +39,12 @@ CHIPS = [{"kind": "mpu6050", "name": "motion", "ax": 8192, "ay": -4096, "az": 16
          {"kind": "pca9685", "name": "outputs"}]
 AIR = [{"kind": "bme280", "name": "weather", "temperature": 21.5, "humidity": 45, "pressure": 987.6},
        {"kind": "sht31", "name": "air", "temperature": -3.25, "humidity": 80}, {"kind": "bh1750", "name": "light", "lux": 347.5}]
+MORE = [{"kind": "bme280", "name": "pressure", "bmp280": True, "address": 0x77, "temperature": 18.25, "pressure": 1002.5},
+        {"kind": "registers", "name": "thermometer", "address": 0x18, "width": 2, "values": "05=C1A4,06=0054,07=0400"},
+        {"kind": "registers", "name": "current", "address": 0x40, "width": 2, "values": "01=0FA0,02=5DC2,03=0190,04=07D0"},
+        {"kind": "registers", "name": "clock", "address": 0x68, "values": "11=19,12=40"},
+        {"kind": "registers", "name": "expander", "address": 0x20, "values": "13=04"},
+        {"kind": "registers", "name": "segments", "address": 0x70}]
 WIRE = {"name": "wire", "board": "uno", "image": str(bus_module.IMAGES / "asip_uno_onewire.elf"), "link": "wire.port",
         "parts": [{"kind": "ds18b20", "name": "wires", "pin": 2,
                    "devices": [{"number": 1, "temperature": 21.5}, {"number": 2, "temperature": -3.0625}, {"number": 3, "temperature": 85}]}]}
@@ -48,7 +56,7 @@ SECONDS = 20
 class Drivers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.real = Bus((board("desk", "ssd1306", *CHIPS), board("wall", "sh1106", *AIR), WIRE, ANALOG))
+        cls.real = Bus((board("desk", "ssd1306", *CHIPS), board("wall", "sh1106", *AIR), board("shed", "ssd1306", *MORE), WIRE, ANALOG))
         cls.addClassCleanup(cls.real.close)
 
     def setUp(self):
@@ -143,6 +151,63 @@ class Drivers(unittest.TestCase):
         self.assertAlmostEqual(sensor.lux, 347.5, delta=0.9)
         sensor.resolution = adafruit_bh1750.Resolution.LOW
         self.assertAlmostEqual(sensor.lux, 347.5, delta=4)
+
+    def shed(self):
+        return self.bus.board("shed", timeout=SECONDS).i2c(timeout=SECONDS)
+
+    def test_adafruit_bmp280(self):
+        import adafruit_bmp280
+        sensor = adafruit_bmp280.Adafruit_BMP280_I2C(self.shed())
+        self.assertAlmostEqual(sensor.temperature, 18.25, delta=0.02)
+        self.assertAlmostEqual(sensor.pressure, 1002.5, delta=0.1)
+
+    def test_adafruit_mcp9808(self):
+        import adafruit_mcp9808
+        sensor = adafruit_mcp9808.MCP9808(self.shed())
+        self.assertEqual(sensor.temperature, 26.25)
+        sensor.upper_temperature = 30
+        self.assertEqual((sensor.upper_temperature, sensor.above_critical, sensor.above_upper), (30, True, True))
+        sensor.resolution = 1
+        self.assertEqual(sensor.resolution, 1)
+
+    def test_adafruit_ina219(self):
+        from adafruit_ina219 import INA219, ADCResolution
+        sensor = INA219(self.shed())
+        self.assertAlmostEqual(sensor.shunt_voltage, 0.04)
+        self.assertAlmostEqual(sensor.bus_voltage, 12)
+        self.assertAlmostEqual(sensor.current, 200)
+        self.assertAlmostEqual(sensor.power, 0.8)
+        sensor.bus_adc_resolution = ADCResolution.ADCRES_12BIT_32S
+        self.assertEqual((sensor.bus_adc_resolution, sensor.conversion_ready), (ADCResolution.ADCRES_12BIT_32S, True))
+
+    def test_adafruit_ds3231(self):
+        import time
+        import adafruit_ds3231
+        clock = adafruit_ds3231.DS3231(self.shed())
+        told = time.struct_time((2026, 11, 28, 16, 5, 59, 5, -1, -1))
+        clock.datetime = told
+        self.assertEqual(tuple(clock.datetime)[:7], tuple(told)[:7])
+        clock.alarm1 = (told, "daily")
+        self.assertEqual(clock.alarm1[1], "daily")
+        self.assertEqual(clock.temperature, 25.25)
+
+    def test_adafruit_mcp23017(self):
+        from adafruit_mcp230xx.mcp23017 import MCP23017
+        chip = MCP23017(self.shed())
+        lamp, button = chip.get_pin(3), chip.get_pin(10)
+        lamp.switch_to_output(value=True)
+        button.direction = type(lamp.direction).INPUT
+        self.assertTrue(button.value)
+        eventually(lambda: "12=08" in self.real.part("shed/expander"), "the lamp is on")
+        lamp.value = False
+        eventually(lambda: "12=" not in self.real.part("shed/expander"), "the lamp is off")
+
+    def test_adafruit_ht16k33(self):
+        from adafruit_ht16k33.segments import Seg7x4
+        display = Seg7x4(self.shed())
+        display.print("12.34")
+        display.brightness = 0.5
+        eventually(lambda: self.real.part("shed/segments") == "00=06,02=DB,06=4F,08=66", "the digits are lit")
 
     def test_adafruit_ds18x20(self):
         from adafruit_ds18x20 import DS18X20
@@ -278,25 +343,43 @@ class Drivers(unittest.TestCase):
         self.assertEqual(faults, [])
         self.assertEqual(words, ["0198ffb8c7d17fe57ff55a71182e00048000ddf90b34"] * 40)
 
+    def bare(self, told):
+        """The stream of a board that has no agent."""
+        port, name = free_port(), told["name"]
+        file = self.real.work / f"{name}.json"
+        file.write_text(json.dumps({**told, "tcp": port}))
+        self.real.start(name, "asip-sim", "--socket", str(self.real.work / f"{name}.sock"), str(file))
+        self.addCleanup(self.real.end, name)
+        eventually(lambda: bus_module.can_connect(port), "the port of the board")
+        connection = socket.create_connection(("127.0.0.1", port), SECONDS)
+        self.addCleanup(connection.close)
+        stream = connection.makefile("rwb")
+        self.addCleanup(stream.close)
+        return stream
+
+    def test_1_wire_and_spi_without_an_agent_point_to_point(self):
+        from adafruit_ds18x20 import DS18X20
+        from adafruit_mcp3xxx.analog_in import AnalogIn
+        from adafruit_mcp3xxx.mcp3008 import MCP3008
+        wire = asip.onewire.over(self.bare({**WIRE, "name": "barewire", "link": "barewire.port"}))
+        sensors = [DS18X20(wire, one) for one in wire.scan()]
+        self.assertEqual(sorted(one.temperature for one in sensors), [-3.0625, 21.5, 85])
+        spi = asip.spi.over(self.bare({**ANALOG, "name": "bareanalog", "link": "bareanalog.port"}))
+        self.assertAlmostEqual(AnalogIn(MCP3008(spi, spi.chip_select(10), ref_voltage=5), 3).voltage, 1.25, delta=0.01)
+
     def test_board_without_an_agent_point_to_point(self):
         from luma.core.interface.serial import i2c as luma_i2c
         from luma.oled.device import sh1106
         import adafruit_mpu6050
-        port = free_port()
-        file = self.real.work / "bare.json"
-        file.write_text(json.dumps({**board("bare", "sh1106", CHIPS[0]), "tcp": port}))
-        self.real.start("bare", "asip-sim", "--socket", str(self.real.work / "bare.sock"), str(file))
-        self.addCleanup(self.real.end, "bare")
-        eventually(lambda: bus_module.can_connect(port), "the port of the board")
-        with socket.create_connection(("127.0.0.1", port), SECONDS) as connection, connection.makefile("rwb") as stream:
-            i2c = asip.i2c.over(stream)
-            eventually(lambda: 0x68 in i2c.scan(), "the board answers")
-            self.assertAlmostEqual(adafruit_mpu6050.MPU6050(i2c).acceleration[0], 0.5 * 9.80665, 2)
-            with self.assertRaises(OSError) as caught:
-                i2c.writeto(0x50, bytes(40))
-            self.assertEqual(caught.exception.errno, errno.EREMOTEIO)
-            sh1106(luma_i2c(bus=asip.i2c.smbus_over(stream), address=0x3C)).persist = True
-            self.assertEqual(i2c.scan(), [0x3C, 0x68])
+        stream = self.bare(board("bare", "sh1106", CHIPS[0]))
+        i2c = asip.i2c.over(stream)
+        eventually(lambda: 0x68 in i2c.scan(), "the board answers")
+        self.assertAlmostEqual(adafruit_mpu6050.MPU6050(i2c).acceleration[0], 0.5 * 9.80665, 2)
+        with self.assertRaises(OSError) as caught:
+            i2c.writeto(0x50, bytes(40))
+        self.assertEqual(caught.exception.errno, errno.EREMOTEIO)
+        sh1106(luma_i2c(bus=asip.i2c.smbus_over(stream), address=0x3C)).persist = True
+        self.assertEqual(i2c.scan(), [0x3C, 0x68])
 
 
 if __name__ == "__main__":

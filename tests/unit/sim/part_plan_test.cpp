@@ -95,11 +95,12 @@ TEST(PartPlan, NoName_IsKindAndFirstPin) {
 }
 
 TEST(PartPlan, UnknownKindOrSetting_NamesTheNearest) {
-    EXPECT_EQ(
-        fault({{"buton", {{"pin", 2}}}}),
-        "/parts/0/kind: there is no part \"buton\" (did you mean \"button\"?); one of led, button, "
-        "wire, potentiometer, ultrasonic, dht, ds18b20, servo, stepper, square-wave, pixels, mpu6050, "
-        "hmc5883l, bmp085, bme280, bh1750, sht31, sh1106, ssd1306, ads1115, pca9685, mcp3008, values, rover");
+    EXPECT_EQ(fault({{"buton", {{"pin", 2}}}}),
+              "/parts/0/kind: there is no part \"buton\" (did you mean \"button\"?); one of led, button, "
+              "wire, potentiometer, ultrasonic, dht, ds18b20, servo, stepper, square-wave, pixels, mpu6050, "
+              "hmc5883l, bmp085, bme280, bh1750, sht31, sh1106, ssd1306, ads1115, pca9685, registers, "
+              "mcp3008, values, "
+              "rover");
     EXPECT_EQ(fault({{"led", {{"pin", 2}, {"active-low", true}}}}),
               "/parts/0/active-low: is unknown (did you mean \"active_low\"?)");
     EXPECT_EQ(fault({{"potentiometer", {{"pin", "A0"}, {"position", 2}}}}),
