@@ -134,3 +134,50 @@ test('tone: its wave, its length, silence', () => {
   assert.ok(Math.abs(edges - 200) <= 2, `${edges} edges`)
   assert.equal(pico.level(15), false)
 })
+
+/** A 1-Wire bus with its resistor on a pin, and a device that does nothing but say that it is there. */
+function wireOn(pico, pin) {
+  const bus = { there: true, lows: [] }
+  let held = false, low = false, since = 0
+  const settle = () => pico.drive(pin, !low && !held)
+  pico.rp2040.gpio[pin].addListener(() => {
+    const gpio = pico.rp2040.gpio[pin]
+    const now = gpio.outputEnable && !gpio.outputValue
+    if (now === low) return
+    low = now
+    settle()
+    if (low) {
+      since = pico.now
+      return
+    }
+    bus.lows.push(pico.now - since)
+    if (!bus.there || pico.now - since < us(480)) return
+    for (const [time, pulls] of [[30, true], [150, false]])
+      pico.after(us(time), () => {
+        held = pulls
+        settle()
+      })
+  })
+  settle()
+  return bus
+}
+
+test('1-Wire: a device is found and read, and after a restart as before', () => {
+  const pico = board()
+  const wire = wireOn(pico, 21)
+  for (let round = 0; round < 2; round++) {
+    pico.give('O,R\n')
+    assert.equal(pico.nextLine(), '@O,R,1')
+    pico.give('O,T,2,CC\n')
+    assert.equal(pico.nextLine(), '@O,T,FFFF')
+    wire.there = false
+    pico.give('O,R\n')
+    assert.equal(pico.nextLine(), '@O,R,0')
+    wire.there = true
+    // In the midst of the low of a reset, the longest time that the board holds the line.
+    pico.give('O,R\n#,R\n')
+    pico.run(20)
+    pico.text = ''
+  }
+  assert.ok(Math.max(...wire.lows) < us(600))
+})

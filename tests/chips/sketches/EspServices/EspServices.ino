@@ -5,6 +5,7 @@
 #include <AsipDistance.h>
 #include <AsipEncoders.h>
 #include <AsipMotors.h>
+#include <AsipOneWire.h>
 #include <AsipReflectance.h>
 #include <AsipSerial.h>
 #include <AsipTone.h>
@@ -15,6 +16,8 @@ asip::Bump bump(14);
 asip::Reflectance reflectance(15, A0);
 asip::Distance distance(16);
 asip::Tone buzzer(0);
+asip::OneWireBus wire(3);
+asip::OneWire oneWire(wire);
 
 void setup() {
     asip::board.add(motors);
@@ -23,6 +26,7 @@ void setup() {
     asip::board.add(reflectance);
     asip::board.add(distance);
     asip::board.add(buzzer);
+    asip::board.add(oneWire);
     asip::board.begin(ASIP_NAME("EspServices"));
 }
 
