@@ -32,11 +32,11 @@ test('requests of the differential test: robot', () => {
 
 test('its banner, its name, its pins', () => {
   const board = new Board('asip_pico_services')
-  assert.equal(board.banner, '!ChipServices running on RP2040 with Services: I M E B R D T ')
+  assert.equal(board.banner, '!ChipServices running on RP2040 with Services: I M E B R D T O ')
   assert.equal(board.ask('#,?'), '@#,?,0,4,RP2040,30,ChipServices')
   assert.equal(
     board.ask('#,N'),
-    '@#,N,7,{I:ASIP core IO,M:Motors,E:Encoders,B:Bump Sensors,R:IR Sensors,D:Distance,T:Tone}'
+    '@#,N,8,{I:ASIP core IO,M:Motors,E:Encoders,B:Bump Sensors,R:IR Sensors,D:Distance,T:Tone,O:OneWire}'
   )
   assert.equal(board.ask('I,m'), '@I,m,4,{26:0,27:1,28:2,29:3}')
   assert.ok(board.ask('I,M').startsWith('@I,M,30,{0:1,0:2,0:4,0:8,0:10,0:20,0:40,0:80,1:1,'))
