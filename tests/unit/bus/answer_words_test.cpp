@@ -9,8 +9,9 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <string>
+
+#include "tests/support/patterns.hpp"
 
 namespace asip::bus {
 namespace {
@@ -59,15 +60,14 @@ TEST(AnswerWords, EachStatusAndReason_HasTheWordsOfAllLanguages) {
 
 // A reason that is added to a header and to no table would be shown as a bare word.
 TEST(AnswerWords, EachReasonThatIsDeclared_IsInTheTable) {
-    static const std::regex declared("k(Refused|Timeout)\\w+ = \"([^\"]+)\"");
     std::size_t found = 0;
     for (const auto& file : std::filesystem::directory_iterator(ASIP_SOURCE_DIR "/asip/bus/request")) {
         if (file.path().extension() != ".hpp") continue;
         std::ifstream in(file.path());
         const std::string text{std::istreambuf_iterator<char>(in), {}};
-        for (std::sregex_iterator each(text.begin(), text.end(), declared), end; each != end; ++each) {
-            const std::string status = (*each)[1] == "Refused" ? "refused" : "timeout";
-            EXPECT_TRUE(answers().at("words").at(status).contains((*each)[2].str())) << (*each)[0];
+        for (const auto& each : test::all_matches(text, "k(Refused|Timeout)\\w+ = \"([^\"]+)\"")) {
+            const std::string status = each[1] == "Refused" ? "refused" : "timeout";
+            EXPECT_TRUE(answers().at("words").at(status).contains(each[2])) << each[0];
             ++found;
         }
     }

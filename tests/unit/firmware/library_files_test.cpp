@@ -8,9 +8,10 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <set>
 #include <sstream>
+
+#include "tests/support/patterns.hpp"
 
 namespace asip {
 namespace {
@@ -56,8 +57,8 @@ TEST(LibraryPropertiesTest, RequiredFields_AreThereAndOfTheirForm) {
         ASSERT_TRUE(all.count(name)) << name;
         EXPECT_FALSE(all.at(name).empty()) << name;
     }
-    EXPECT_TRUE(std::regex_match(all.at("name"), std::regex("[A-Za-z0-9][A-Za-z0-9 _.-]{0,62}")));
-    EXPECT_TRUE(std::regex_match(all.at("version"), std::regex("[0-9]+\\.[0-9]+\\.[0-9]+")));
+    EXPECT_TRUE(test::first_match(all.at("name"), "^[A-Za-z0-9][A-Za-z0-9 _.-]{0,62}$"));
+    EXPECT_TRUE(test::first_match(all.at("version"), "^[0-9]+\\.[0-9]+\\.[0-9]+$"));
     const std::set<std::string> categories = {"Display",      "Communication",   "Signal Input/Output",
                                               "Sensors",      "Device Control",  "Timing",
                                               "Data Storage", "Data Processing", "Other"};
@@ -112,13 +113,12 @@ TEST(LibraryExamplesTest, Sketch_IsCalledAsItsFolderAndIncludesTheLibraryAlone) 
         EXPECT_TRUE(fs::exists(folder.path() / (name + ".ino"))) << name;
         for (const auto& file : fs::directory_iterator(folder.path())) {
             for (const auto& line : lines_of(file.path())) {
-                std::smatch include;
-                if (std::regex_match(line, include, std::regex("#include <(.*)>"))) {
-                    EXPECT_TRUE(headers.count(include[1]) || kCoreHeaders.count(include[1]))
+                if (const auto include = test::first_match(line, "^#include <(.*)>$")) {
+                    EXPECT_TRUE(headers.count(include->at(1)) || kCoreHeaders.count(include->at(1)))
                         << file.path() << ": " << line;
                 }
-                if (std::regex_match(line, include, std::regex("#include \"(.*)\""))) {
-                    EXPECT_TRUE(fs::exists(folder.path() / include[1].str())) << file.path() << ": " << line;
+                if (const auto include = test::first_match(line, "^#include \"(.*)\"$")) {
+                    EXPECT_TRUE(fs::exists(folder.path() / include->at(1))) << file.path() << ": " << line;
                 }
             }
         }
@@ -128,11 +128,9 @@ TEST(LibraryExamplesTest, Sketch_IsCalledAsItsFolderAndIncludesTheLibraryAlone) 
 TEST(KeywordsTest, EachLine_IsAWordATabAndAKind) {
     std::set<std::string> words;
     for (const auto& line : lines_of(kLibrary / "keywords.txt")) {
-        std::smatch parts;
-        ASSERT_TRUE(
-            std::regex_match(line, parts, std::regex("([A-Za-z_][A-Za-z0-9_]*)\t(KEYWORD[123]|LITERAL1)")))
-            << line;
-        EXPECT_TRUE(words.insert(parts[1]).second) << line;
+        const auto parts = test::first_match(line, "^([A-Za-z_][A-Za-z0-9_]*)\t(KEYWORD[123]|LITERAL1)$");
+        ASSERT_TRUE(parts) << line;
+        EXPECT_TRUE(words.insert(parts->at(1)).second) << line;
     }
     for (const auto& header : public_headers()) {
         if (header.find("Serial") != std::string::npos || header == "Asip.h") continue;
