@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/export_options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "asip/bus/topics.hpp"
+#include "asip/program/app.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/printable.hpp"
 #include "asip/text/wall_time.hpp"
@@ -142,13 +142,13 @@ Expected<void> web_of_things_of(ExportOptions& raw, bool mqtt, ProgramOptions& o
 
 }  // namespace
 
-void declare_exports(CLI::App& app, program::Settings& settings, ExportOptions& raw) {
-    const auto add = [&](CLI::Option* option) { settings.setting(option)->group("Exports"); };
+void declare_exports(program::App& app, program::Settings& settings, ExportOptions& raw) {
+    const auto add = [&](const program::Option& option) { settings.setting(option).group("Exports"); };
     add(app.add_option("--home-assistant", raw.home_assistant,
                        "Show every board to Home Assistant on the same broker; PREFIX: where it looks for "
                        "devices, otherwise homeassistant")
-            ->type_name("[PREFIX]")
-            ->expected(0, 1));
+            .type("[PREFIX]")
+            .value_optional());
     add(app.add_flag("--home-assistant-read-only", raw.home.read_only, "Home Assistant may set nothing"));
     add(app.add_flag(
         "--home-assistant-entity-ids", raw.home.entity_ids,
@@ -156,33 +156,33 @@ void declare_exports(CLI::App& app, program::Settings& settings, ExportOptions& 
     add(app.add_option(
                "--homie", raw.homie_domain,
                "Show every board as a Homie 5 device; DOMAIN: the first level of its topics, otherwise homie")
-            ->type_name("[DOMAIN]")
-            ->expected(0, 1));
+            .type("[DOMAIN]")
+            .value_optional());
     add(app.add_flag("--homie-read-only", raw.homie.read_only, "Homie controllers may set nothing"));
     add(app.add_option("--sparkplug", raw.sparkplug_group,
                        "Show every board as a device of Sparkplug B, in this group; EDGE: the name of this "
                        "bus as an edge node, otherwise the topic root")
-            ->type_name("GROUP[/EDGE]"));
+            .type("GROUP[/EDGE]"));
     add(app.add_option("--sparkplug-host", raw.sparkplug.host,
                        "Show them only while this primary host says that it is online")
-            ->type_name("ID"));
+            .type("ID"));
     add(app.add_flag("--sparkplug-read-only", raw.sparkplug.read_only, "Sparkplug hosts may set nothing"));
     add(app.add_flag("--no-wot", raw.no_wot, "No things of the Web of Things over HTTP"));
     add(app.add_option("--wot-mqtt", raw.wot_broker,
                        "Show every board to the Web of Things over MQTT, too; BROKER: how its consumers "
                        "reach the broker, otherwise as this gateway does")
-            ->type_name("[BROKER]")
-            ->expected(0, 1));
+            .type("[BROKER]")
+            .value_optional());
     add(app.add_flag("--wot-mqtt-read-only", raw.wot.read_only, "Consumers over MQTT may set nothing"));
     add(app.add_option("--export-hz", raw.per_second, "Most states of one entity a second")
-            ->check(CLI::Range(0.1, 100.0))
-            ->capture_default_str());
+            .range(0.1, 100.0)
+            .show_default());
 }
 
-Expected<void> make_exports(ExportOptions& raw, const CLI::App& app, ProgramOptions& options) {
+Expected<void> make_exports(ExportOptions& raw, const program::App& app, ProgramOptions& options) {
     // From the environment or a file comes a value, on the command line the option may stand alone.
     const auto given = [&](const char* option, const std::string& value) {
-        return !value.empty() || app.get_option(option)->count() > 0;
+        return !value.empty() || app.given(option);
     };
     if (auto home = home_assistant_of(raw, given("--home-assistant", raw.home_assistant), options); !home)
         return home;

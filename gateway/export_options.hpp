@@ -10,12 +10,10 @@
 #include "gateway/export/web_of_things.hpp"
 #include "gateway/options.hpp"
 
-namespace CLI {
-class App;
-}
 namespace asip::program {
+class App;
 class Settings;
-}
+}  // namespace asip::program
 
 namespace asip::gateway {
 
@@ -31,9 +29,9 @@ struct ExportOptions {
     std::optional<std::string> clean;  // which exports are cleared; empty: all
 };
 
-void declare_exports(CLI::App& app, program::Settings& settings, ExportOptions& raw);
+void declare_exports(program::App& app, program::Settings& settings, ExportOptions& raw);
 
 /// Adds the exports to `options`, whose gateway and connection are known. Fails with a sentence.
-Expected<void> make_exports(ExportOptions& raw, const CLI::App& app, ProgramOptions& options);
+Expected<void> make_exports(ExportOptions& raw, const program::App& app, ProgramOptions& options);
 
 }  // namespace asip::gateway

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 
 #include "asip/bus/topics.hpp"
+#include "asip/program/app.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
@@ -51,21 +51,20 @@ struct Raw {
     ExportOptions exports;
 };
 
-void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
-    const auto add = [&](CLI::Option* option) { return settings.setting(option)->group("Access"); };
+void declare_access(program::App& app, program::Settings& settings, Raw& raw) {
+    const auto add = [&](const program::Option& option) { return settings.setting(option).group("Access"); };
     add(app.add_option("--tokens", raw.tokens,
                        "File of tokens: lines ROLE NAME HASH; read again when it changes"));
     add(app.add_option("--anonymous", raw.anonymous,
                        "What everybody may do without a token; class: nothing but join a lesson by its code")
-            ->check(CLI::IsMember({"none", "class", "viewer", "operator"}))
-            ->capture_default_str());
+            .words({"none", "class", "viewer", "operator"})
+            .show_default());
     add(app.add_option("--loopback", raw.loopback,
                        "What programs on this machine may do without a token: none, viewer, operator, admin; "
                        "default: admin without --tokens, none with it or behind a proxy"));
-    add(app.add_option("--host", raw.hosts, "Further names under which this gateway is reached")
-            ->delimiter(','));
+    add(app.add_option("--host", raw.hosts, "Further names under which this gateway is reached").commas());
     add(app.add_option("--allow-origin", raw.origins, "Origins of pages elsewhere that may call the API")
-            ->delimiter(','));
+            .commas());
     add(app.add_option("--base-path", raw.base_path, "Path below which a proxy serves it, such as /asip"));
     add(app.add_flag("--trusted-proxy", raw.trusted_proxy,
                      "Connections from this machine are a proxy's: X-Forwarded-For names its clients"));
@@ -73,9 +72,9 @@ void declare_access(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--http-key", raw.key, "TLS: private key, PEM"));
 }
 
-void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
-    const auto add = [&](CLI::Option* option) {
-        settings.setting(option)->capture_default_str()->group("Limits");
+void declare_limits(program::App& app, program::Settings& settings, Raw& raw) {
+    const auto add = [&](const program::Option& option) {
+        settings.setting(option).show_default().group("Limits");
     };
     auto& limits = raw.limits;
     add(app.add_option("--max-connections", limits.connections,
@@ -96,29 +95,29 @@ void declare_limits(CLI::App& app, program::Settings& settings, Raw& raw) {
     add(app.add_option("--max-client-bytes", raw.gateway.client_bytes,
                        "Most memory for all that is kept for one client: its subscriptions, what waits to be "
                        "read by it, and its commands of the last minute; beyond: 429")
-            ->check(CLI::Range(std::size_t{256} << 10, std::size_t{1} << 31)));
+            .range(std::size_t{256} << 10, std::size_t{1} << 31));
     add(app.add_option("--commands-per-second", raw.gateway.commands_per_second,
                        "Most commands of one client a second, twice as many at once; beyond: 429")
-            ->check(CLI::Range(0.1, 1e6)));
+            .range(0.1, 1e6));
 }
 
-void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
+void declare(program::App& app, program::Settings& settings, Raw& raw) {
     settings.setting(
         app.add_option("--http", raw.http, "Where to listen: ADDRESS:PORT or unix:PATH; several with commas")
-            ->delimiter(',')
-            ->capture_default_str()
-            ->group("Gateway"));
+            .commas()
+            .show_default()
+            .group("Gateway"));
     settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
-                         ->group("Gateway"));
+                         .group("Gateway"));
     settings.setting(app.add_option("--cables", raw.cables,
                                     "Folder of asip-agent --cables: browsers may lend boards of theirs")
-                         ->group("Gateway"));
+                         .group("Gateway"));
     settings.setting(app.add_option("--forget-after", raw.forget_after,
                                     "How long a board that left is shown (90s, 15m, 12h, 7d)")
-                         ->capture_default_str()
-                         ->group("Gateway"));
-    settings.setting(app.add_flag("--no-page", raw.no_page, "No web page")->group("Gateway"));
-    settings.setting(app.add_flag("--no-metrics", raw.no_metrics, "No /metrics")->group("Gateway"));
+                         .show_default()
+                         .group("Gateway"));
+    settings.setting(app.add_flag("--no-page", raw.no_page, "No web page").group("Gateway"));
+    settings.setting(app.add_flag("--no-metrics", raw.no_metrics, "No /metrics").group("Gateway"));
     declare_exports(app, settings, raw.exports);
     declare_access(app, settings, raw);
     declare_limits(app, settings, raw);
@@ -152,35 +151,33 @@ void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
                       "log-format"});
 }
 
-CLI::App* declare_token(CLI::App& app, TokenRequest& token) {
-    auto* command = app.add_subcommand("token", "Make a token: prints it once, keeps its hash in the file");
-    command->add_option("role", token.role, "viewer, operator, operator+raw, admin or kiosk")->required();
-    command->add_option("name", token.name, "Whose it is: for the log and the history")->required();
-    command->add_option("--tokens", token.file, "The file of tokens; made where there is none")
-        ->envname("ASIP_TOKENS")
-        ->required();
-    command->add_option("--until", token.until, "How long it is valid: 12h, 30d");
-    command->add_option("--boards", token.boards, "Patterns of the boards that it shows")->delimiter(',');
-    command->add_option("--services", token.services, "Patterns of the services that it shows")
-        ->delimiter(',');
-    command->add_option("--frames", token.frames, "Origins whose pages may show a kiosk's")->delimiter(',');
-    command->add_option("--dashboard", token.dashboard,
-                        "A kiosk's: it shows this dashboard and nothing else");
-    command->add_flag("--control", token.control,
-                      "With --dashboard: its switches, sliders and stops may be used, too");
+program::App declare_token(program::App& app, TokenRequest& token) {
+    const auto command =
+        app.add_subcommand("token", "Make a token: prints it once, keeps its hash in the file");
+    command.add_option("role", token.role, "viewer, operator, operator+raw, admin or kiosk").required();
+    command.add_option("name", token.name, "Whose it is: for the log and the history").required();
+    command.add_option("--tokens", token.file, "The file of tokens; made where there is none")
+        .environment("ASIP_TOKENS")
+        .required();
+    command.add_option("--until", token.until, "How long it is valid: 12h, 30d");
+    command.add_option("--boards", token.boards, "Patterns of the boards that it shows").commas();
+    command.add_option("--services", token.services, "Patterns of the services that it shows").commas();
+    command.add_option("--frames", token.frames, "Origins whose pages may show a kiosk's").commas();
+    command.add_option("--dashboard", token.dashboard, "A kiosk's: it shows this dashboard and nothing else");
+    command.add_flag("--control", token.control,
+                     "With --dashboard: its switches, sliders and stops may be used, too");
     return command;
 }
 
-CLI::App* declare_switch(CLI::App& app, ExportSwitch& request) {
-    auto* command =
+program::App declare_switch(program::App& app, ExportSwitch& request) {
+    const auto command =
         app.add_subcommand("export", "Let the installed service show every board to another system");
-    command->add_option("system", request.system, "home-assistant, homie or sparkplug")
-        ->required()
-        ->check(CLI::IsMember({"home-assistant", "homie", "sparkplug"}));
-    command->add_option("value", request.value, "PREFIX, DOMAIN or GROUP[/EDGE], as of the option");
-    command->add_flag("--off", request.off, "Not any more");
-    command->add_option("--env", request.file, "The file of the service's environment")
-        ->capture_default_str();
+    command.add_option("system", request.system, "home-assistant, homie or sparkplug")
+        .required()
+        .words({"home-assistant", "homie", "sparkplug"});
+    command.add_option("value", request.value, "PREFIX, DOMAIN or GROUP[/EDGE], as of the option");
+    command.add_flag("--off", request.off, "Not any more");
+    command.add_option("--env", request.file, "The file of the service's environment").show_default();
     return command;
 }
 
@@ -245,7 +242,7 @@ Expected<void> check_access(ProgramOptions& options, const std::string& anonymou
 namespace {
 
 /// Fails with a sentence.
-Expected<void> take_options(Raw& raw, const CLI::App& app, ProgramOptions& options) {
+Expected<void> take_options(Raw& raw, const program::App& app, ProgramOptions& options) {
     options.gateway = raw.gateway;
     options.limits = raw.limits;
     options.addresses = raw.http;
@@ -298,30 +295,30 @@ Expected<void> take_options(Raw& raw, const CLI::App& app, ProgramOptions& optio
 }  // namespace
 
 Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
-    CLI::App app{kAbout};
+    program::App app{kAbout};
     app.footer(kExamples);
     program::Settings settings(app, "asip-gateway");
     Raw raw;
     declare(app, settings, raw);
     TokenRequest token;
-    auto* make_token = declare_token(app, token);
+    const auto make_token = declare_token(app, token);
     ExportSwitch export_switch;
-    auto* exporting = declare_switch(app, export_switch);
+    const auto exporting = declare_switch(app, export_switch);
     std::string dialect;
-    auto* clean = app.add_subcommand("clean", "Remove from the broker what an export left there");
-    clean->fallthrough();
-    clean->add_option("dialect", dialect, "Which; otherwise all")
-        ->check(CLI::IsMember({"home-assistant", "homie", "sparkplug", "web-of-things"}));
+    const auto clean = app.add_subcommand("clean", "Remove from the broker what an export left there");
+    clean.fallthrough();
+    clean.add_option("dialect", dialect, "Which; otherwise all")
+        .words({"home-assistant", "homie", "sparkplug", "web-of-things"});
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
     CommandLine result;
-    result.clean = clean->parsed();
+    result.clean = clean.parsed();
     if (result.clean) raw.exports.clean = dialect;
-    if (make_token->parsed()) {
+    if (make_token.parsed()) {
         result.token = std::make_unique<TokenRequest>(std::move(token));
         return result;
     }
-    if (exporting->parsed()) {
+    if (exporting.parsed()) {
         result.export_switch = std::make_unique<ExportSwitch>(std::move(export_switch));
         return result;
     }

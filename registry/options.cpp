@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
 #include <limits>
 
 #include "asip/bus/topics.hpp"
 #include "asip/model/names.hpp"
+#include "asip/program/app.hpp"
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
@@ -53,65 +53,61 @@ struct Raw {
     std::string values_age = "48h,90d,1826d";
 };
 
-void declare(CLI::App& app, program::Settings& settings, Raw& raw) {
+void declare(program::App& app, program::Settings& settings, Raw& raw) {
     settings.setting(
         app.add_option("--id", raw.id, "Name of this registry on the bus; default: this machine's name")
-            ->group("Registry"));
+            .group("Registry"));
     settings.setting(app.add_option("--forget-after", raw.forget_after,
                                     "How long a board that left stays in the catalogue (90s, 15m, 12h, 7d)")
-                         ->capture_default_str()
-                         ->group("Registry"));
+                         .show_default()
+                         .group("Registry"));
     settings.setting(app.add_option("--max-boards", raw.max_boards, "Boards beyond this many are refused")
-                         ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}))
-                         ->capture_default_str()
-                         ->group("Registry"));
+                         .range(std::size_t{1}, std::size_t{100'000'000})
+                         .show_default()
+                         .group("Registry"));
     settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
-                         ->group("Registry"));
+                         .group("Registry"));
     settings.setting(
         app.add_option("--stats-interval", raw.stats_interval, "How often statistics are published")
-            ->capture_default_str()
-            ->group("Registry"));
+            .show_default()
+            .group("Registry"));
     settings.setting(
         app.add_option("--notify", raw.notify,
                        "Address (http:// or https://) that gets a message when boards are lost and back")
-            ->type_name("URL")
-            ->group("Registry"));
+            .type("URL")
+            .group("Registry"));
     settings.setting(app.add_option("--history", raw.history,
                                     "SQLite file to keep changes in, or none; default: history.db in "
                                     "$STATE_DIRECTORY, which a service has, else none")
-                         ->group("History"));
+                         .group("History"));
     settings.setting(app.add_option("--history-age", raw.history_age, "Changes older than this are dropped")
-                         ->capture_default_str()
-                         ->group("History"));
+                         .show_default()
+                         .group("History"));
     settings.setting(
         app.add_option("--history-size", raw.history_bytes,
                        "Maximum size of the file (512k, 256M, 2G); the oldest changes are dropped")
-            ->transform(CLI::AsSizeValue(false).description(""))
-            ->check(CLI::Range(kMinHistoryBytes, kMaxHistoryBytes).description(""))
-            ->type_name("SIZE")
-            ->default_str("256M")
-            ->group("History"));
+            .bytes(kMinHistoryBytes, kMaxHistoryBytes)
+            .show_default("256M")
+            .group("History"));
     settings.setting(app.add_option("--values", raw.values,
                                     "Whose values are kept beside the history: named (and on dashboards), "
                                     "these and BOARD/PROPERTY (* and ?), a comma between; or none")
-                         ->capture_default_str()
-                         ->group("History"));
+                         .show_default()
+                         .group("History"));
     settings.setting(app.add_option("--values-size", raw.values_bytes,
                                     "Maximum size of the values; the oldest are dropped")
-                         ->transform(CLI::AsSizeValue(false).description(""))
-                         ->check(CLI::Range(kMinHistoryBytes, kMaxHistoryBytes).description(""))
-                         ->type_name("SIZE")
-                         ->default_str("1G")
-                         ->group("History"));
+                         .bytes(kMinHistoryBytes, kMaxHistoryBytes)
+                         .show_default("1G")
+                         .group("History"));
     settings.setting(app.add_option("--values-age", raw.values_age,
                                     "How long each change, each minute and each hour of values is kept")
-                         ->capture_default_str()
-                         ->group("History"));
+                         .show_default()
+                         .group("History"));
     settings.setting(app.add_option("--values-demand", raw.values_demand,
                                     "Values a second that boards are to report for it; 0: as they do anyway")
-                         ->check(CLI::Range(0.0, 1.0))
-                         ->capture_default_str()
-                         ->group("History"));
+                         .range(0.0, 1.0)
+                         .show_default()
+                         .group("History"));
 }
 
 /// A service keeps a history without being told to.
@@ -178,7 +174,7 @@ Expected<Duration> parse_period(const std::string& text) {
 }
 
 Expected<RegistryOptions, int> read_options(int argc, const char* const* argv) {
-    CLI::App app{kAbout};
+    program::App app{kAbout};
     app.footer(kExamples);
     program::Settings settings(app, "asip-registry");
     Raw raw;

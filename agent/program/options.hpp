@@ -6,6 +6,7 @@
 #include "agent/program/option_checks.hpp"
 #include "asip/expected.hpp"
 #include "asip/model/description.hpp"
+#include "asip/program/app.hpp"
 #include "asip/program/options.hpp"
 
 namespace asip::agent {
@@ -34,7 +35,7 @@ struct RawOptions {
 };
 
 /// Declares all options, which fill `raw`.
-void declare_options(CLI::App& app, program::Settings& settings, RawOptions& raw);
+void declare_options(program::App& app, program::Settings& settings, RawOptions& raw);
 
 /// The standard models, and those of the folder of --services.
 Expected<model::ModelSet> load_models(const std::string& folder);

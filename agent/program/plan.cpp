@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/program/plan.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <map>
 
 #include "agent/program/options.hpp"
+#include "asip/program/app.hpp"
 #include "asip/program/config_file.hpp"
 #include "asip/program/exit_status.hpp"
 
@@ -128,7 +128,7 @@ class SectionReader {
     Expected<PlannedBoard> read(const program::ConfigFile& file, const program::ConfigSection& section) {
         const auto lines = lines_of(file, section);
         if (const auto fits = check_names(section); !fits) return fail(fits.error());
-        CLI::App app{"", kProgram};
+        program::App app{"", kProgram};
         program::Settings settings(app, kProgram);
         RawOptions raw;
         declare_options(app, settings, raw);
@@ -194,7 +194,7 @@ Expected<Plan> plan_of_file(const std::string& path, const std::vector<std::stri
 }
 
 Expected<Plan, int> read_plan(int argc, const char* const* argv) {
-    CLI::App app{kAbout, kProgram};
+    program::App app{kAbout, kProgram};
     app.footer(kExamples);
     program::Settings settings(app, kProgram);
     settings.allow_sections(kSection);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/program/log.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
 #include "asip/text/wall_time.hpp"
 
@@ -43,25 +42,29 @@ std::string field_text(std::string_view value) {
 }
 
 std::string text_line(Level level, std::string_view text, std::span<const Field> fields) {
-    auto line = fmt::format("{} {:<7} {}", utc_now(), kLevelNames[static_cast<std::size_t>(level)],
-                            text::escape_controls(text));
+    std::string name(kLevelNames[static_cast<std::size_t>(level)]);
+    name.resize(kLevelNames[static_cast<std::size_t>(Level::kWarning)].size(), ' ');  // the longest
+    auto line = utc_now() + ' ' + name + ' ' + text::escape_controls(text);
     const char* separator = "  ";
     for (const auto& field : fields) {
-        line += fmt::format("{}{}={}", separator, field.name, field_text(field.value));
+        line.append(separator).append(field.name).append("=").append(field_text(field.value));
         separator = " ";
     }
     return line;
 }
 
+std::string json_text(std::string_view text) {
+    return model::dump_json(nlohmann::json(text));
+}
+
 std::string json_line(Level level, std::string_view text, std::span<const Field> fields) {
-    nlohmann::ordered_json line;
-    line["time"] = utc_now();
-    line["level"] = kLevelNames[static_cast<std::size_t>(level)];
-    if (!state().program.empty()) line["program"] = state().program;
-    line["text"] = text;
+    auto line = "{\"time\":" + json_text(utc_now()) +
+                ",\"level\":" + json_text(kLevelNames[static_cast<std::size_t>(level)]);
+    if (!state().program.empty()) line += ",\"program\":" + json_text(state().program);
+    line += ",\"text\":" + json_text(text);
     for (const auto& field : fields)
-        line[std::string(field.name)] = field.value;
-    return text::escape_json(line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+        line += ',' + json_text(field.name) + ':' + json_text(field.value);
+    return text::escape_json(line + '}');
 }
 
 }  // namespace

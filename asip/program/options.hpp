@@ -19,6 +19,9 @@ class Success;
 
 namespace asip::program {
 
+class App;
+class Option;
+
 struct BrokerOptions {
     std::vector<std::string> brokers{"127.0.0.1:1883"};
     bool brokers_given = false;  ///< Settings: not the default, though it may be the same
@@ -43,7 +46,7 @@ struct LogOptions {
 /// Reads options from, in order of precedence: the command line, the environment, a configuration file,
 /// defaults.
 ///
-///     CLI::App app{"..."};
+///     App app{"..."};
 ///     Settings settings(app, "asip-agent");
 ///     BrokerOptions broker; LogOptions log; std::string serial;
 ///     settings.add_broker_options(broker);
@@ -59,10 +62,12 @@ struct LogOptions {
 class Settings {
   public:
     Settings(CLI::App& app, std::string program);
+    Settings(const App& app, std::string program);
     ~Settings();
 
     /// Makes an option of the app settable in environment and file, by its long name. Returns it.
     CLI::Option* setting(CLI::Option* option);
+    const Option& setting(const Option& option);
 
     /// For secrets: only file and environment set it.
     void never_typed(CLI::Option* option);

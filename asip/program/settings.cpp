@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "asip/program/app.hpp"
 #include "asip/program/command_words.hpp"
 #include "asip/program/config_file.hpp"
 #include "asip/program/exit_status.hpp"
@@ -207,6 +208,8 @@ Settings::Settings(CLI::App& app, std::string program)
         ->type_name("FILE");
 }
 
+Settings::Settings(const App& app, std::string program) : Settings(app.cli(), std::move(program)) {}
+
 Settings::~Settings() = default;
 
 CLI::Option* Settings::setting(CLI::Option* option) {
@@ -214,6 +217,11 @@ CLI::Option* Settings::setting(CLI::Option* option) {
     // For --help only: CLI11 itself would let the file win over the environment.
     option->envname(environment_name(option->get_lnames().front()));
     state_->settings.push_back(option);
+    return option;
+}
+
+const Option& Settings::setting(const Option& option) {
+    setting(option.get());
     return option;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/program/options.hpp"
 
-#include <CLI/CLI.hpp>
+#include "asip/program/app.hpp"
 
 namespace asip::sim {
 namespace {
@@ -35,34 +35,30 @@ constexpr const char* kExamples =
     "2 bad option; 4 no asip-sim answers.";
 
 /// What belongs to the boards of this command line: no environment and no file can know them.
-void declare_boards(CLI::App& app, Options& options) {
+void declare_boards(program::App& app, Options& options) {
     app.add_option("BOARD", options.boards,
                    "Board files (.json), or firmware images (.elf, .hex) for bare boards");
     app.add_option("--board", options.board, "Which board an image is for: uno, mega, leonardo, nano, 1284p")
-        ->capture_default_str();
+        .show_default();
     app.add_option("--link", options.links, "Symbolic link to the port; repeat it for the next boards")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        .repeated();
     app.add_option("--tcp", options.tcp_ports,
                    "TCP port on 127.0.0.1 (0: any); repeat it for the next boards")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->check(CLI::Range(0, 65535));
+        .repeated()
+        .range(0, 65535);
 }
 
-const CLI::App* declare_control(CLI::App& app, std::string& socket, Options& options) {
-    auto* control = app.add_subcommand("ctl", "Send one command to a running asip-sim");
-    control->footer(
+program::App declare_control(program::App& app, std::string& socket, Options& options) {
+    const auto control = app.add_subcommand("ctl", "Send one command to a running asip-sim");
+    control.footer(
         "Examples:\n"
         "  asip-sim ctl press button1\n"
         "  asip-sim ctl set sonar 42\n"
         "  asip-sim ctl unplug uno\n"
         "  asip-sim ctl help");
-    control->add_option("--socket", socket, "The socket that asip-sim listens on");
-    control->add_option("COMMAND", options.command, "The command; help lists them")->required();
-    control->positionals_at_end();
+    control.add_option("--socket", socket, "The socket that asip-sim listens on");
+    control.add_option("COMMAND", options.command, "The command; help lists them").required();
+    control.positionals_at_end();
     return control;
 }
 
@@ -73,7 +69,7 @@ Expected<Options, int> read_options(int argc, const char* const* argv) {
     std::string socket;
     unsigned slice = 0;
     program::LogOptions log;
-    CLI::App app{kAbout, "asip-sim"};
+    program::App app{kAbout, "asip-sim"};
     app.footer(kExamples);
     program::Settings settings(app, "asip-sim");
     declare_boards(app, options);
@@ -85,22 +81,22 @@ Expected<Options, int> read_options(int argc, const char* const* argv) {
         app.add_option(
                "--slice", slice,
                "Microseconds that a board runs at a time; default: 200, with more boards than threads 1000")
-            ->check(CLI::Range(50, 100000)));
+            .range(50, 100000));
     settings.setting(app.add_option("--threads", options.threads,
                                     "Threads that share the boards; default: one for each core")
-                         ->check(CLI::Range(1, 64)));
+                         .range(1, 64));
     settings
         .setting(
             app.add_option("--publish-world", options.publish_world,
                            "Publish the world that the boards share, as a member of the bus of this name"))
-        ->type_name("NAME");
+        .type("NAME");
     settings.add_broker_options(options.broker);
-    app.get_option("--broker")->allow_extra_args(false);  // what follows it is a board
+    app.option("--broker").one_value();  // what follows it is a board
     settings.add_log_options(log);
-    const auto* control = declare_control(app, socket, options);
+    const auto control = declare_control(app, socket, options);
 
     if (const auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
-    if (!control->parsed() && options.boards.empty())
+    if (!control.parsed() && options.boards.empty())
         return Unexpected<int>(settings.usage_error("BOARD is missing: a board file or a firmware image"));
     if (!socket.empty()) options.socket = socket;
     options.slice = std::chrono::microseconds(slice);

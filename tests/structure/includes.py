@@ -19,7 +19,7 @@ DECLARED = re.compile(r"\b(?:class|struct|enum(?: class)?|union) (?:\[\[\w+\]\] 
 ANY = re.compile(r"\b(?:(?:class|struct|enum(?: class)?|union) (?:\[\[\w+\]\] )?([A-Z]\w+)(?: final)?\s*(?::[^:;]|\{)|using ([A-Z]\w+) =)")
 COMMENT_OR_TEXT = re.compile(r"(?<![\w'])'(?:[^'\\\n]|\\.)+'|"
                              r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
-WORD = re.compile(r"(?<![.>])(?<!boost::)(?<!std::)\b[A-Z][a-z]\w+\b")
+WORD = re.compile(r"(?<![.>])(?<!boost::)(?<!CLI::)(?<!std::)\b[A-Z][a-z]\w+\b")
 
 
 def code_of(text):
