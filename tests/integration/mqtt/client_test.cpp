@@ -2,11 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <regex>
 #include <thread>
 
 #include "tests/integration/mqtt/recorder.hpp"
 #include "tests/support/bus_probe.hpp"
+#include "tests/support/patterns.hpp"
 
 namespace asip::test {
 namespace {
@@ -157,11 +157,8 @@ TEST(Client, BrokerKilledAndBack_ReconnectsSubscribesAndLosesNoQos1) {
 }
 
 std::string identifier_of(const std::string& name, const MosquittoBroker& broker) {
-    const auto log = broker.log();
-    std::smatch found;
-    return std::regex_search(log, found, std::regex(" as (" + name + "-[0-9a-f]{16}[-0-9a-f]*) "))
-               ? found.str(1)
-               : std::string();
+    const auto found = test::first_match(broker.log(), " as (" + name + "-[0-9a-f]{16}[-0-9a-f]*) ");
+    return found ? found->at(1) : std::string();
 }
 
 TEST(Client, NameThatIsPublished_IsNotTheIdentifierThatTheBrokerKnows) {
