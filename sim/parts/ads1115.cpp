@@ -9,7 +9,7 @@ namespace asip::sim {
 
 const PartKind& ads1115_part();
 
-namespace {
+namespace ads1115 {
 
 constexpr double kLow = -0.3, kHigh = 5.5;
 constexpr std::array kQuantities{Quantity{"a0", 0, kLow, kHigh}, Quantity{"a1", 0, kLow, kHigh},
@@ -99,10 +99,10 @@ PartPlan read_ads1115(PartReader& reader) {
     return read_i2c_chip<Ads1115>(reader, kQuantities);
 }
 
-}  // namespace
+}  // namespace ads1115
 
 const PartKind& ads1115_part() {
-    static constexpr PartKind kind{"ads1115", I2cChip::kVerbs, read_ads1115};
+    static constexpr PartKind kind{"ads1115", I2cChip::kVerbs, ads1115::read_ads1115};
     return kind;
 }
 

@@ -8,7 +8,7 @@ namespace asip::sim {
 
 const PartKind& bh1750_part();
 
-namespace {
+namespace bh1750 {
 
 constexpr std::array kQuantities{Quantity{"lux", 100, 0, 100000}};
 
@@ -81,10 +81,10 @@ PartPlan read_bh1750(PartReader& reader) {
     return read_i2c_chip<Bh1750>(reader, kQuantities, static_cast<std::uint8_t>(address));
 }
 
-}  // namespace
+}  // namespace bh1750
 
 const PartKind& bh1750_part() {
-    static constexpr PartKind kind{"bh1750", I2cChip::kVerbs, read_bh1750};
+    static constexpr PartKind kind{"bh1750", I2cChip::kVerbs, bh1750::read_bh1750};
     return kind;
 }
 

@@ -7,7 +7,7 @@ namespace asip::sim {
 
 const PartKind& bme280_part();
 
-namespace {
+namespace bme280 {
 
 constexpr std::array kQuantities{Quantity{"temperature", 20, -40, 85}, Quantity{"humidity", 40, 0, 100},
                                  Quantity{"pressure", 1013.25, 300, 1100}};
@@ -138,10 +138,10 @@ PartPlan read_bme280(PartReader& reader) {
     return read_i2c_chip<Bme280>(reader, kQuantities, bmp280, address);
 }
 
-}  // namespace
+}  // namespace bme280
 
 const PartKind& bme280_part() {
-    static constexpr PartKind kind{"bme280", I2cChip::kVerbs, read_bme280};
+    static constexpr PartKind kind{"bme280", I2cChip::kVerbs, bme280::read_bme280};
     return kind;
 }
 

@@ -7,7 +7,7 @@ namespace asip::sim {
 
 const PartKind& bmp085_part();
 
-namespace {
+namespace bmp085 {
 
 constexpr std::array kQuantities{Quantity{"pressure", 1013.25, 300, 1100},
                                  Quantity{"temperature", 20, -40, 85}};
@@ -98,10 +98,10 @@ PartPlan read_bmp085(PartReader& reader) {
     return read_i2c_chip<Bmp085>(reader, kQuantities);
 }
 
-}  // namespace
+}  // namespace bmp085
 
 const PartKind& bmp085_part() {
-    static constexpr PartKind kind{"bmp085", I2cChip::kVerbs, read_bmp085};
+    static constexpr PartKind kind{"bmp085", I2cChip::kVerbs, bmp085::read_bmp085};
     return kind;
 }
 

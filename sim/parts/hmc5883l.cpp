@@ -5,7 +5,7 @@ namespace asip::sim {
 
 const PartKind& hmc5883l_part();
 
-namespace {
+namespace hmc5883l {
 
 constexpr std::array kQuantities{Quantity{"x", 100, -2048, 2047}, Quantity{"y", 0, -2048, 2047},
                                  Quantity{"z", 0, -2048, 2047}};
@@ -43,10 +43,10 @@ PartPlan read_hmc5883l(PartReader& reader) {
     return read_i2c_chip<Hmc5883l>(reader, kQuantities);
 }
 
-}  // namespace
+}  // namespace hmc5883l
 
 const PartKind& hmc5883l_part() {
-    static constexpr PartKind kind{"hmc5883l", I2cChip::kVerbs, read_hmc5883l};
+    static constexpr PartKind kind{"hmc5883l", I2cChip::kVerbs, hmc5883l::read_hmc5883l};
     return kind;
 }
 

@@ -8,7 +8,7 @@ namespace asip::sim {
 
 const PartKind& mpu6050_part();
 
-namespace {
+namespace mpu6050 {
 
 constexpr double kMin = -32768, kMax = 32767;
 constexpr std::array kQuantities{Quantity{"ax", 0, kMin, kMax},     Quantity{"ay", 0, kMin, kMax},
@@ -68,10 +68,10 @@ PartPlan read_mpu6050(PartReader& reader) {
     return read_i2c_chip<Mpu6050>(reader, kQuantities);
 }
 
-}  // namespace
+}  // namespace mpu6050
 
 const PartKind& mpu6050_part() {
-    static constexpr PartKind kind{"mpu6050", I2cChip::kVerbs, read_mpu6050};
+    static constexpr PartKind kind{"mpu6050", I2cChip::kVerbs, mpu6050::read_mpu6050};
     return kind;
 }
 

@@ -10,7 +10,7 @@ namespace asip::sim {
 
 const PartKind& pca9685_part();
 
-namespace {
+namespace pca9685 {
 
 // From the data sheet of the PCA9685.
 constexpr std::uint8_t kAddress = 0x40;
@@ -97,10 +97,10 @@ PartPlan read_pca9685(PartReader& reader) {
 constexpr std::array kPca9685Verbs{PartVerb{"detach", "", "take a chip off its bus"},
                                    PartVerb{"attach", "", "put it back"}};
 
-}  // namespace
+}  // namespace pca9685
 
 const PartKind& pca9685_part() {
-    static constexpr PartKind kind{"pca9685", kPca9685Verbs, read_pca9685};
+    static constexpr PartKind kind{"pca9685", pca9685::kPca9685Verbs, pca9685::read_pca9685};
     return kind;
 }
 

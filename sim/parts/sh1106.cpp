@@ -5,7 +5,7 @@ namespace asip::sim {
 
 const PartKind& sh1106_part();
 
-namespace {
+namespace sh1106 {
 
 // From its data sheet: 132 columns of memory, of which the usual glass shows 128, and no page but the one it
 // was told.
@@ -17,10 +17,10 @@ PartPlan read_sh1106(PartReader& reader) {
     });
 }
 
-}  // namespace
+}  // namespace sh1106
 
 const PartKind& sh1106_part() {
-    static constexpr PartKind kind{"sh1106", Oled::kVerbs, read_sh1106};
+    static constexpr PartKind kind{"sh1106", Oled::kVerbs, sh1106::read_sh1106};
     return kind;
 }
 

@@ -8,7 +8,7 @@ namespace asip::sim {
 
 const PartKind& sht31_part();
 
-namespace {
+namespace sht31 {
 
 constexpr std::array kQuantities{Quantity{"temperature", 20, -40, 125}, Quantity{"humidity", 40, 0, 100}};
 
@@ -115,10 +115,10 @@ PartPlan read_sht31(PartReader& reader) {
 constexpr std::array kSht31Verbs{I2cChip::kVerbs[0], I2cChip::kVerbs[1], I2cChip::kVerbs[2],
                                  PartVerb{"damage", "COUNT", "damage so many answers of a sensor"}};
 
-}  // namespace
+}  // namespace sht31
 
 const PartKind& sht31_part() {
-    static constexpr PartKind kind{"sht31", kSht31Verbs, read_sht31};
+    static constexpr PartKind kind{"sht31", sht31::kSht31Verbs, sht31::read_sht31};
     return kind;
 }
 

@@ -5,7 +5,7 @@ namespace asip::sim {
 
 const PartKind& ssd1306_part();
 
-namespace {
+namespace ssd1306 {
 
 // From its data sheet: 128 columns of memory, and steps from page to page.
 constexpr OledController kController{128, 0, true};
@@ -16,10 +16,10 @@ PartPlan read_ssd1306(PartReader& reader) {
     });
 }
 
-}  // namespace
+}  // namespace ssd1306
 
 const PartKind& ssd1306_part() {
-    static constexpr PartKind kind{"ssd1306", Oled::kVerbs, read_ssd1306};
+    static constexpr PartKind kind{"ssd1306", Oled::kVerbs, ssd1306::read_ssd1306};
     return kind;
 }
 
