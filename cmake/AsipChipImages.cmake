@@ -5,6 +5,7 @@
 #
 # makes ${ASIP_IMAGES}/NAME.elf, target NAME_image. As asip_add_image does for AVR; the library is compiled as the IDE compiles it.
 
+cmake_policy(SET CMP0116 OLD) # as in AsipFirmware
 set(ASIP_CHIPS "${CMAKE_CURRENT_LIST_DIR}/../tests/chips" CACHE INTERNAL "Cores and tests of chips that are not AVR")
 
 set(asip_chip_common -g -Os -ffunction-sections -fdata-sections -fno-exceptions -fno-rtti -fno-threadsafe-statics -MMD
@@ -56,8 +57,8 @@ function(asip_add_chip_image name)
     endif()
     file(RELATIVE_PATH shown "${PROJECT_BINARY_DIR}" "${object}")
     add_custom_command(OUTPUT "${object}"
-      COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${tool}-g++ ${language} ${flags} -MF "${object}.d" -MT "${object}" -c "${source}" -o "${object}"
-      DEPENDS "${source}" DEPFILE "${object}.d" COMMENT "${chip} ${shown}" VERBATIM)
+      COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${tool}-g++ ${language} ${flags} -MF "${object}.d" -MT "${shown}" -c "${source}" -o "${object}"
+      WORKING_DIRECTORY "${PROJECT_BINARY_DIR}" DEPENDS "${source}" DEPFILE "${object}.d" COMMENT "${chip} ${shown}" VERBATIM)
     list(APPEND objects "${object}")
   endforeach()
 

@@ -7,6 +7,7 @@
 #
 # makes ${ASIP_IMAGES}/NAME.elf, target NAME_image, all of them by target firmware-images.
 
+cmake_policy(SET CMP0116 OLD)
 set(ASIP_IMAGES "${PROJECT_BINARY_DIR}/firmware/images" CACHE INTERNAL "Folder of the built board images")
 set(ASIP_LIBRARY_DIR "${CMAKE_CURRENT_LIST_DIR}/../firmware/src" CACHE INTERNAL "Sources of the Arduino library")
 set(ASIP_ARDUINO "/usr/share/arduino/hardware/arduino/avr" CACHE PATH "Arduino AVR core")
@@ -97,7 +98,8 @@ function(asip_board_flags board out)
   set(${out} ${flags} -I${ASIP_ARDUINO}/cores/arduino -I${folder} PARENT_SCOPE)
 endfunction()
 
-# One object per source; DEPFILE keeps the headers in sight.
+# One object per source; DEPFILE keeps the headers in sight. Its paths are those of Ninja: hundreds of times CMake would
+# be started to make them so.
 function(asip_avr_object source object)
   get_filename_component(extension "${source}" LAST_EXT)
   if(extension STREQUAL ".c")
@@ -112,8 +114,8 @@ function(asip_avr_object source object)
   endif()
   file(RELATIVE_PATH shown "${PROJECT_BINARY_DIR}" "${object}")
   add_custom_command(OUTPUT "${object}"
-    COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${compiler} ${ARGN} -MF "${object}.d" -MT "${object}" -c "${source}" -o "${object}"
-    DEPENDS "${source}" DEPFILE "${object}.d" COMMENT "avr ${shown}" VERBATIM)
+    COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${compiler} ${ARGN} -MF "${object}.d" -MT "${shown}" -c "${source}" -o "${object}"
+    WORKING_DIRECTORY "${PROJECT_BINARY_DIR}" DEPENDS "${source}" DEPFILE "${object}.d" COMMENT "avr ${shown}" VERBATIM)
 endfunction()
 
 function(asip_avr_archive archive)
