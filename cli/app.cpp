@@ -38,7 +38,8 @@ int status_after_output(const Environment& environment, std::ostream& out, int s
 
 }  // namespace
 
-int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& out, std::ostream& err) {
+int run_app(const std::vector<Verb>& verbs, int argc, const char* const* argv, std::istream& in,
+            std::ostream& out, std::ostream& err) {
     std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     TerminalBuffer out_buffer(out.rdbuf());
     TerminalBuffer err_buffer(err.rdbuf());
@@ -49,10 +50,10 @@ int run_app(int argc, const char* const* argv, std::istream& in, std::ostream& o
     if (arguments.empty()) arguments.emplace_back("--help");
     if (arguments.front() == "__complete") {
         arguments.erase(arguments.begin());
-        CommandLine all(all_verbs());
+        CommandLine all(verbs);
         return run_complete(arguments, all, environment);
     }
-    CommandLine line(all_verbs(), arguments);
+    CommandLine line(verbs, arguments);
     const auto ended = line.parse(std::move(arguments));
     return status_after_output(environment, out, ended ? *ended : run_verb(line, environment));
 }

@@ -7,5 +7,5 @@
 int main(int argc, char** argv) {
     asip::program::prepare_process();
     std::ios::sync_with_stdio(false);
-    return asip::cli::run_app(argc, argv, std::cin, std::cout, std::cerr);
+    return asip::cli::run_app(asip::cli::all_verbs(), argc, argv, std::cin, std::cout, std::cerr);
 }

@@ -3,6 +3,7 @@
 # after they have set `once`. Sets root, bin, work (a folder of its own), port and ASIP_BROKER.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bin=${ASIP_BIN:-$root/build/dev/bin}
+ctl=$bin/asipctl
 work=$(mktemp -d "${TMPDIR:-/tmp}/asip-demo.XXXXXX")
 declare -A pids=()
 declare -a started=()
@@ -73,7 +74,7 @@ show() { # prints a command as a person would type it, then runs it
     printf '$ %s\n' "$*"
     "$@"
 }
-asipctl() { "$bin/asipctl" "$@"; }
+asipctl() { "$ctl" "$@"; }
 sim() { "$bin/asip-sim" ctl --socket "$work/sim.sock" "$@"; }
 part() { sim list | awk -v name="$1" '$1 == name { print $3 }'; } # what a part shows: an angle, on, off, ...
 

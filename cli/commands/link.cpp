@@ -11,6 +11,7 @@
 #include "asip/property/words.hpp"
 #include "asip/text/nearest.hpp"
 #include "cli/ask/board_request.hpp"
+#include "cli/ask/retained.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/table.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/events/context_event.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -145,8 +143,8 @@ bool is_wanted(const ContextEvent& event, const std::vector<Target>& targets,
 }
 
 std::string event_header(bool with_time, bool with_age, bool colour) {
-    const std::string text = (with_time ? fmt::format("{:<24}  ", "TIME") : "") + "SERVICE  " +
-                             (with_age ? fmt::format("{:>8}  ", "AGE") : "") + "VALUE";
+    const std::string text = (with_time ? "TIME" + std::string(22, ' ') : "") + "SERVICE  " +
+                             (with_age ? "     AGE  " : "") + "VALUE";
     return painted(text, Colour::kBold, colour);
 }
 
@@ -155,7 +153,11 @@ std::string event_text(const ContextEvent& event, const std::string& said, bool 
     std::string text;
     if (with_time) text += painted(text::iso_time(event.time), Colour::kDim, colour) + "  ";
     text += painted(event.where(), Colour::kCyan, colour) + "  ";
-    if (with_age) text += painted(fmt::format("{:>8}", age_text(event)), Colour::kDim, colour) + "  ";
+    if (with_age) {
+        auto age = age_text(event);
+        age.insert(0, age.size() < 8 ? 8 - age.size() : 0, ' ');
+        text += painted(age, Colour::kDim, colour) + "  ";
+    }
     const bool error = event.kind == ContextEvent::Kind::kError;
     return text + painted((error ? "error " : "") + for_terminal(said), error ? Colour::kRed : Colour::kNone,
                           colour);
@@ -181,7 +183,7 @@ std::string event_value(const ContextEvent& event, std::string_view name) {
     if (name == "topic") return event.topic;
     if (name == "kind") return std::string(kind_text(event.kind));
     if (name == "payload") return event.payload;
-    if (name == "age") return event.age ? fmt::format("{:.6f}", event.age->count()) : "";
+    if (name == "age") return event.age ? std::to_string(event.age->count()) : "";
     if (name == "data") return event.payload;
     if (!name.starts_with("data.")) return {};
     const auto document = model::parse_json(event.payload);
