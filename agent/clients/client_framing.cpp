@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/clients/client_framing.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "asip/protocol/request_end.hpp"
@@ -21,14 +22,9 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
         if (const auto request = protocol::significant(line); !request.empty()) result.emplace_back(request);
     };
     if (kind_ == Kind::kLines) {
-        lines_.push(bytes, [&](std::string_view line) { split(line, result); });
-        lines_.drop(protocol::ignored_before(lines_.partial()));
-        while (!extended_) {
-            const auto next = protocol::next_request(lines_.partial());
-            if (next == std::string_view::npos) break;
-            add(lines_.partial().substr(0, next), result);
-            lines_.drop(next);
-        }
+        // In pieces: a burst of requests without line ends is longer than a line may be.
+        for (; !bytes.empty(); bytes.remove_prefix(std::min(bytes.size(), protocol::kMaxRequestBytes)))
+            read_lines(bytes.substr(0, protocol::kMaxRequestBytes), result);
         return result;
     }
     frames_.push(bytes, [&](std::string_view frame) {
@@ -39,17 +35,28 @@ std::vector<std::string> ClientFraming::decode(std::string_view bytes) {
     return result;
 }
 
+void ClientFraming::read_lines(std::string_view bytes, std::vector<std::string>& requests) {
+    lines_.push(bytes, [&](std::string_view line) { split(line, requests); });
+    lines_.drop(protocol::ignored_before(lines_.partial()));
+    while (!extended_) {
+        const auto next = protocol::next_request(lines_.partial());
+        if (next == std::string_view::npos) break;
+        add(lines_.partial().substr(0, next), requests);
+        lines_.drop(next);
+    }
+}
+
 // A line end says that a request is complete; what stands before another request in its line has to look so.
 void ClientFraming::split(std::string_view line, std::vector<std::string>& requests) {
     line = protocol::significant(line);
-    for (const std::string_view extension : {"#,E", "#,X", "#,I"})
-        if (line.starts_with(extension)) extended_ = true;
     while (!extended_) {
         const auto next = protocol::next_request(line);
         if (next == std::string_view::npos) break;
         add(line.substr(0, next), requests);
         line.remove_prefix(next);
     }
+    for (const std::string_view extension : {"#,E", "#,X", "#,I"})
+        if (line.starts_with(extension)) extended_ = true;
     if (!line.empty()) requests.emplace_back(line);
 }
 

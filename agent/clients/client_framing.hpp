@@ -34,7 +34,10 @@ class ClientFraming {
     /// Nothing: the framing is not known yet, or the line cannot be framed.
     std::string encode(std::string_view line) const;
 
+    bool operator==(const ClientFraming&) const = default;
+
   private:
+    void read_lines(std::string_view bytes, std::vector<std::string>& requests);
     void split(std::string_view line, std::vector<std::string>& requests);
     void add(std::string_view request, std::vector<std::string>& requests);
 

@@ -40,6 +40,8 @@ class LineReader {
     /// Since construction.
     std::uint64_t overlong_lines() const { return overlong_lines_; }
 
+    bool operator==(const LineReader&) const = default;
+
   private:
     /// Up to one line end; true: line_ holds a complete, non-empty line.
     bool take_line(std::string_view& bytes);

@@ -73,8 +73,9 @@ bool is_whole_request(std::string_view text) {
     text = significant(text);
     const auto request = parse_request(text);
     if (!request) return false;
-    if (const auto needed = numbers_needed(*request)) return count_numbers(request->parameters) == needed;
     const char last = text.back();
+    const auto needed = numbers_needed(*request);
+    if (needed) return last != ',' && count_numbers(request->parameters) == needed;
     return text.size() <= kTagEnd + 1 || is_digit(last) || last == '}' || text[0] == 'L';
 }
 

@@ -41,6 +41,8 @@ class UtfFrameReader {
     /// Since construction.
     std::uint64_t overlong_frames() const { return overlong_frames_; }
 
+    bool operator==(const UtfFrameReader&) const = default;
+
   private:
     bool take_frame(std::string_view& bytes);
 

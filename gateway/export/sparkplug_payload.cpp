@@ -19,7 +19,8 @@ constexpr std::uint32_t kTimestamp = 1, kMetrics = 2, kSeq = 3;
 }
 namespace metric_field {
 constexpr std::uint32_t kName = 1, kAlias = 2, kTimestamp = 3, kType = 4, kIsNull = 7, kProperties = 9,
-                        kInt = 10, kLong = 11, kFloat = 12, kDouble = 13, kBoolean = 14, kString = 15;
+                        kInt = 10, kLong = 11, kFloat = 12, kDouble = 13, kBoolean = 14, kString = 15,
+                        kExtension = 18;
 }
 namespace set_field {
 constexpr std::uint32_t kKeys = 1, kValues = 2;
@@ -214,67 +215,63 @@ Value long_of(DataType type, std::uint64_t bits) {
     return whole;
 }
 
-/// False: a field has another wire type than its number says.
-bool take(Metric& metric, const Field& field, std::optional<std::uint64_t>& narrow,
-          std::optional<std::uint64_t>& wide, bool& is_null) {
+/// A member of the oneof of values.
+Value value_of(DataType type, const Field& field) {
     using namespace metric_field;
-    std::uint32_t expected = kVarint;
     switch (field.number) {
-        case kName:
-            expected = kBytes;
-            metric.name = field.bytes;
-            break;
-        case kAlias:
-            metric.alias = field.value;
-            break;
-        case kTimestamp:
-            metric.timestamp = field.value;
-            break;
-        case kType:
-            metric.type = static_cast<DataType>(static_cast<std::uint32_t>(field.value));
-            break;
-        case kIsNull:
-            is_null = field.value != 0;
-            break;
         case kInt:
-            narrow = field.value;
-            break;
+            return whole_of(type, field.value);
         case kLong:
-            wide = field.value;
-            break;
+            return long_of(type, field.value);
         case kFloat:
-            expected = kFixed32;
-            metric.value = static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(field.value)));
-            break;
+            return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(field.value)));
         case kDouble:
-            expected = kFixed64;
-            metric.value = std::bit_cast<double>(field.value);
-            break;
+            return std::bit_cast<double>(field.value);
         case kBoolean:
-            metric.value = field.value != 0;
-            break;
+            return field.value != 0;
         case kString:
-            expected = kBytes;
-            metric.value = std::string(field.bytes);
-            break;
+            return std::string(field.bytes);
         default:
-            return true;
+            return {};  // a data set, a template or an extension
     }
-    return field.wire_type == expected;
+}
+
+std::uint32_t wire_type_of(std::uint32_t number) {
+    using namespace metric_field;
+    switch (number) {
+        case kName:
+        case kString:
+            return kBytes;
+        case kFloat:
+            return kFixed32;
+        case kDouble:
+            return kFixed64;
+        default:
+            return kVarint;
+    }
 }
 
 std::optional<Metric> metric_from(std::string_view bytes) {
+    using namespace metric_field;
     Reader reader(bytes);
     Metric metric;
-    std::optional<std::uint64_t> narrow, wide;  // the type, which says their sign, may stand behind them
+    std::optional<Field> value;  // the last one counts; the type, which says its sign, may stand behind it
     bool is_null = false;
     while (!reader.done()) {
         const auto field = reader.next();
-        if (!field || !take(metric, *field, narrow, wide, is_null)) return std::nullopt;
+        if (!field) return std::nullopt;
+        const auto number = field->number;
+        const bool is_known = (number >= kName && number <= kType) || number == kIsNull ||
+                              (number >= kInt && number <= kString);
+        if (is_known && field->wire_type != wire_type_of(number)) return std::nullopt;
+        if (number == kName) metric.name = field->bytes;
+        if (number == kAlias) metric.alias = field->value;
+        if (number == kTimestamp) metric.timestamp = field->value;
+        if (number == kType) metric.type = static_cast<DataType>(static_cast<std::uint32_t>(field->value));
+        if (number == kIsNull) is_null = field->value != 0;
+        if (number >= kInt && number <= kExtension) value = field;
     }
-    if (narrow) metric.value = whole_of(metric.type, *narrow);
-    if (wide) metric.value = long_of(metric.type, *wide);
-    if (is_null) metric.value = {};
+    if (value && !is_null) metric.value = value_of(metric.type, *value);
     return metric;
 }
 

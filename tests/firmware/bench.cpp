@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string>
 
+#include "asip/Digest.h"
 #include "fake_board.hpp"
+#include "tests/support/explorer.hpp"
 
 namespace wire {
 
@@ -13,6 +16,7 @@ namespace {
 constexpr std::size_t kRoom = 63;
 // A name of 32 characters takes 36 passes.
 constexpr int kMaxPasses = 100;
+constexpr std::uint16_t kDigest = 0x5A17;
 
 struct Calls {
     unsigned number = 0;
@@ -125,6 +129,39 @@ const char* Bench::bytes(std::string_view bytes) {
     for (const char c : bytes)
         if (const char* wrong = byte(static_cast<std::uint8_t>(c))) return wrong;
     return nullptr;
+}
+
+const char* Bench::step(int symbol) {
+    const char* const wrong = try_symbol(symbol);
+    if (judge_.digest() == 0) return wrong;
+    judge_.take_digest(kDigest);
+    asip::FakeBoard::set_digest(kDigest);
+    return wrong;
+}
+
+bool Bench::digests_agree() {
+    for (unsigned digest = 0; digest <= 0xFFFF; ++digest)
+        for (unsigned byte = 0; byte <= 0xFF; ++byte) {
+            const auto before = static_cast<std::uint16_t>(digest);
+            const auto next = static_cast<std::uint8_t>(byte);
+            if (asip::digestOf(before, next) != Judge::digest_of(before, next)) return false;
+        }
+    return true;
+}
+
+const char* Bench::try_symbol(int symbol) {
+    if (symbol == kSilence) return second_of_silence();
+    if (symbol != kRightEnd) return byte(static_cast<std::uint8_t>(symbol));
+    unsigned sum = 0;
+    for (const char c : judge_.text())
+        sum ^= static_cast<unsigned char>(c);
+    constexpr char kHex[] = "0123456789ABCDEF";
+    return bytes(std::string{'*', kHex[sum / 16], kHex[sum % 16], '\n'});
+}
+
+bool Bench::ends_at(int symbol) const {
+    if (symbol == kRightEnd || symbol == '\n') return (symbol == kRightEnd) == judge_.uses_checksums();
+    return symbol == ',' && judge_.may_end_at(',');
 }
 
 void Bench::save(State& state) const {

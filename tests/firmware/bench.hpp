@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 
 #include "Asip.h"
@@ -22,6 +23,14 @@ class Bench {
     const char* second_of_silence();
     /// The same for each of several bytes.
     const char* bytes(std::string_view bytes);
+    /// A symbol of tests/support/explorer.hpp. Board and judge then go on from one digest, unless it is zero:
+    /// it decides nothing but the digest after the next request, so that states that differ in it are equal.
+    const char* step(int symbol);
+    /// Whether the board's digest of a byte is the judge's, whatever the digest before.
+    static bool digests_agree();
+    /// CR and silence end a request as LF does.
+    bool ends_at(int symbol) const;
+    bool line_is_open() const { return judge_.line_is_open(); }
 
     const Judge& judge() const { return judge_; }
     /// Requests that were executed by a service, or as a write of a pin.
@@ -34,11 +43,14 @@ class Bench {
         alignas(asip::Out) std::array<std::byte, sizeof(asip::Out)> out;
         Judge judge;
         std::string_view as_bytes() const { return {reinterpret_cast<const char*>(this), sizeof *this}; }
+        bool operator==(const State& other) const { return as_bytes() == other.as_bytes(); }
+        std::size_t hash() const { return std::hash<std::string_view>()(as_bytes()); }
     };
     void save(State& state) const;
     void put_back(const State& state);
 
   private:
+    const char* try_symbol(int symbol);
     bool settle();
     void pass();
 

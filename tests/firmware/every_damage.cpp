@@ -10,11 +10,11 @@
 
 #include "FakeHardware.h"
 #include "tests/firmware/bench.hpp"
-#include "tests/firmware/damages.hpp"
+#include "tests/support/damages.hpp"
 
 namespace {
 
-using wire::Bench;
+using wire::Bench, wire::visible;
 
 // A line that is damaged may be longer by a byte.
 constexpr std::size_t kLongest = wire::Judge::kMaxChecked;
@@ -64,14 +64,6 @@ std::string with_end(const std::string& line, bool checksum) {
     for (const char c : line)
         sum ^= static_cast<unsigned char>(c);
     return checksum ? fmt::format("{}*{:02X}\n", line, sum) : line + '\n';
-}
-
-std::string visible(const std::string& bytes) {
-    std::string text;
-    for (const char c : bytes)
-        text +=
-            c > ' ' && c < 0x7F ? std::string(1, c) : fmt::format("\\x{:02X}", static_cast<unsigned char>(c));
-    return text;
 }
 
 /// What is wrong after this line and a good one behind it.

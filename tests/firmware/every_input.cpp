@@ -6,29 +6,26 @@
 //
 // What the bound leaves out:
 //   - a longer request. The parser takes a request argument by argument, and each way out of an argument is
-//   within
-//     nine bytes; the longest lines with each single damage are the next test (every_damage);
+//     within the bound; the longest lines with each single damage are the next test (every_damage);
 //   - of the last byte, those that do not end a request, which are only added to it, as each byte before was;
-//   CR and
-//     silence, which end it as LF does; and with checksums LF alone;
+//     CR and silence, which end it as LF does; and with checksums LF alone;
 //   - other bytes than those of the alphabet: `--wide` has more of them for fewer bytes, and
-//   fuzz_firmware_lines all.
+//     fuzz_firmware_lines all;
+//   - the sum of digests: behind each request, where board and judge agree on the digest, both go on from one
+//     value. Before that, the digest of each byte behind each digest is compared.
 // With sanitizers it runs with a small bound, as a unit test.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "tests/firmware/bench.hpp"
+#include "tests/support/explorer.hpp"
 
 namespace {
 
-using wire::Bench;
-
-/// Besides bytes: a second of silence, and the line end that checksums ask for.
-constexpr int kSilence = 256, kRightEnd = 257;
+using wire::Bench, wire::kRightEnd, wire::kSilence;
 
 struct Start {
     const char* name;
@@ -58,70 +55,6 @@ const std::vector<Start> kStarts{
     {"pins", "", true, kPins, kPins},
 };
 
-class Explorer {
-  public:
-    Explorer(Bench& bench, std::vector<int> alphabet) : bench_(bench), alphabet_(std::move(alphabet)) {}
-
-    /// False: something was wrong, and is printed.
-    bool explore(unsigned bytes) {
-        Bench::State here;
-        bench_.save(here);
-        // A line that is open is told by its bytes: no other path leads to it.
-        if (!bench_.judge().line_is_open()) {
-            auto& tried = tried_[std::string(here.as_bytes())];
-            if (tried >= bytes) return true;
-            tried = bytes;
-        }
-        bool first = true;
-        for (const int symbol : alphabet_) {
-            if (!first) bench_.put_back(here);
-            if (bytes == 1 && !may_end(symbol)) continue;
-            first = false;
-            path_.push_back(symbol);
-            ++steps_;
-            const char* const wrong = step(symbol);
-            if (wrong != nullptr) fmt::print("FAILED: {}: {}\n", wrong, told());
-            if (wrong != nullptr) return false;
-            // Silence that ends no line leaves it as it was.
-            const bool as_before = symbol == kSilence && bench_.judge().line_is_open();
-            if (bytes > 1 && !as_before && !explore(bytes - 1)) return false;
-            path_.pop_back();
-        }
-        return true;
-    }
-    std::uint64_t steps() const { return steps_; }
-
-  private:
-    bool may_end(int symbol) const {
-        const auto& judge = bench_.judge();
-        if (symbol == kRightEnd || symbol == '\n') return (symbol == kRightEnd) == judge.uses_checksums();
-        return symbol == ',' && judge.may_end_at(',');
-    }
-    const char* step(int symbol) {
-        if (symbol == kSilence) return bench_.second_of_silence();
-        if (symbol != kRightEnd) return bench_.byte(static_cast<std::uint8_t>(symbol));
-        unsigned sum = 0;
-        for (const char c : bench_.judge().text())
-            sum ^= static_cast<unsigned char>(c);
-        return bench_.bytes(fmt::format("*{:02X}\n", sum));
-    }
-    std::string told() const {
-        std::string text;
-        for (const int symbol : path_)
-            text += symbol == kSilence              ? "<a second>"
-                    : symbol == kRightEnd           ? "*HH\\n"
-                    : symbol > ' ' && symbol < 0x7F ? std::string(1, static_cast<char>(symbol))
-                                                    : fmt::format("\\x{:02X}", symbol);
-        return text;
-    }
-
-    Bench& bench_;
-    std::vector<int> alphabet_;
-    std::vector<int> path_;
-    std::unordered_map<std::string, unsigned> tried_;
-    std::uint64_t steps_ = 0;
-};
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -133,7 +66,8 @@ int main(int argc, char** argv) {
     app.add_option("--start", only, "rest, extended, checksums or pins: this one only");
     app.add_flag("--wide", wide, "More bytes to choose from");
     CLI11_PARSE(app, argc, argv);
-    bool good = true;
+    bool good = Bench::digests_agree();
+    if (!good) fmt::print("FAILED: the digest of a byte\n");
     unsigned starts = 0;
     for (const auto& start : kStarts) {
         if (!only.empty() && only != start.name) continue;
@@ -143,10 +77,10 @@ int main(int argc, char** argv) {
             fmt::print("FAILED: {}: {}\n", wrong, start.before);
             return 1;
         }
-        Explorer explorer(bench, wide ? start.wide : start.alphabet);
+        wire::Explorer<Bench> explorer(bench, wide ? start.wide : start.alphabet);
         good = explorer.explore(bytes) && good;
-        fmt::print("{}: {} bytes, {} steps, {} requests executed\n", start.name, bytes, explorer.steps(),
-                   bench.executed());
+        fmt::print("{}: {} bytes, {} steps, {} states, {} requests executed\n", start.name, bytes,
+                   explorer.steps(), explorer.states(), bench.executed());
     }
     return good && starts != 0 ? 0 : 1;
 }

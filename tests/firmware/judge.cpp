@@ -296,14 +296,14 @@ const char* Judge::executed(std::string_view request, const Seen& seen) {
     return nullptr;
 }
 
+std::uint16_t Judge::digest_of(std::uint16_t digest, std::uint8_t byte) {
+    return static_cast<std::uint16_t>(digest >> 8 ^ kCrc[(digest ^ byte) & 255]);
+}
+
 void Judge::count(std::string_view request, unsigned error) {
-    const auto add = [this](char c) {
-        digest_ =
-            static_cast<std::uint16_t>(digest_ >> 8 ^ kCrc[(digest_ ^ static_cast<unsigned char>(c)) & 255]);
-    };
     for (const char c : request)
-        add(c);
-    add(0);
+        digest_ = digest_of(digest_, static_cast<std::uint8_t>(c));
+    digest_ = digest_of(digest_, 0);
     digest_ = static_cast<std::uint16_t>(digest_ ^ error);
 }
 

@@ -45,6 +45,9 @@ class Judge {
     bool is_extended() const { return extended_; }
     bool uses_checksums() const { return checksums_; }
     std::uint16_t digest() const { return digest_; }
+    /// Goes on from another digest; the board has to have the same.
+    void take_digest(std::uint16_t digest) { digest_ = digest; }
+    static std::uint16_t digest_of(std::uint16_t digest, std::uint8_t byte);
     /// False once something was executed after which more than requests decides what the board does: a mode
     /// of a pin, a period, a line rate on trial.
     bool can_tell() const { return can_tell_; }

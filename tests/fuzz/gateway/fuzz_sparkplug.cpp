@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes of a Sparkplug host: what can be read is written, and read as the same; whatever its metrics want of
-// a property is a command for it, or refused in words.
+// Bytes of a Sparkplug host: what is read of them is what the judge of tests/readers says, is written, and
+// read as the same; whatever its metrics want of a property is a command for it, or refused in words.
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "gateway/export/sparkplug.hpp"
 #include "tests/fuzz/require.hpp"
+#include "tests/readers/sparkplug_judge.hpp"
 
 namespace {
 
@@ -60,6 +61,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string bytes(reinterpret_cast<const char*>(data), size);
     Sparkplug::host_state_from(bytes);
     const auto payload = sparkplug::read(bytes);
+    const auto read = payload ? std::optional(*payload) : std::nullopt;
+    REQUIRE(readers::judge_sparkplug(bytes, read) == nullptr);
     if (!payload) {
         REQUIRE(!payload.error().empty());
         return 0;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes as a client might send them, over TCP (lines or frames) or in one control payload.
+// Bytes as a client might send them, in one control payload or over TCP (lines or frames). There the judge
+// of tests/readers says whether the agent made of them what it should, on what its exhaustion leaves out:
+// longer inputs, other bytes, several damages. 0xFF is a second of silence.
 #include <cstdint>
+#include <cstdio>
 
 #include "asip/protocol/request.hpp"
 #include "asip/protocol/utf_frame.hpp"
 #include "tests/fuzz/require.hpp"
+#include "tests/readers/client_bench.hpp"
 
 namespace {
 
@@ -29,11 +33,23 @@ void read_payload(std::string_view payload) {
     }
 }
 
+void read_stream(std::string_view bytes) {
+    constexpr char kSilence = '\xFF';
+    readers::ClientBench bench(readers::ClientBench::Framing::kUnknown);
+    for (const char byte : bytes) {
+        const int symbol = byte == kSilence ? wire::kSilence : static_cast<unsigned char>(byte);
+        const char* const wrong = bench.step(symbol);
+        if (wrong) std::fprintf(stderr, "%s\n", wrong);
+        REQUIRE(wrong == nullptr);
+    }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string_view bytes(reinterpret_cast<const char*>(data), size);
     read_payload(bytes);
+    read_stream(bytes);
     UtfFrameReader whole(100);
     UtfFrameReader pieces(100);
     std::string from_whole, from_pieces;

@@ -124,6 +124,22 @@ TEST(ClientFraming, ClientThatUsesAnExtension_EndsItsLines) {
     EXPECT_THAT(framing.decode("\n"), ElementsAre("M,m,1,100M,m,0,50")) << "the board refuses it";
 }
 
+TEST(ClientFraming, BurstWithoutLineEndsLongerThanALine_LosesNothing) {
+    constexpr std::size_t kRequests = 400;
+    std::string burst;
+    for (std::size_t i = 0; i < kRequests; ++i)
+        burst += "M,m,1,100";
+    ClientFraming framing;
+    EXPECT_THAT(framing.decode(burst), testing::SizeIs(kRequests - 1));
+    EXPECT_THAT(framing.after_silence(), ElementsAre("M,m,1,100"));
+}
+
+TEST(ClientFraming, ExtensionBehindARequestWithoutLineEnd_IsInUse) {
+    ClientFraming framing;
+    EXPECT_THAT(framing.decode("D,M#,E,t1\n"), ElementsAre("D,M", "#,E,t1"));
+    EXPECT_THAT(framing.decode("M,m,1,100M,m,0,50"), IsEmpty());
+}
+
 TEST(ClientFraming, FramingGiven_IsNotGuessed) {
     ClientFraming framing(ClientFraming::Kind::kFrames);
     EXPECT_EQ(framing.encode("@x"), std::string("\0\2@x", 4));

@@ -18,6 +18,7 @@ class FakeBoard {
     static void switch_on();
 
     static std::uint16_t digest() { return board.digest_; }
+    static void set_digest(std::uint16_t digest) { board.digest_ = digest; }
     static std::uint8_t last_millisecond() { return board.lastMs_; }
     /// Makes arguments of the bytes that a request before has left in the line.
     static void spoil_old_bytes();

@@ -25,8 +25,8 @@ TEST(WholeRequest, AsManyNumbersAsItsTagNeeds) {
     for (const char* whole : {"M,m,1,100", "M,m,1,-100", "M,m,0,12.75", "I,a,9, 64", "E,A,25", "D,M", "M,S",
                               "M,E,", "I,M", "P,P,2,{0:255,1:0}", "N,C,0,1,2,3,4", "X,y,7", "#,?"})
         EXPECT_TRUE(is_whole_request(whole)) << whole;
-    for (const char* half : {"M,m,1", "M,m,1,", "M,m,", "M,m", "I,P,13", "E,A", "E,A,", "M,m,1,-", "M,m,,5",
-                             "M,M,5", "P,P,2,{0:255,1:", "M", "M,", "", "m,1,100", "3,1"})
+    for (const char* half : {"M,m,1", "M,m,1,", "M,m,", "M,m", "M,m,1,5,", "I,P,13", "E,A", "E,A,", "M,m,1,-",
+                             "M,m,,5", "M,M,5", "P,P,2,{0:255,1:", "M", "M,", "", "m,1,100", "3,1"})
         EXPECT_FALSE(is_whole_request(half)) << half;
 }
 

@@ -86,6 +86,16 @@ TEST(SparkplugPayload, SignsOfNarrowNumbers_AreRead_HoweverTheyWereExtended) {
     EXPECT_EQ(value_of(DataType::kUnknown, 0xffffffff), Value(std::int64_t{-1}));
 }
 
+TEST(SparkplugPayload, SeveralValuesOfOneMetric_TheLastCounts) {
+    const auto value = [](const std::string& fields) {
+        const auto read_now = read("\x12"s + static_cast<char>(fields.size()) + fields);
+        return read_now ? read_now->metrics.at(0).value : Value("refused"s);
+    };
+    EXPECT_EQ(value("\x50\x07\x70\x01"s), Value(true));
+    EXPECT_EQ(value("\x70\x01\x50\x07"s), Value(std::int64_t{7}));
+    EXPECT_EQ(value("\x50\x07\x82\x01\x00"s), Value()) << "a data set is not read";
+}
+
 TEST(SparkplugPayload, FieldsThatAreUnknown_ArePassedOver) {
     // Metadata, a data set, a field of the future and a body.
     const auto payload = read("\x12\x10\x0a\x01t\x42\x02\x08\x01\x8a\x01\x01x\x70\x01\xfa\x3e\x00\x2a\x01z"s);

@@ -12,4 +12,7 @@ namespace wire {
 bool each_damage(std::string_view line, std::string_view bytes,
                  const std::function<bool(const std::string&)>& tried);
 
+/// Bytes that print nothing as `\x00`.
+std::string visible(std::string_view bytes);
+
 }  // namespace wire

@@ -1,7 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/firmware/damages.hpp"
+#include "tests/support/damages.hpp"
+
+#include <fmt/format.h>
 
 namespace wire {
+
+std::string visible(std::string_view bytes) {
+    std::string text;
+    for (const char c : bytes)
+        text +=
+            c > ' ' && c < 0x7F ? std::string(1, c) : fmt::format("\\x{:02X}", static_cast<unsigned char>(c));
+    return text;
+}
 
 bool each_damage(std::string_view line, std::string_view bytes,
                  const std::function<bool(const std::string&)>& tried) {
