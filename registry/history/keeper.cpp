@@ -49,7 +49,13 @@ HistoryKeeper::HistoryKeeper(asio::io_context& io, History::Options options, Han
       kept_(std::move(boot), now),
       began_(kept_.at(now.time)),
       journal_({}) {
-    take(store_->run([](History&, const auto*) {}));
+    if (!take(store_->run([](History&, const auto*) {}))) return;
+    asio::post(reading_, [this] {
+        try {
+            open_to_read();                // before the disk may stall
+        } catch (const std::exception&) {  // the first question says why
+        }
+    });
 }
 
 HistoryKeeper::~HistoryKeeper() {
@@ -63,6 +69,7 @@ HistoryKeeper::~HistoryKeeper() {
             [](const auto&) {});
     }
     thread_.join();
+    reading_.join();
 }
 
 void HistoryKeeper::run(HistoryStore::Use use, Done done) {
@@ -106,7 +113,9 @@ void HistoryKeeper::fail(const std::string& reason) {
     }
     writing_.clear();
     limit_waiting();
+    asio::post(reading_, [this] { read_.reset(); });  // the file may be another one then
     fault_ = reason;
+    read_waiting(true);
     next_try_ = now_.time + retry_;
     retry_ = std::min(2 * retry_, kMaxRetry);
     if (first && handlers_.failed) handlers_.failed(reason);
@@ -188,6 +197,7 @@ void HistoryKeeper::limit_waiting() {
 void HistoryKeeper::tick(const Catalogue& catalogue, Instant now) {
     now_ = now;
     kept_.tick(now);
+    read_waiting(false);
     if (loaded_ && absent_after_ && now.time >= *absent_after_) {
         absent_after_.reset();
         journal_.end_absent(catalogue, stamp(), waiting_);
@@ -224,6 +234,7 @@ void HistoryKeeper::written(std::uint64_t attempt, const HistoryStore::Outcome& 
     if (attempt != attempt_ || !take(outcome)) return;
     writing_.pop_front();
     if (writing_.empty()) recovered();
+    read_waiting(writing_.empty());
 }
 
 // A new file, or one that missed changes, knows the boards again.
@@ -235,11 +246,51 @@ void HistoryKeeper::restore_boards() {
 }
 
 void HistoryKeeper::find(bus::Query query, Found found) {
-    if (!fault_.empty()) return found(history_fault(fault_));
-    write_waiting();
+    if (fault_.empty()) write_waiting();
+    asked_.push_back({std::move(query), std::move(found), now_.time + kPatience});
+    read_waiting(writing_.empty());
+}
+
+void HistoryKeeper::read_waiting(bool all) {
+    for (auto due = std::exchange(asked_, {}); !due.empty(); due.pop_front()) {
+        auto& question = due.front();
+        if (!fault_.empty())
+            question.found(history_fault(fault_));
+        else if (all || now_.time >= question.until)
+            read(std::move(question));
+        else
+            asked_.push_back(std::move(question));
+    }
+}
+
+void HistoryKeeper::read(Question question) {
+    asio::post(reading_, [this, question = std::move(question)]() mutable {
+        Expected<bus::Answer> page = asip::fail("");
+        bool whole = true;
+        try {
+            open_to_read();
+            page = read_->find(question.query);
+        } catch (const std::exception&) {
+            read_.reset();
+            whole = false;
+        }
+        asio::post(io_, [this, whole, page = std::move(page), question = std::move(question)]() mutable {
+            if (!whole) return read_by_writer(std::move(question));
+            question.found(page ? std::move(*page) : refused_page("invalid", page.error()));
+        });
+    });
+}
+
+void HistoryKeeper::open_to_read() {
+    if (!read_) read_ = std::make_unique<History>(store_->options());
+}
+
+/// It says what is wrong, and begins a damaged file anew.
+void HistoryKeeper::read_by_writer(Question question) {
     auto answer = std::make_shared<Expected<bus::Answer>>(asip::fail(""));
-    run([query = std::move(query), answer](History& history, const auto*) { *answer = history.find(query); },
-        [this, answer, found = std::move(found), attempt = attempt_](const auto& outcome) {
+    run([query = std::move(question.query), answer](History& history,
+                                                    const auto*) { *answer = history.find(query); },
+        [this, answer, found = std::move(question.found), attempt = attempt_](const auto& outcome) {
             if (!outcome.fault.empty()) {
                 if (attempt == attempt_) take(outcome);
                 return found(history_fault(outcome.fault));

@@ -15,10 +15,10 @@
 
 namespace asip::registry {
 
-/// Keeps a history beside a catalogue: a thread of its own reads and writes the file, so that a slow disk or
-/// query never delays the bus. A file that cannot be used is tried again, at first after a second, in the end
-/// each minute; meanwhile rows wait and queries are refused. All functions and handlers are of the
-/// io_context's thread.
+/// Keeps a history beside a catalogue: one thread writes the file, another reads it, so that a slow disk or
+/// query never delays the bus, nor a disk that stalls a query. A file that cannot be used is tried again, at
+/// first after a second, in the end each minute; meanwhile rows wait and queries are refused. All functions
+/// and handlers are of the io_context's thread.
 class HistoryKeeper {
   public:
     using Found = std::function<void(bus::Answer)>;
@@ -36,6 +36,7 @@ class HistoryKeeper {
     static constexpr std::size_t kMaxUnwrittenBytes = 96u << 20;
     static constexpr Duration kFirstRetry = std::chrono::seconds(1);
     static constexpr Duration kMaxRetry = std::chrono::minutes(1);
+    static constexpr Duration kPatience = std::chrono::seconds(1);
 
     /// Reads what is known of each board before it returns, where the file can be read. `io` outlives this.
     HistoryKeeper(boost::asio::io_context& io, History::Options options, Handlers handlers, std::string boot,
@@ -56,7 +57,8 @@ class HistoryKeeper {
     /// Call a few times a second.
     void tick(const Catalogue& catalogue, Instant now);
 
-    /// `found` is called later, with a page or a refusal ("invalid", "history-fault").
+    /// `found` is called later, with a page or a refusal ("invalid", "history-fault"). What happened before
+    /// is in it, unless the disk takes longer than kPatience for that.
     void find(bus::Query query, Found found);
 
     std::size_t dropped_rows() const { return dropped_rows_; }
@@ -70,7 +72,17 @@ class HistoryKeeper {
         std::size_t bytes = 0;
     };
 
+    struct Question {
+        bus::Query query;
+        Found found;
+        Time until;
+    };
+
     void run(HistoryStore::Use use, Done done);
+    void read(Question question);
+    void open_to_read();
+    void read_by_writer(Question question);
+    void read_waiting(bool all);
     bool take(const HistoryStore::Outcome& outcome);
     void load(const HistoryStore::Opened& opened);
     void fail(const std::string& reason);
@@ -106,6 +118,9 @@ class HistoryKeeper {
     Time next_trim_{};
     Time next_mark_{};
     std::optional<Time> absent_after_;
+    std::deque<Question> asked_;     // until what happened before them is written
+    std::unique_ptr<History> read_;  // of the thread that reads
+    boost::asio::thread_pool reading_{1};
     boost::asio::thread_pool thread_{1};  // last: ends first
 };
 

@@ -39,11 +39,12 @@ class HistoryStore {
     /// After a fault each further use fails with it, until retry().
     Outcome run(const Use& use);
     void retry() { fault_.clear(); }
+    const History::Options& options() const { return options_; }
 
   private:
     Outcome attempt(const Use& use);
     void open(Outcome& outcome);
-    History::Options options_;
+    const History::Options options_;
     std::unique_ptr<History> history_;
     std::string fault_;
 };

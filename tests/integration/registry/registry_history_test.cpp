@@ -272,6 +272,20 @@ TEST_F(RegistryWithValues, ClockAYearAheadAndAYearBack_WhatWasKeptStaysWhereItWa
     stop();
 }
 
+TEST_F(RegistryWithHistory, DiskStalls_QuestionsAreAnsweredOfWhatIsWritten) {
+    start();
+    announce("uno1", "online");
+    ASSERT_TRUE(wait_until([&] { return rows_of("uno1") == 1; }, std::chrono::seconds(60)));
+    folder_.write("stall", "");
+    announce("uno2", "online");
+    ASSERT_TRUE(wait_until([&] { return fs::exists(stall_ + ".met"); }, std::chrono::seconds(60)));
+    EXPECT_TRUE(wait_until([&] { return rows_of("uno1") == 1; }, std::chrono::seconds(60)));
+    EXPECT_EQ(rows_of("uno2"), 0u) << "it waits for the disk";
+    fs::remove(stall_);
+    EXPECT_TRUE(wait_until([&] { return rows_of("uno2") == 1; }, std::chrono::seconds(60)));
+    stop();
+}
+
 TEST_F(RegistryWithHistory, FileIsDamaged_TheCatalogueIsThereAndANewHistoryIsBegun) {
     std::ofstream(file_) << std::string(8192, 'x');
     start();
