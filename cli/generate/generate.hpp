@@ -23,6 +23,10 @@ using Files = Expected<std::vector<GeneratedFile>>;
 /// `elements`: 1 to 100.
 Files firmware(const model::ServiceModel& model, const std::string& sketch, std::size_t elements);
 
+/// NAME.ino of a board with these services of the library, each as `servo=9,10` or `weather`. The table of
+/// what each needs is templates/services.json.
+Files services_sketch(const std::vector<std::string>& services, const std::string& sketch);
+
 /// For asip-sim: the board, and a part in place of firmware()'s hardware. `image` and `link` are written as
 /// they are.
 Files simulated_part(const model::ServiceModel& model, const std::string& image, std::size_t elements);

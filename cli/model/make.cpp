@@ -85,20 +85,36 @@ Outcome<void> check_model(const ServiceModel& model, const ModelOptions& options
     const auto last = faults.back();
     faults.pop_back();
     for (const auto& fault : faults)
-        environment.note(options.file + ": " + fault);
-    return failure(program::kExitFailure, options.file + ": " + last);
+        environment.note(options.files.front() + ": " + fault);
+    return failure(program::kExitFailure, options.files.front() + ": " + last);
+}
+
+/// A sketch is called as its folder.
+Outcome<std::string> name_of_sketch(const fs::path& folder) {
+    auto name = fs::absolute(folder / "sketch").parent_path().filename().string();
+    constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
+    if (name.empty() || name.size() > 32 || name.find_first_not_of(kAllowed) != std::string::npos)
+        return failure(program::kExitUsage,
+                       "\"" + name + "\" cannot be the name of a sketch: up to 32 letters, digits and _");
+    return name;
+}
+
+Outcome<void> make_sketch(const ModelOptions& options, Environment& environment) {
+    const fs::path folder = options.output.empty() ? "MyBoard" : options.output;
+    const auto name = name_of_sketch(folder);
+    if (!name) return Unexpected<Failure>(name.error());
+    const auto files = generate::services_sketch(options.files, *name);
+    if (!files) return failure(program::kExitUsage, files.error());
+    return write_all(*files, folder, options, environment);
 }
 
 Outcome<void> make_firmware(const ServiceModel& model, const ModelOptions& options,
                             Environment& environment) {
     const fs::path folder = options.output.empty() ? generate::sketch_name(model) : options.output;
-    const auto name = fs::absolute(folder / "sketch").parent_path().filename().string();
-    constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
-    if (name.empty() || name.size() > 32 || name.find_first_not_of(kAllowed) != std::string::npos)
-        return failure(program::kExitUsage,
-                       "\"" + name + "\" cannot be the name of a sketch: up to 32 letters, digits and _");
-    const auto files = generate::firmware(model, name, elements_of(options, model));
-    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
+    const auto name = name_of_sketch(folder);
+    if (!name) return Unexpected<Failure>(name.error());
+    const auto files = generate::firmware(model, *name, elements_of(options, model));
+    if (!files) return failure(program::kExitFailure, options.files.front() + ": " + files.error());
     return write_all(*files, folder, options, environment);
 }
 
@@ -106,7 +122,7 @@ Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, 
     const auto image = options.image.empty() ? generate::sketch_name(model) + ".elf"
                                              : fs::absolute(options.image).lexically_normal().string();
     auto files = generate::simulated_part(model, image, elements_of(options, model));
-    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
+    if (!files) return failure(program::kExitFailure, options.files.front() + ": " + files.error());
     const fs::path output(options.output);
     if (!options.output.empty()) files->front().name = output.filename().string();
     return write_all(*files, options.output.empty() || !output.has_parent_path() ? "." : output.parent_path(),
@@ -115,7 +131,7 @@ Outcome<void> make_part(const ServiceModel& model, const ModelOptions& options, 
 
 Outcome<void> make_client(const ServiceModel& model, const ModelOptions& options, Environment& environment) {
     const auto files = generate::cpp_client(model);
-    if (!files) return failure(program::kExitFailure, options.file + ": " + files.error());
+    if (!files) return failure(program::kExitFailure, options.files.front() + ": " + files.error());
     return write_all(*files, options.output.empty() ? "." : options.output, options, environment);
 }
 
@@ -135,7 +151,11 @@ Outcome<void> make_docs(const ServiceModel& model, const ModelOptions& options, 
 int make_of_model(const ModelOptions& options, Environment& environment) {
     if (options.elements && (*options.elements < 1 || *options.elements > kMaxElements))
         return environment.fail_with({program::kExitUsage, "--elements: a number from 1 to 100"});
-    const auto model = model::load_service_model(options.file);
+    if (options.action == "sketch") {
+        const auto made = make_sketch(options, environment);
+        return made ? program::kExitOk : environment.fail_with(made.error());
+    }
+    const auto model = model::load_service_model(options.files.front());
     if (!model) return environment.fail_with({program::kExitFailure, model.error()});
     const auto action = options.action == "check"      ? check_model
                         : options.action == "firmware" ? make_firmware

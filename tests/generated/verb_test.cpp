@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "tests/support/child_process.hpp"
 #include "tests/support/temp_dir.hpp"
@@ -85,6 +87,70 @@ TEST_F(ModelVerb, BadArguments_AreRefused) {
               1);
     EXPECT_FALSE(std::filesystem::exists(folder_.file("x.json")));
     EXPECT_THAT(model({"docs", fan_, "--into", "/proc/fan.md"}).errors, HasSubstr("/proc/fan.md"));
+}
+
+TEST_F(ModelVerb, SketchOfServices_HasEachAndItsPins) {
+    const auto made =
+        model({"sketch", "ds18b20=2", "onewire=2", "servo=9,a0", "--into", folder_.file("Garden")});
+    EXPECT_EQ(made.status, 0) << made.errors;
+    EXPECT_EQ(read("Garden/Garden.ino"), R"(// A board with these services beside its pins:
+//   ds18b20: the data pin of all (2)
+//   onewire: the data pin (2)
+//   servo: a pin for each servo (9, A0)
+#include <Asip.h>
+#include <AsipFastSerial.h>
+#include <AsipOneWire.h>
+#include <AsipServos.h>
+#include <AsipThermometers.h>
+
+asip::OneWireBus wire2(2);
+asip::ThermometersOf<8> thermometers(wire2);
+asip::OneWire oneWire(wire2);
+asip::Servos servos(9, A0);
+
+void setup() {
+    asip::board.add(thermometers);
+    asip::board.add(oneWire);
+    asip::board.add(servos);
+    asip::board.begin(ASIP_NAME("Garden"));
+}
+
+void loop() { asip::board.run(); }
+)");
+}
+
+TEST_F(ModelVerb, SketchOfServices_ErrorsSayWhatIsRight) {
+    const auto error = [&](std::vector<std::string> services) {
+        services.insert(services.begin(), "sketch");
+        services.insert(services.end(), {"--into", folder_.file("Bad")});
+        const auto made = model(services);
+        EXPECT_EQ(made.status, 2) << made.output;
+        return made.errors;
+    };
+    EXPECT_THAT(error({"servoo=9"}),
+                HasSubstr(R"(no service is called "servoo" (did you mean "servo"?); known are)"));
+    EXPECT_THAT(error({"ds18b2=2"}), HasSubstr(R"(did you mean "ds18b20"?)"));
+    EXPECT_THAT(error({"servo"}), HasSubstr("servo takes a pin for each servo, as servo=9,10"));
+    EXPECT_THAT(error({"motors=7,8"}), HasSubstr("motors takes three pins for each motor"));
+    EXPECT_THAT(error({"weather=4"}), HasSubstr("weather takes no pins: its chip is on I2C"));
+    EXPECT_THAT(error({"servo=9,D7"}), HasSubstr(R"(servo: "D7" is no pin; write 7 or A0)"));
+    EXPECT_THAT(error({"servo=9,"}), HasSubstr(R"(servo: "" is no pin)"));
+    EXPECT_THAT(error({"servo=9", "tone=9"}), HasSubstr("pin 9 is given twice"));
+    EXPECT_THAT(error({"dht22=4", "dht11=5"}), HasSubstr("dht22 and dht11 cannot be on one board"));
+    EXPECT_THAT(error({"pixels=6", "pressure"}), HasSubstr("both have the letter P"));
+    EXPECT_THAT(error({}), HasSubstr("with which services?"));
+    EXPECT_FALSE(std::filesystem::exists(folder_.file("Bad")));
+}
+
+// What is compiled is all that there is.
+TEST_F(ModelVerb, SketchOfServices_EachOfTheTableIsCompiled) {
+    const auto errors = model({"sketch", "?"}).errors;
+    auto names = errors.substr(errors.find("known are ") + 10);
+    std::replace(names.begin(), names.end(), ',', ' ');
+    std::istringstream list(names);
+    for (std::string name; list >> name;) {
+        EXPECT_THAT(" " GENERATED_SERVICES, HasSubstr(" " + name));
+    }
 }
 
 TEST_F(ModelVerb, Docs_ArePrintedOrWritten) {
