@@ -18,23 +18,26 @@ struct PinRequest {
 };
 
 /// `I,P`, `I,d` or `I,a`, with its two numbers.
-std::optional<PinRequest> parse_pin_request(std::string_view line) {
-    const auto request = protocol::parse_request(line);
-    if (!request || request->service != 'I' ||
-        std::string_view("Pda").find(request->tag) == std::string_view::npos)
+std::optional<PinRequest> read_pin(const protocol::Request& request) {
+    if (request.service != 'I' || (request.tag != 'P' && request.tag != 'd' && request.tag != 'a'))
         return std::nullopt;
-    const auto parts = protocol::split_fields(request->parameters, ',');
+    const auto parts = protocol::split_fields(request.parameters, ',');
     if (parts.size() != 2) return std::nullopt;
     const auto pin = protocol::parse_integer(parts[0]);
     const auto value = protocol::parse_integer(parts[1]);
     if (!pin || !value || *pin < 0 || *pin >= static_cast<std::int64_t>(protocol::kMaxPins) || *value < 0 ||
         *value > 255)
         return std::nullopt;
-    return PinRequest{request->tag, static_cast<int>(*pin), static_cast<int>(*value)};
+    return PinRequest{request.tag, static_cast<int>(*pin), static_cast<int>(*value)};
+}
+
+std::optional<PinRequest> parse_pin(std::string_view line) {
+    const auto request = protocol::parse_request(line);
+    return request ? read_pin(*request) : std::nullopt;
 }
 
 std::optional<PinRequest> parse_write(std::string_view line) {
-    const auto request = parse_pin_request(line);
+    const auto request = parse_pin(line);
     return request && request->tag == 'd' ? request : std::nullopt;
 }
 
@@ -52,7 +55,7 @@ std::string prepare(int pin, bool level, PinMode present) {
 }  // namespace
 
 std::optional<ModeRequest> parse_mode_request(std::string_view line) {
-    const auto request = parse_pin_request(line);
+    const auto request = parse_pin(line);
     if (!request || request->tag != 'P' || request->value > 8) return std::nullopt;
     return ModeRequest{request->pin, request->value};
 }
@@ -62,10 +65,9 @@ void SettingsMemory::executed(std::string_view line, bool keeps_level) {
     if (!request) return;
     if (request->service == '#' && request->tag == 'R') {
         *this = {};
-    } else if (const auto mode = parse_mode_request(line)) {
-        mode_executed(*mode, line, keeps_level);
-    } else if (const auto pin = parse_pin_request(line)) {
+    } else if (const auto pin = read_pin(*request)) {
         if (pin->tag == 'd') levels_[pin->pin] = pin->value != 0;
+        if (pin->tag == 'P' && pin->value <= 8) mode_executed({pin->pin, pin->value}, line, keeps_level);
         if (pin->tag == 'a' && modes_.contains(pin->pin))
             mode_executed({pin->pin, static_cast<int>(PinMode::kPwm)},
                           protocol::set_pin_mode(pin->pin, PinMode::kPwm), keeps_level);
