@@ -45,7 +45,7 @@ void ScriptedBoard::tick(Time now) {
 std::string ScriptedBoard::hear(std::string_view bytes, unsigned host_baud, Time now) {
     tick(now);
     if (mute) return {};
-    writes.emplace_back(bytes);
+    if (keeps_writes) writes.emplace_back(bytes);
     const bool works = baud <= fastest_working;
     if (host_baud != baud || !works) {
         partial_ += std::string(bytes.size() / 2, '\x80');

@@ -41,7 +41,8 @@ class ScriptedBoard {
 
     std::vector<std::string> executed;  ///< every line that is no question of an interview and no fence
     std::vector<std::string> heard;     ///< every whole line
-    std::vector<std::string> writes;    ///< as they came
+    bool keeps_writes = false;
+    std::vector<std::string> writes;  ///< as they came
 
     /// What it answers at `host_baud`, now.
     std::string hear(std::string_view bytes, unsigned host_baud, Time now);
