@@ -64,10 +64,9 @@ struct Times {
 /// They take turns, so that what else the machine does meets all alike.
 std::vector<Times> times_of(const std::vector<std::vector<std::string>>& commands) {
     std::vector<std::vector<double>> milliseconds(commands.size());
-    for (int run = 0; run < kRuns; ++run) {
+    for (int run = 0; run < kRuns; ++run)
         for (std::size_t i = 0; i < commands.size(); ++i)
             milliseconds[i].push_back(once(commands[i]));
-    }
     std::vector<Times> times;
     for (std::size_t i = 0; i < commands.size(); ++i) {
         auto& runs = milliseconds[i];

@@ -172,10 +172,9 @@ void values_for(Bus& bus, Uno& uno, std::vector<double>& samples) {
         const bool high = round % 2 != 0;
         const auto begin = Clock::now();
         uno.command(high ? "release uno/button" : "press uno/button");
-        while (!reader.has(high)) {
+        while (!reader.has(high))
             if (Clock::now() - begin > std::chrono::seconds(5))
                 throw std::runtime_error("no value of the button");
-        }
         samples.push_back(Milliseconds(Clock::now() - begin).count());
     }
 }

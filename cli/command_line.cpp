@@ -73,16 +73,14 @@ CommandLine::CommandLine(const std::vector<Verb>& verbs, const std::vector<std::
     : CommandLine() {
     const auto* verb = find_verb(verbs, first_argument(arguments));
     const bool alone = verb != nullptr && !knows_all(*verb);
-    for (const auto& one : verbs) {
+    for (const auto& one : verbs)
         if (!alone || &one == verb) add_verb(one, verb != nullptr);
-    }
 }
 
 std::string CommandLine::first_argument(const std::vector<std::string>& words) const {
     const auto read = program::classify(app_, words);
-    for (std::size_t i = 0; i < words.size(); ++i) {
+    for (std::size_t i = 0; i < words.size(); ++i)
         if (read[i].kind == program::CommandWord::Kind::kArgument) return words[i];
-    }
     return {};
 }
 
@@ -211,9 +209,8 @@ Outcome<void> CommandLine::apply(Environment& environment) const {
     environment.typed_options = typed_;
     if (!services_.empty()) {
         auto& models = environment.own_models.emplace(model::ModelSet::standard());
-        if (const auto loaded = models.load_directory(services_); !loaded) {
+        if (const auto loaded = models.load_directory(services_); !loaded)
             return failure(program::kExitUsage, loaded.error());
-        }
     }
     return {};
 }

@@ -156,9 +156,8 @@ std::vector<std::string> complete(const CLI::App& app, const std::vector<std::st
         const auto option = program::classify(*next.app, {name}).front().option;
         if (option == nullptr) return {};
         auto found = values(app, *option, start.substr(name.size() + 1), arguments, names);
-        for (auto& one : found) {
+        for (auto& one : found)
             if (!one.starts_with(":")) one = name + "=" + one;
-        }
         return found;
     }
     if (start.starts_with("-")) return starting_with(option_names(next.app), start);
@@ -181,11 +180,10 @@ ShellLine typed_shell_line(const std::string& line) {
             return c == '\\' && !last && std::strchr(of, line[i + 1]);
         };
         if (result.quote != '\0') {
-            if (c == result.quote) {
+            if (c == result.quote)
                 result.quote = '\0';
-            } else {
+            else
                 word() += result.quote == '"' && escapes("\"\\$`") ? line[++i] : c;
-            }
         } else if (c == ' ' || c == '\t' || c == '\n') {
             inside = false;
         } else if (c == '\'' || c == '"') {
@@ -222,11 +220,10 @@ std::vector<std::string> for_bash(std::vector<std::string> candidates, const She
             continue;
         }
         const auto part = candidate.substr(std::min(replaced_from, candidate.size()));
-        if (!quoted) {
+        if (!quoted)
             result.push_back(with_backslashes(part));
-        } else if (part.find_first_of(breaks) == std::string::npos) {
+        else if (part.find_first_of(breaks) == std::string::npos)
             result.push_back(part);
-        }
     }
     return result;
 }

@@ -14,9 +14,8 @@ using Words = std::vector<std::string>;
 Words units_of(const model::ModelSet& models) {
     Words result;
     const auto add = [&result](const std::vector<model::Field>& fields) {
-        for (const auto& field : fields) {
+        for (const auto& field : fields)
             if (!field.unit.empty()) result.push_back(field.unit);
-        }
     };
     for (const auto& name : models.names()) {
         const auto model = models.find(name);
@@ -47,18 +46,16 @@ NameSources bus_names(const Environment& environment, BoardSource& source, std::
     };
     names.commands = [model](const std::string& name, const std::string& service) {
         Words result;
-        if (const auto found = model(name, service)) {
+        if (const auto found = model(name, service))
             for (const auto& command : found->commands)
                 result.push_back(command.name);
-        }
         return result;
     };
     names.fields = [model](const std::string& name, const std::string& service) {
         Words result;
-        if (const auto found = model(name, service)) {
+        if (const auto found = model(name, service))
             for (const auto& event : found->events)
                 result.push_back(event.name);
-        }
         return result;
     };
     names.kinds = [&environment] { return environment.models().names(); };

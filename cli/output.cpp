@@ -58,13 +58,12 @@ const nlohmann::json* member_at(const nlohmann::json& value, std::string_view pa
     while (!path.empty()) {
         const std::string key(first_part(path));
         const auto index = protocol::parse_integer(key);
-        if (at->is_object() && at->contains(key)) {
+        if (at->is_object() && at->contains(key))
             at = &(*at)[key];
-        } else if (at->is_array() && index && *index >= 0 && static_cast<std::size_t>(*index) < at->size()) {
+        else if (at->is_array() && index && *index >= 0 && static_cast<std::size_t>(*index) < at->size())
             at = &(*at)[static_cast<std::size_t>(*index)];
-        } else {
+        else
             return nullptr;
-        }
         path.remove_prefix(std::min(key.size() + 1, path.size()));
     }
     return at;

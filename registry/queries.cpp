@@ -119,9 +119,8 @@ bus::Answer Queries::forget(const bus::Forget& forget) {
         if (answer.forgotten.size() > kMaxForgottenAtOnce) answer.forgotten.resize(kMaxForgottenAtOnce);
     }
     if (!forget.dry_run) {
-        for (const std::string& board : answer.forgotten) {
+        for (const std::string& board : answer.forgotten)
             if (auto events = catalogue.forget(board, now.time)) dependencies_.forgotten(*events);
-        }
     }
     return answer;
 }

@@ -69,9 +69,8 @@ Catalogue::Options Registry::catalogue_options(const RegistryOptions& options,
     result.max_boards = options.max_boards;
     result.units_of = [models](std::string_view reference) { return model::units_of(models, reference); };
     result.hash_seed = random_();
-    if (history_ != nullptr) {
+    if (history_ != nullptr)
         result.remembered = [this](std::string_view board) { return history_->remembered(board, now_); };
-    }
     return result;
 }
 

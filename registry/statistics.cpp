@@ -17,9 +17,8 @@ constexpr std::size_t kMaxKinds = 200;
 
 json boards_by_state(const CatalogueStats& stats) {
     json boards = json::object();
-    for (std::size_t state = 0; state < kStates; ++state) {
+    for (std::size_t state = 0; state < kStates; ++state)
         boards[std::string(model::to_text(static_cast<model::BoardState>(state)))] = stats.boards[state];
-    }
     return boards;
 }
 

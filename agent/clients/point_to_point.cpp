@@ -162,11 +162,10 @@ void PointToPoint::watch_silence() {
                 take(client, client.framing.after_silence());
         }
         if (client.framing.kind() != ClientFraming::Kind::kUnknown) continue;
-        if (now >= client.connected + silence_) {
+        if (now >= client.connected + silence_)
             client.framing.assume(client.silent);
-        } else {
+        else
             next = std::min(next, client.connected + silence_);
-        }
     }
     if (next == Time::max()) return;
     silence_timer_.expires_at(next);

@@ -110,12 +110,11 @@ void LabelBook::begin_next(Effects& out) {
 
 void LabelBook::note_modes(const std::vector<std::pair<int, int>>& modes, Time now) {
     auto next = kept_.modes;
-    for (const auto& [pin, mode] : modes) {
+    for (const auto& [pin, mode] : modes)
         if (mode == 0)
             next.erase(pin);
         else
             next[pin] = mode;
-    }
     if (next == kept_.modes) return;
     kept_.modes = std::move(next);
     if (!write_modes_at_) write_modes_at_ = now + kBetweenWrites;

@@ -184,11 +184,10 @@ void Supervisor::reload() {
     clock_gettime(CLOCK_MONOTONIC, &now);
     program::tell_service_manager("RELOADING=1\nMONOTONIC_USEC=" +
                                   std::to_string(std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1000));
-    if (auto plan = read_again_()) {
+    if (auto plan = read_again_())
         apply(std::move(*plan));
-    } else {
+    else
         log::error("the configuration file is not used; going on as before", {{"why", plan.error()}});
-    }
     program::tell_service_manager("READY=1");
     report_soon();
 }
@@ -214,11 +213,10 @@ void Supervisor::apply(Plan plan) {
         const bool left = !std::exchange(board.wanted, found != planned.end());
         if (!board.wanted) {
             ++removed;
-            if (board.agent) {
+            if (board.agent)
                 board.agent->stop();
-            } else {
+            else
                 remove(board);
-            }
             continue;
         }
         const bool same = same_options(board.plan, *found->second);

@@ -49,9 +49,8 @@ std::optional<TopicRef> parse_service_bus(std::string_view board, std::string_vi
 }
 
 std::optional<TopicRef> parse_registry(std::string_view id, std::string_view rest, bool has_rest) {
-    if (!has_rest) {
+    if (!has_rest)
         return id == "query" ? std::optional(TopicRef{TopicKind::kAnyRegistryQuery, {}, {}}) : std::nullopt;
-    }
     if (!model::valid_name(id)) return std::nullopt;
     if (rest == "$state") return TopicRef{TopicKind::kRegistryState, id, {}};
     if (rest == "$stats") return TopicRef{TopicKind::kRegistryStats, id, {}};
@@ -117,9 +116,8 @@ std::optional<TopicRef> Topics::parse(std::string_view topic) const {
     auto rest = topic.substr(root_.size() + 1);
     const auto first = next_level(rest);
     const bool has_second = rest.data() != nullptr;
-    if (!has_second) {
+    if (!has_second)
         return first == "servicebus" ? std::optional(TopicRef{TopicKind::kBoardNames, {}, {}}) : std::nullopt;
-    }
     const auto second = next_level(rest);
     const bool has_third = rest.data() != nullptr;
     if (first == "servicebus") return parse_service_bus(second, rest, has_third);

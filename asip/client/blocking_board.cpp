@@ -100,15 +100,11 @@ Result<BlockingBoard> BlockingBoard::open(const std::string& address, Options op
     auto runner = std::make_unique<Runner>();
     const auto opened = runner->call<bool>([address, options](Runner& own) -> Awaitable<bool> {
         auto board = co_await Board::open(own.io(), address, options);
-        if (!board) {
-            co_return Unexpected<Error>(board.error());
-        }
+        if (!board) co_return Unexpected<Error>(board.error());
         own.board() = std::move(*board);
         co_return true;
     });
-    if (!opened) {
-        return Unexpected<Error>(opened.error());
-    }
+    if (!opened) return Unexpected<Error>(opened.error());
     return BlockingBoard(std::move(runner));
 }
 
@@ -164,9 +160,7 @@ Result<Json> BlockingBoard::command(const std::string& service, const std::strin
                                     const Json& arguments) {
     return call<Json>([=](Runner& own) -> Awaitable<Json> {
         const auto found = own.board().service(service);
-        if (!found) {
-            co_return Unexpected<Error>(found.error());
-        }
+        if (!found) co_return Unexpected<Error>(found.error());
         co_return co_await found->command(name, arguments);
     });
 }
@@ -189,21 +183,15 @@ Result<bool> BlockingBoard::wait_for_change(int pin, std::chrono::milliseconds t
         if (!own.inputs().contains(pin)) {
             Runner::Input input{own.board().digital_changes(pin)};
             const auto level = co_await own.board().digital_read(pin);
-            if (!level) {
-                co_return Unexpected<Error>(level.error());
-            }
+            if (!level) co_return Unexpected<Error>(level.error());
             input.level = *level;
             own.inputs().emplace(pin, std::move(input));
         }
         auto& input = own.inputs().at(pin);
         while (true) {
             const auto level = co_await input.changes.next(end - Clock::now());
-            if (!level) {
-                co_return Unexpected<Error>(level.error());
-            }
-            if (std::exchange(input.level, *level) != *level) {
-                co_return *level;
-            }
+            if (!level) co_return Unexpected<Error>(level.error());
+            if (std::exchange(input.level, *level) != *level) co_return *level;
         }
     });
 }
@@ -211,9 +199,7 @@ Result<bool> BlockingBoard::wait_for_change(int pin, std::chrono::milliseconds t
 Result<void> BlockingBoard::watch(const std::string& service, double wanted_hz) {
     return call<void>([service, wanted_hz](Runner& own) -> Awaitable<void> {
         const auto found = own.board().service(service);
-        if (!found) {
-            co_return Unexpected<Error>(found.error());
-        }
+        if (!found) co_return Unexpected<Error>(found.error());
         own.streams().try_emplace(service, found->events(wanted_hz));
         co_return Result<void>();
     });
@@ -222,9 +208,8 @@ Result<void> BlockingBoard::watch(const std::string& service, double wanted_hz) 
 Result<Json> BlockingBoard::next_event(const std::string& service, std::chrono::milliseconds timeout) {
     return call<Json>([=](Runner& own) -> Awaitable<Json> {
         const auto found = own.streams().find(service);
-        if (found == own.streams().end()) {
+        if (found == own.streams().end())
             co_return failure(Error::Kind::kInvalid, "call watch(\"" + service + "\") first");
-        }
         co_return co_await found->second.next(timeout);
     });
 }

@@ -13,9 +13,8 @@ using Json = nlohmann::json;
 Json make_command(const char* name, std::initializer_list<int> arguments) {
     Json command = Json::object();
     command[name] = Json::array();
-    for (const int argument : arguments) {
+    for (const int argument : arguments)
         command[name].push_back(argument);
-    }
     return command;
 }
 
@@ -76,9 +75,7 @@ std::map<std::string, std::string> Board::labels() const {
 }
 
 Awaitable<void> Board::set_pin_mode(int pin, protocol::PinMode mode) const {
-    if (core_ && !protocol::is_digital_input(mode)) {
-        core_->forget_level(pin);
-    }
+    if (core_ && !protocol::is_digital_input(mode)) core_->forget_level(pin);
     return Core::io(owner(), make_command("mode", {pin, static_cast<int>(mode)}));
 }
 
@@ -117,14 +114,10 @@ Stream<bool> Board::digital_changes(int pin) const {
 }
 
 Result<Service> Board::service(const std::string& name) const {
-    if (!core_) {
-        return failure(Error::Kind::kClosed, "the board was closed");
-    }
+    if (!core_) return failure(Error::Kind::kClosed, "the board was closed");
     std::string names;
     for (const ServiceInfo& each : core_->transport().services()) {
-        if (each.name == name) {
-            return Service(core_, each);
-        }
+        if (each.name == name) return Service(core_, each);
         names += (names.empty() ? "" : ", ") + each.name;
     }
     return failure(Error::Kind::kInvalid,
@@ -136,9 +129,7 @@ Awaitable<void> Board::raw(std::string line) const {
 }
 
 void Board::close() const {
-    if (core_) {
-        core_->close();
-    }
+    if (core_) core_->close();
 }
 
 std::shared_ptr<Board::Core> Board::owner() const {

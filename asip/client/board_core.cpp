@@ -18,15 +18,12 @@ Unexpected<Error> away(const std::string& name) {
 /// Calls `take(number, value)` for each member of {"2":1,"3":0}.
 template <class Take>
 void for_each_number(const nlohmann::json& members, Take take) {
-    if (!members.is_object()) {
-        return;
-    }
+    if (!members.is_object()) return;
     for (const auto& [key, value] : members.items()) {
         int number = 0;
         const auto [end, code] = std::from_chars(key.data(), key.data() + key.size(), number);
-        if (code == std::errc{} && end == key.data() + key.size() && value.is_number_integer()) {
+        if (code == std::errc{} && end == key.data() + key.size() && value.is_number_integer())
             take(number, value.template get<int>());
-        }
     }
 }
 
@@ -34,17 +31,13 @@ void for_each_number(const nlohmann::json& members, Take take) {
 std::optional<protocol::PinMode> mode_of(const nlohmann::json& answer, int pin) {
     std::optional<protocol::PinMode> mode;
     const auto modes = answer.is_object() ? answer.find("modes") : answer.end();
-    if (modes == answer.end()) {
-        return mode;
-    }
+    if (modes == answer.end()) return mode;
     if (modes->is_array() && pin >= 0 && static_cast<std::size_t>(pin) < modes->size() &&
         (*modes)[static_cast<std::size_t>(pin)].is_number_integer()) {
         return protocol::pin_mode_from_number((*modes)[static_cast<std::size_t>(pin)].get<int>());
     }
     for_each_number(*modes, [&](int number, int value) {
-        if (number == pin) {
-            mode = protocol::pin_mode_from_number(value);
-        }
+        if (number == pin) mode = protocol::pin_mode_from_number(value);
     });
     return mode;
 }
@@ -67,9 +60,7 @@ void Board::Core::opened() {
 }
 
 void Board::Core::close() {
-    if (closed_) {
-        return;
-    }
+    if (closed_) return;
     closed_ = true;
     transport_->close();
     wake();
@@ -77,28 +68,18 @@ void Board::Core::close() {
 }
 
 void Board::Core::on_event(const std::string& service, const Json& event) {
-    if (closed_) {
-        return;
-    }
+    if (closed_) return;
     const auto self = shared_from_this();  // a callback may drop the last Board
     if (service == "io" && event.is_object()) {
-        if (const auto levels = event.find("digital"); levels != event.end()) {
-            take_digital(*levels);
-        }
-        if (const auto values = event.find("analog"); values != event.end()) {
-            take_analog(*values);
-        }
+        if (const auto levels = event.find("digital"); levels != event.end()) take_digital(*levels);
+        if (const auto values = event.find("analog"); values != event.end()) take_analog(*values);
     }
-    if (const auto found = events_.find(service); found != events_.end()) {
-        found->second.emit(event);
-    }
+    if (const auto found = events_.find(service); found != events_.end()) found->second.emit(event);
     wake();
 }
 
 void Board::Core::on_presence(bool there) {
-    if (closed_ || there == online_) {
-        return;
-    }
+    if (closed_ || there == online_) return;
     const auto self = shared_from_this();
     online_ = there;
     levels_.clear();
@@ -108,13 +89,10 @@ void Board::Core::on_presence(bool there) {
 }
 
 void Board::Core::on_values(const std::string& service) {
-    if (closed_) {
-        return;
-    }
+    if (closed_) return;
     const auto self = shared_from_this();
-    if (const auto found = values_.find(service); found != values_.end()) {
+    if (const auto found = values_.find(service); found != values_.end())
         found->second.emit(transport_->values(service));
-    }
     wake();
 }
 
@@ -122,13 +100,9 @@ void Board::Core::take_digital(const Json& levels) {
     for_each_number(levels, [this](int pin, int value) {
         const bool level = value != 0;
         const auto [place, is_new] = levels_.try_emplace(pin, level);
-        if (!is_new && place->second == level) {
-            return;
-        }
+        if (!is_new && place->second == level) return;
         place->second = level;
-        if (const auto found = digital_.find(pin); found != digital_.end()) {
-            found->second.emit(level);
-        }
+        if (const auto found = digital_.find(pin); found != digital_.end()) found->second.emit(level);
     });
 }
 
@@ -136,24 +110,21 @@ void Board::Core::take_analog(const Json& values) {
     const Time now = Clock::now();
     for_each_number(values, [this, now](int channel, int value) {
         samples_.insert_or_assign(channel, Sample{value, now});
-        if (const auto found = analog_signals_.find(channel); found != analog_signals_.end()) {
+        if (const auto found = analog_signals_.find(channel); found != analog_signals_.end())
             found->second.emit(value);
-        }
     });
 }
 
 std::optional<int> Board::Core::fresh_sample(int channel) const {
     const auto found = samples_.find(channel);
-    if (found == samples_.end() || Clock::now() - found->second.when > options_.analog_max_age) {
+    if (found == samples_.end() || Clock::now() - found->second.when > options_.analog_max_age)
         return std::nullopt;
-    }
     return found->second.value;
 }
 
 void Board::Core::wake() {
-    for (asio::steady_timer* waiter : waiters_) {
+    for (asio::steady_timer* waiter : waiters_)
         waiter->cancel();
-    }
 }
 
 template <class Condition>
@@ -172,46 +143,31 @@ asio::awaitable<bool> Board::Core::wait_for(std::shared_ptr<Core> core, Conditio
 
 Awaitable<nlohmann::json> Board::Core::command(std::shared_ptr<Core> core, std::string service,
                                                Json command) {
-    if (!core || core->closed_) {
-        co_return closed();
-    }
-    if (!core->online_) {
-        co_return away(core->transport_->board_name());
-    }
+    if (!core || core->closed_) co_return closed();
+    if (!core->online_) co_return away(core->transport_->board_name());
     co_return co_await core->transport_->command(std::move(service), std::move(command));
 }
 
 Awaitable<void> Board::Core::raw(std::shared_ptr<Core> core, std::string line) {
-    if (!core || core->closed_) {
-        co_return closed();
-    }
-    if (!core->online_) {
-        co_return away(core->transport_->board_name());
-    }
+    if (!core || core->closed_) co_return closed();
+    if (!core->online_) co_return away(core->transport_->board_name());
     co_return co_await core->transport_->raw(std::move(line));
 }
 
 Awaitable<void> Board::Core::io(std::shared_ptr<Core> core, Json command) {
     const auto done = co_await Core::command(std::move(core), "io", std::move(command));
-    if (!done) {
-        co_return Unexpected<Error>(done.error());
-    }
+    if (!done) co_return Unexpected<Error>(done.error());
     co_return Result<void>();
 }
 
 Awaitable<bool> Board::Core::digital_read(std::shared_ptr<Core> core, int pin) {
-    if (!core || core->closed_) {
-        co_return closed();
-    }
-    if (const auto known = core->levels_.find(pin); core->online_ && known != core->levels_.end()) {
+    if (!core || core->closed_) co_return closed();
+    if (const auto known = core->levels_.find(pin); core->online_ && known != core->levels_.end())
         co_return known->second;
-    }
     Json ask = Json::object();
     ask["modes"] = Json::array();
     const auto answer = co_await command(core, "io", std::move(ask));
-    if (!answer) {
-        co_return Unexpected<Error>(answer.error());
-    }
+    if (!answer) co_return Unexpected<Error>(answer.error());
     const auto mode = mode_of(*answer, pin);
     if (!mode || !protocol::is_digital_input(*mode)) {
         co_return failure(Error::Kind::kInvalid,
@@ -226,26 +182,18 @@ Awaitable<bool> Board::Core::digital_read(std::shared_ptr<Core> core, int pin) {
     if (const auto told = co_await command(core, "io", std::move(ask)); told && told->contains("levels"))
         core->take_digital((*told)["levels"]);
     const auto known = [core, pin] { return core->levels_.contains(pin); };
-    if (co_await wait_for(core, known, core->options_.read_timeout)) {
-        co_return core->levels_.at(pin);
-    }
+    if (co_await wait_for(core, known, core->options_.read_timeout)) co_return core->levels_.at(pin);
     co_return core->closed_ ? closed()
     : core->online_ ? failure(Error::Kind::kTimeout, "the board did not report pin " + std::to_string(pin))
                     : away(core->transport_->board_name());
 }
 
 Awaitable<int> Board::Core::analog_read(std::shared_ptr<Core> core, int channel) {
-    if (!core || core->closed_) {
-        co_return closed();
-    }
-    if (!core->online_) {
-        co_return away(core->transport_->board_name());
-    }
+    if (!core || core->closed_) co_return closed();
+    if (!core->online_) co_return away(core->transport_->board_name());
     const auto demand = core->transport_->demand("io", kUsualHz);
     const auto known = [core, channel] { return core->fresh_sample(channel).has_value(); };
-    if (co_await wait_for(core, known, core->options_.read_timeout)) {
-        co_return *core->fresh_sample(channel);
-    }
+    if (co_await wait_for(core, known, core->options_.read_timeout)) co_return *core->fresh_sample(channel);
     co_return core->closed_ ? closed()
     : core->online_         ? failure(Error::Kind::kTimeout,
                                       "the board did not report analog channel " + std::to_string(channel) +

@@ -121,9 +121,7 @@ Expected<void> BusTransport::make_client() {
 }
 
 std::string BusTransport::why_not_there() {
-    if (!failure_.empty()) {
-        return failure_;
-    }
+    if (!failure_.empty()) return failure_;
     const std::string where = address_.host + ":" + std::to_string(address_.port);
     const auto known = caller_->boards().board(address_.board, catalogue::instant_now());
     if (!known) {
@@ -142,9 +140,8 @@ Awaitable<Json> BusTransport::command(std::string service, Json command) {
         co_return failure(Error::Kind::kInvalid,
                           "board " + address_.board + " has no service \"" + service + "\"");
     }
-    if (!command.is_object()) {
+    if (!command.is_object())
         co_return failure(Error::Kind::kInvalid, "a command is a JSON object, {\"write\":[0,90]}");
-    }
     co_return co_await request(topics_.service_in(address_.board, service), std::move(command));
 }
 
@@ -194,9 +191,7 @@ std::map<std::string, std::string> BusTransport::labels() const {
 
 std::shared_ptr<void> BusTransport::demand(const std::string& service, double hz) {
     static_assert(kUsualHz == bus::kUsualHz);
-    if (closed_ || !caller_) {
-        return nullptr;
-    }
+    if (closed_ || !caller_) return nullptr;
     auto want = caller_->want(address_.board, service, hz);
     wake_in_time();
     const auto end = [this, want, alive = std::weak_ptr<bool>(alive_)](void*) mutable {
@@ -226,16 +221,12 @@ void BusTransport::wake_in_time() {
 }
 
 void BusTransport::close() {
-    if (closed_) {
-        return;
-    }
+    if (closed_) return;
     closed_ = true;
     timer_.cancel();
     alive_.reset();
     calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
-    if (!client_) {
-        return;
-    }
+    if (!client_) return;
     const bool says_more = caller_->leave();
     std::shared_ptr<mqtt::Client> client = std::move(client_);
     if (says_more) {
@@ -250,16 +241,13 @@ void BusTransport::take(const mqtt::Message& message) {
     caller_->message(message, Clock::now());
     wake_in_time();
     const auto topic = topics_.parse(message.topic);
-    if (!topic || topic->board != address_.board) {
-        return;
-    }
-    if (changed_) {
+    if (!topic || topic->board != address_.board) return;
+    if (changed_)
         look_if_changed();
-    } else if (topic->kind == bus::TopicKind::kValues) {
+    else if (topic->kind == bus::TopicKind::kValues)
         take_values(message);
-    } else if (topic->kind == bus::TopicKind::kServiceOut && !message.retain) {
+    else if (topic->kind == bus::TopicKind::kServiceOut && !message.retain)
         take_event(topic->service, message);
-    }
 }
 
 nlohmann::json BusTransport::values(const std::string& service) const {
@@ -273,9 +261,7 @@ void BusTransport::take_values(const mqtt::Message& message) {
     decltype(values_) now;
     if (!message.payload.empty()) {
         auto document = property::parse_values(message.payload);
-        if (!document || document->head.board != address_.board) {
-            return;
-        }
+        if (!document || document->head.board != address_.board) return;
         for (auto& [id, shown] : document->values)
             if (shown.how != property::How::kNone) now.emplace(id, std::move(shown.value));
     }
@@ -293,9 +279,7 @@ void BusTransport::take_values(const mqtt::Message& message) {
 
 void BusTransport::take_event(std::string_view service, const mqtt::Message& message) {
     const auto event = model::parse_json(message.payload);
-    if (event && there_) {
-        listener_->on_event(std::string(service), *event);
-    }
+    if (event && there_) listener_->on_event(std::string(service), *event);
 }
 
 void BusTransport::look_if_changed() {
@@ -308,9 +292,7 @@ void BusTransport::look_again() {
     const bool there = client_->connected() && known && known->state == "online" &&
                        caller_->heard_of(address_.board) && !known->reported.empty() &&
                        description() != nullptr;
-    if (there) {
-        calls_.finish(kOpening, Json());
-    }
+    if (there) calls_.finish(kOpening, Json());
     if (there != there_) {
         there_ = there;
         if (!there) {
@@ -337,13 +319,9 @@ void BusTransport::failed(const mqtt::ConnectionFailure& why) {
     const bool cut_off = why.after_sending != 0 && !waiting.empty();
     caller_->disconnected(why, Clock::now());
     failure_ = cut_off ? mqtt::cut_off_text(user_, waiting) : why.text;
-    if (why.hopeless) {
-        calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
-    }
+    if (why.hopeless) calls_.finish(kOpening, failure(Error::Kind::kUnreachable, why.text));
     values_.clear();  // it comes again with the next connection, where it still holds
-    if (there_) {
-        look_again();
-    }
+    if (there_) look_again();
 }
 
 }  // namespace asip::client

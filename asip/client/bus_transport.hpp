@@ -45,9 +45,7 @@ class BusTransport final : public Transport {
     template <class Handler>
     auto while_alive(Handler handler) {
         return [alive = std::weak_ptr<bool>(alive_), handler = std::move(handler)](const auto& event) {
-            if (alive.lock()) {
-                handler(event);
-            }
+            if (alive.lock()) handler(event);
         };
     }
     void connected();

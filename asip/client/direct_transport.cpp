@@ -24,17 +24,13 @@ session::SessionOptions session_options(const Options& options) {
 }
 
 link::StreamTarget stream_target(const Address& address, const Options& options) {
-    if (address.kind == Address::Kind::kTcp) {
-        return link::TcpAddress{address.host, address.port};
-    }
+    if (address.kind == Address::Kind::kTcp) return link::TcpAddress{address.host, address.port};
     return link::SerialTarget{address.path, options.baud, link::DtrAtOpen::kRaise};
 }
 
 std::optional<Json> value_of(const protocol::Event& event, const model::ServiceModel* model,
                              const session::Identity& board) {
-    if (model == nullptr) {
-        return std::nullopt;
-    }
+    if (model == nullptr) return std::nullopt;
     auto json = model::decode_event(*model, event, {&board.port_map, board.pin_modes});
     return json ? std::optional<Json>(std::move(*json)) : std::nullopt;
 }
@@ -110,22 +106,17 @@ Awaitable<void> DirectTransport::open(Listener& listener) {
     link_->start();
     const auto done =
         co_await calls_.wait(kOpeningRequest, options_.open_timeout, "no ASIP board answered in time");
-    if (!done) {
-        co_return Unexpected<Error>(done.error());
-    }
+    if (!done) co_return Unexpected<Error>(done.error());
     opened_ = true;
     co_return Result<void>();
 }
 
 Awaitable<Json> DirectTransport::command(std::string service, Json command) {
     const auto* known = services_.find(service);
-    if (known == nullptr) {
+    if (known == nullptr)
         co_return failure(Error::Kind::kInvalid, "the board has no service \"" + service + "\"");
-    }
     auto encoded = model::encode_control_json(known->model.get(), known->letter, command);
-    if (!encoded) {
-        co_return failure(Error::Kind::kInvalid, encoded.error());
-    }
+    if (!encoded) co_return failure(Error::Kind::kInvalid, encoded.error());
     co_return co_await request(std::move(encoded->line), encoded->answer, known->model);
 }
 
@@ -146,25 +137,19 @@ Awaitable<Json> DirectTransport::request(std::string line, char answer_tag, mode
         };
     }
     const auto id = session_.submit(line, options, now, actions);
-    if (!id) {
-        co_return Unexpected<Error>(error_of(id.error()));
-    }
+    if (!id) co_return Unexpected<Error>(error_of(id.error()));
     calls_.begin(*id);
     perform(actions);
     const auto answer =
         co_await calls_.wait(*id, options_.command_timeout, bus::why_of(bus::Reply::timeout()));
-    if (!answer || !answer->is_string()) {
-        co_return answer;
-    }
+    if (!answer || !answer->is_string()) co_return answer;
     const auto message = protocol::parse_line(answer->get_ref<const std::string&>());
     const auto* const event = std::get_if<protocol::Event>(&message);
     co_return event == nullptr ? Json() : decoded(*event, model.get(), session_.identity());
 }
 
 std::string DirectTransport::board_name() const {
-    if (!session_.identity().stored_name.empty()) {
-        return session_.identity().stored_name;
-    }
+    if (!session_.identity().stored_name.empty()) return session_.identity().stored_name;
     return model::suggest_name(address_.kind == Address::Kind::kTcp
                                    ? address_.host + "-" + std::to_string(address_.port)
                                    : address_.path.substr(address_.path.rfind('/') + 1));
@@ -172,27 +157,21 @@ std::string DirectTransport::board_name() const {
 
 std::vector<ServiceInfo> DirectTransport::services() const {
     std::vector<ServiceInfo> infos;
-    for (const auto& each : services_.entries()) {
+    for (const auto& each : services_.entries())
         infos.push_back({each.name, each.letter, each.title});
-    }
     return infos;
 }
 
 void DirectTransport::close() {
-    if (closed_) {
-        return;
-    }
+    if (closed_) return;
     closed_ = true;
     deadline_.cancel();
     calls_.finish_all({Error::Kind::kClosed, 0, "the board was closed"});
     if (link_) {
         session::Actions actions;
         session_.leave(session::Leave::kAtOnce, Clock::now(), actions);
-        for (const auto& action : actions) {
-            if (const auto* write = std::get_if<session::Write>(&action)) {
-                link_->write(write->bytes);
-            }
-        }
+        for (const auto& action : actions)
+            if (const auto* write = std::get_if<session::Write>(&action)) link_->write(write->bytes);
         link_->stop();
     }
 }
@@ -210,24 +189,18 @@ void DirectTransport::lost(const link::StreamError& error) {
     session::Actions actions;
     session_.link_down(Clock::now(), actions);
     perform(actions);
-    if (alive.expired() || closed_) {
-        return;
-    }
+    if (alive.expired() || closed_) return;
     failed(error);
     set_presence(false);
 }
 
 void DirectTransport::failed(const link::StreamError& error) {
-    if (!opened_) {
-        calls_.finish(kOpeningRequest, failure(Error::Kind::kUnreachable, error.text));
-    }
+    if (!opened_) calls_.finish(kOpeningRequest, failure(Error::Kind::kUnreachable, error.text));
 }
 
 void DirectTransport::set_line_rate(unsigned baud) {
     link_->set_rate(baud, [this, alive = std::weak_ptr<bool>(alive_)](bool ok) {
-        if (alive.expired() || closed_) {
-            return;
-        }
+        if (alive.expired() || closed_) return;
         session::Actions actions;
         session_.line_rate_set(ok, Clock::now(), actions);
         perform(actions);
@@ -240,9 +213,7 @@ void DirectTransport::perform(const session::Actions& actions) {
     const std::weak_ptr<bool> alive = alive_;
     for (const session::Action& action : actions) {
         perform_one(action);
-        if (alive.expired() || closed_) {
-            return;
-        }
+        if (alive.expired() || closed_) return;
     }
     arm();
 }
@@ -275,13 +246,10 @@ void DirectTransport::perform_one(const session::Action& action) {
 }
 
 void DirectTransport::deliver(const protocol::ParsedLine& line) {
-    if (!line.is_event() || !there_) {
-        return;
-    }
+    if (!line.is_event() || !there_) return;
     const protocol::Event event = line.event();
-    if (const auto* known = services_.find(event.service)) {
+    if (const auto* known = services_.find(event.service))
         listener_->on_event(known->name, decoded(event, known->model.get(), session_.identity()));
-    }
 }
 
 void DirectTransport::identified() {
@@ -292,11 +260,10 @@ void DirectTransport::identified() {
 
 void DirectTransport::finished(const session::Finished& end) {
     const bool done = end.ending == session::Ending::kExecuted || end.ending == session::Ending::kUnproven;
-    if (!done) {
+    if (!done)
         calls_.finish(end.id, Unexpected<Error>(error_of(end)));
-    } else {
+    else
         calls_.finish(end.id, end.answer.empty() ? Json() : Json(end.answer.text()));
-    }
 }
 
 void DirectTransport::set_presence(bool there) {
@@ -312,15 +279,11 @@ void DirectTransport::arm() {
         deadline_.cancel();
         return;
     }
-    if (deadline_.expiry() == *next && *next > Clock::now()) {
-        return;
-    }
+    if (deadline_.expiry() == *next && *next > Clock::now()) return;
     deadline_.expires_at(*next);
     deadline_.async_wait(
         [this, alive = std::weak_ptr<bool>(alive_)](const boost::system::error_code& cancelled) {
-            if (cancelled || alive.expired() || closed_) {
-                return;
-            }
+            if (cancelled || alive.expired() || closed_) return;
             session::Actions actions;
             session_.tick(Clock::now(), actions);
             perform(actions);

@@ -19,19 +19,16 @@ Awaitable<Board> Board::open(boost::asio::io_context& io, std::string_view addre
 
 Awaitable<Board> Board::open(boost::asio::io_context& io, std::string_view address, const Options& options) {
     auto parsed = parse_address(address);
-    if (!parsed) {
-        return fail_to_open({Error::Kind::kInvalid, 0, parsed.error()});
-    }
+    if (!parsed) return fail_to_open({Error::Kind::kInvalid, 0, parsed.error()});
     if (!bus::Topics::valid_root(options.topic_root)) {
         return fail_to_open(
             {Error::Kind::kInvalid, 0, "\"" + options.topic_root + "\" cannot be a topic root"});
     }
     std::unique_ptr<Transport> transport;
-    if (parsed->kind == Address::Kind::kMqtt) {
+    if (parsed->kind == Address::Kind::kMqtt)
         transport = std::make_unique<BusTransport>(io, std::move(*parsed), options);
-    } else {
+    else
         transport = std::make_unique<DirectTransport>(io, std::move(*parsed), options);
-    }
     return open(std::move(transport), options);
 }
 

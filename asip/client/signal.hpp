@@ -28,15 +28,10 @@ class Signal {
         // By index: a callback may register another, which moves the vector. New ones wait for the next emit.
         const std::size_t count = registered_.size();
         ++depth_;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (const auto callback = registered_[i].lock()) {
-                (*callback)(args...);
-            }
-        }
+        for (std::size_t i = 0; i < count; ++i)
+            if (const auto callback = registered_[i].lock()) (*callback)(args...);
         // Erasing inside a nested emit would shift what the outer one is about to call.
-        if (--depth_ == 0) {
-            std::erase_if(registered_, [](const auto& each) { return each.expired(); });
-        }
+        if (--depth_ == 0) std::erase_if(registered_, [](const auto& each) { return each.expired(); });
     }
 
   private:

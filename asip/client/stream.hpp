@@ -100,19 +100,14 @@ void Stream<T>::close(const std::weak_ptr<State>& state) {
 
 template <class T>
 Awaitable<T> Stream<T>::next_of(std::shared_ptr<State> state, Time deadline) {
-    if (state) {
-        state->arrived.expires_at(deadline);
-    }
+    if (state) state->arrived.expires_at(deadline);
     while (state && state->queue.empty() && !state->closed && Clock::now() < deadline) {
         boost::system::error_code woken;
         co_await state->arrived.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, woken));
     }
-    if (state && state->queue.empty() && !state->closed) {
+    if (state && state->queue.empty() && !state->closed)
         co_return failure(Error::Kind::kTimeout, "no event in time");
-    }
-    if (!state || state->queue.empty()) {
-        co_return failure(Error::Kind::kClosed, "the board was closed");
-    }
+    if (!state || state->queue.empty()) co_return failure(Error::Kind::kClosed, "the board was closed");
     Result<T> oldest = std::move(state->queue.front());
     state->queue.pop_front();
     co_return oldest;

@@ -32,9 +32,8 @@ bool set_terminal_baud(int fd, int baud) {
     termios2 settings{};
     if (ioctl(fd, TCGETS2, &settings) != 0) return false;
     unsigned flag = BOTHER;
-    for (const auto& named : kNamed) {
+    for (const auto& named : kNamed)
         if (named.baud == baud) flag = named.flag;
-    }
     // Input speed bits of zero mean "the same as output".
     settings.c_cflag &= ~static_cast<unsigned>(CBAUD | (CBAUD << IBSHIFT));
     settings.c_cflag |= flag;

@@ -48,11 +48,10 @@ class KeptStream::Impl : public std::enable_shared_from_this<Impl> {
 
     void write(std::string_view bytes) {
         if (!stream_) return;
-        if (change_) {
+        if (change_)
             change_->held += bytes;
-        } else {
+        else
             stream_->write(bytes);
-        }
         const auto waiting = stream_->unsent_bytes() + (change_ ? change_->held.size() : 0);
         if (waiting > kMaxUnsentBytes) reopen("the port accepts no more bytes");
     }

@@ -124,12 +124,10 @@ Expected<std::unique_ptr<SerialPort>, StreamError> open_serial(asio::io_context&
     // before.
     if (flock(fd.get(), LOCK_EX | LOCK_NB) != 0) return Unexpected<StreamError>(open_error(device, EBUSY));
     ioctl(fd.get(), TIOCEXCL);
-    if (!make_raw(fd.get())) {
+    if (!make_raw(fd.get()))
         return error(Kind::kFailed, "cannot set up " + device + ": " + std::strerror(errno));
-    }
-    if (!set_terminal_baud(fd.get(), baud)) {
+    if (!set_terminal_baud(fd.get(), baud))
         return error(Kind::kFailed, device + " cannot run at " + std::to_string(baud) + " baud");
-    }
     Descriptor descriptor(io);
     boost::system::error_code problem;
     descriptor.assign(fd.get(), problem);

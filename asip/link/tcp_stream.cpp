@@ -197,9 +197,8 @@ Expected<TcpAddress> parse_tcp_address(std::string_view text, std::string_view d
     unsigned number = 0;
     const auto [end, problem] = std::from_chars(port.data(), port.data() + port.size(), number);
     const bool is_port = problem == std::errc{} && end == port.data() + port.size() && number <= 65535;
-    if (host.empty() || !is_port) {
+    if (host.empty() || !is_port)
         return fail("\"" + given + "\" is not " + (default_host.empty() ? "HOST:PORT" : "PORT or HOST:PORT"));
-    }
     return TcpAddress{std::string(host), static_cast<std::uint16_t>(number)};
 }
 

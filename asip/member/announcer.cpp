@@ -135,11 +135,10 @@ void Announcer::on_connected(Time now, Announcements& out, bool expires) {
     connected_ = true;
     expires_ = expires;
     if (established_ && !challenge_) return;
-    if (challenge_) {
+    if (challenge_)
         challenge_->ends = now + kClaimTime;
-    } else {
+    else
         claim_ends_ = now + kClaimTime;
-    }
     out.publish.push_back({plain(topics_.probe(), options_.board), mqtt::Priority::kAnnouncement});
 }
 

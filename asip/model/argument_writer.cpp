@@ -46,9 +46,8 @@ std::optional<double> number_from_text(std::string_view text) {
 }
 
 std::optional<double> number_from_name(const Field& field, const std::string& word) {
-    for (const auto& [name, number] : field.names) {
+    for (const auto& [name, number] : field.names)
         if (name == word) return static_cast<double>(number);
-    }
     return std::nullopt;
 }
 
@@ -87,9 +86,8 @@ Text write_number(const Field& field, const json& value, Strictness strictness, 
     const auto number = number_of(field, value, strictness);
     if (!number || !std::isfinite(*number)) return fail(place + ": " + wrong_kind(field, value));
     const bool whole = field.type != ValueType::kNumber;
-    if (whole && std::abs(*number) <= kLargestExact && std::floor(*number) != *number) {
+    if (whole && std::abs(*number) <= kLargestExact && std::floor(*number) != *number)
         return fail(place + ": " + number_text(*number) + " is not an integer");
-    }
     const double min = field.min.value_or(std::numeric_limits<std::int32_t>::min());
     const double max = field.max.value_or(std::numeric_limits<std::int32_t>::max());
     if (*number < min || *number > max) {
@@ -101,9 +99,8 @@ Text write_number(const Field& field, const json& value, Strictness strictness, 
 }
 
 Text write_text(const Field& field, const json& value, Strictness strictness, const std::string& place) {
-    if (!value.is_string() && (strictness == Strictness::kStrict || !value.is_number())) {
+    if (!value.is_string() && (strictness == Strictness::kStrict || !value.is_number()))
         return fail(place + ": " + shown(value) + " is not a string");
-    }
     const auto text = value.is_string() ? value.get<std::string>() : dump_json(value);
     const bool printable =
         std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c <= 0x7e; });

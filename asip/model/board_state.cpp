@@ -35,16 +35,14 @@ constexpr std::array<ReasonText, 9> kReasons = {{
 }  // namespace
 
 std::string_view to_text(BoardState state) {
-    for (const auto& [value, text] : kTexts) {
+    for (const auto& [value, text] : kTexts)
         if (value == state) return text;
-    }
     return "offline";
 }
 
 std::optional<BoardState> board_state_from_text(std::string_view text) {
-    for (const auto& [value, word] : kTexts) {
+    for (const auto& [value, word] : kTexts)
         if (word == text) return value;
-    }
     return std::nullopt;
 }
 
@@ -59,23 +57,20 @@ bool takes_commands(std::string_view word) {
 }
 
 std::string_view to_text(StateReason reason) {
-    for (const auto& each : kReasons) {
+    for (const auto& each : kReasons)
         if (each.reason == reason) return each.word;
-    }
     return {};
 }
 
 StateReason state_reason_from_text(std::string_view text) {
-    for (const auto& each : kReasons) {
+    for (const auto& each : kReasons)
         if (each.word == text) return each.reason;
-    }
     return StateReason::kNone;
 }
 
 std::string_view words_of(StateReason reason) {
-    for (const auto& each : kReasons) {
+    for (const auto& each : kReasons)
         if (each.reason == reason) return each.words;
-    }
     return {};
 }
 

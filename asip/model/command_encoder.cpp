@@ -46,9 +46,8 @@ Expected<EncodedCommand> finish(const ServiceModel& model, const CommandModel& c
                                 Strictness strictness) {
     const auto args = given_arguments(command);
     if (values.size() > args.size()) return fail(wrong_count(command, values.size()));
-    if (values.size() < args.size()) {
+    if (values.size() < args.size())
         return fail(command.name + ": argument '" + args[values.size()]->name + "' is missing");
-    }
     const auto arguments = write_arguments(command, values, strictness);
     if (!arguments) return fail(arguments.error());
     EncodedCommand result{{}, command.name, model.id, command.tag, command.answer, command.answer_time, {}};

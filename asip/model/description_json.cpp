@@ -66,11 +66,10 @@ json pins_json(const PinsInfo& pins) {
 json service_json(const ServiceInfo& service) {
     json object = {{"name", service.name}};
     if (service.id != 0) object["id"] = std::string(1, service.id);
-    if (service.own_model) {
+    if (service.own_model)
         object["model"] = json::parse(service.own_model->source, nullptr, false);
-    } else {
+    else
         put_text(object, "model", service.model);
-    }
     put_text(object, "title", service.title);
     if (service.count) object["count"] = *service.count;
     if (service.period) object["period"] = *service.period;

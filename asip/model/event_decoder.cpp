@@ -67,9 +67,8 @@ Expected<json> decode_elements(const EventModel& event, const protocol::Body& bo
         std::size_t place = i;
         if (indexed) {
             const auto index = protocol::parse_integer(values.front());
-            if (!index || *index < 0 || *index > static_cast<std::int64_t>(kMaxIndex)) {
+            if (!index || *index < 0 || *index > static_cast<std::int64_t>(kMaxIndex))
                 return fail(in_quotes(values.front()) + " is not an index");
-            }
             place = static_cast<std::size_t>(*index);
         }
         auto element = read_element(event, values, indexed ? 1 : 0);
@@ -155,9 +154,8 @@ Expected<json> decode_port_map(std::string_view body) {
     const auto map = protocol::PortMap::parse(body);
     if (!map) return fail(map.error());
     json positions = json::array();
-    for (const auto& position : map->positions()) {
+    for (const auto& position : map->positions())
         positions.push_back({{"port", position.port}, {"mask", position.mask}});
-    }
     return positions;
 }
 

@@ -72,9 +72,8 @@ Expected<nlohmann::json> parse_json(std::string_view text, JsonLimits limits) {
         return fail("JSON is " + std::to_string(text.size()) + " bytes long, above " +
                     std::to_string(limits.max_bytes));
     }
-    if (!json_depth_within(text, limits.max_depth)) {
+    if (!json_depth_within(text, limits.max_depth))
         return fail("JSON nests deeper than " + std::to_string(limits.max_depth));
-    }
     auto value = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
     if (value.is_discarded()) return fail("not valid JSON: " + place_of_fault(text));
     return value;

@@ -53,13 +53,11 @@ std::string found(const Map& map, const typename Map::key_type& key) {
 
 template <class Map, class Changes>
 void change_map(Map& map, const Changes& changes) {
-    for (const auto& [key, value] : changes) {
-        if (value) {
+    for (const auto& [key, value] : changes)
+        if (value)
             map[key] = *value;
-        } else {
+        else
             map.erase(key);
-        }
-    }
 }
 
 /// Each member of the object `key` of `reader`, judged; `take(name, value)`.

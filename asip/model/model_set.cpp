@@ -42,11 +42,10 @@ void ModelSet::add(ServiceModel model) {
     const auto place =
         std::lower_bound(models_.begin(), models_.end(), shared,
                          [](const ModelPtr& a, const ModelPtr& b) { return a->name < b->name; });
-    if (place != models_.end() && (*place)->name == shared->name) {
+    if (place != models_.end() && (*place)->name == shared->name)
         *place = std::move(shared);
-    } else {
+    else
         models_.insert(place, std::move(shared));
-    }
 }
 
 Expected<void> ModelSet::load_directory(const std::string& path) {

@@ -42,9 +42,8 @@ bool valid_board_name(std::string_view name) {
 
 std::string explain_board_name(std::string_view name) {
     if (name.empty()) return "the name is empty";
-    if (name.size() > kMaxNameBytes) {
+    if (name.size() > kMaxNameBytes)
         return quoted(name) + " is " + std::to_string(name.size()) + " bytes long; at most 64 are allowed";
-    }
     if (is_reserved(name)) return quoted(name) + " is reserved";
     if (is_folder(name)) return quoted(name) + " is a folder in paths and addresses, and no name";
     if (valid_name(name)) return {};
@@ -55,13 +54,11 @@ std::string suggest_name(std::string_view text) {
     constexpr std::size_t kLongest = 4096;  // of what is looked at
     if (text.size() > kLongest) text.remove_prefix(text.size() - kLongest);
     std::string name;
-    for (const char c : text) {
-        if (is_name_byte(c)) {
+    for (const char c : text)
+        if (is_name_byte(c))
             name += c;
-        } else if (!name.empty() && name.back() != '-') {
+        else if (!name.empty() && name.back() != '-')
             name += '-';
-        }
-    }
     while (!name.empty() && name.back() == '-')
         name.pop_back();
     if (name.size() > kMaxNameBytes) {

@@ -134,9 +134,8 @@ const json* unknown_keyword(const json& schema) {
         "definitions",
         "patternProperties",
     };
-    for (auto it = schema.begin(); it != schema.end(); ++it) {
+    for (auto it = schema.begin(); it != schema.end(); ++it)
         if (std::find(known.begin(), known.end(), it.key()) == known.end()) return &it.value();
-    }
     return nullptr;
 }
 
@@ -146,21 +145,18 @@ Expected<void> Checker::check(const json& schema, const json& value, const std::
     if (!schema.is_object()) return fault(place, "the schema is neither an object nor a boolean here");
     if (unknown_keyword(schema) != nullptr)
         return fault(place, "the schema uses a keyword that is not supported");
-    if (const auto found = schema.find("$ref"); found != schema.end()) {
+    if (const auto found = schema.find("$ref"); found != schema.end())
         return check_reference(*found, value, place, references);
-    }
     if (const auto found = schema.find("type");
         found != schema.end() && !has_type(value, found->get<std::string>())) {
         return fault(place, "is " + shown_in_fault(value) + ", not of type " + found->get<std::string>());
     }
     if (const auto found = schema.find("enum"); found != schema.end()) {
-        if (std::find(found->begin(), found->end(), value) == found->end()) {
+        if (std::find(found->begin(), found->end(), value) == found->end())
             return fault(place, "is " + shown_in_fault(value) + ", not one of " + dump_json(*found));
-        }
     }
-    if (const auto found = schema.find("const"); found != schema.end() && *found != value) {
+    if (const auto found = schema.find("const"); found != schema.end() && *found != value)
         return fault(place, "is not " + shown_in_fault(*found));
-    }
     if (value.is_number()) {
         const auto minimum = number_at(schema, "minimum");
         const auto maximum = number_at(schema, "maximum");
@@ -189,9 +185,8 @@ Expected<void> Checker::check_reference(const json& reference, const json& value
     const auto& name = reference.get_ref<const std::string&>();
     if (references > kMaxReferences) return fault(place, "the schema refers to itself without end");
     const auto definitions = root_.find("definitions");
-    if (!name.starts_with(kDefinitions) || definitions == root_.end()) {
+    if (!name.starts_with(kDefinitions) || definitions == root_.end())
         return fault(place, "the schema's reference " + name + " leads nowhere");
-    }
     const auto found = definitions->find(name.substr(kDefinitions.size()));
     if (found == definitions->end()) return fault(place, "the schema's reference " + name + " leads nowhere");
     return check(*found, value, place, references + 1);
@@ -201,48 +196,41 @@ Expected<void> Checker::check_string(const json& schema, const json& value, cons
     const auto& text = value.get_ref<const std::string&>();
     const auto shortest = number_at(schema, "minLength");
     const auto longest = number_at(schema, "maxLength");
-    if (shortest && static_cast<double>(text.size()) < *shortest) {
+    if (shortest && static_cast<double>(text.size()) < *shortest)
         return fault(place, "is shorter than " + plain(*shortest) + " bytes");
-    }
-    if (longest && static_cast<double>(text.size()) > *longest) {
+    if (longest && static_cast<double>(text.size()) > *longest)
         return fault(place, "is longer than " + plain(*longest) + " bytes");
-    }
     const auto pattern = schema.find("pattern");
-    if (pattern != schema.end() && !matches_pattern(text, pattern->get<std::string>())) {
+    if (pattern != schema.end() && !matches_pattern(text, pattern->get<std::string>()))
         return fault(place, shown_in_fault(value) + " does not match " + pattern->get<std::string>());
-    }
     return {};
 }
 
 Expected<void> Checker::check_array(const json& schema, const json& value, const std::string& place) const {
     const auto fewest = number_at(schema, "minItems");
     const auto most = number_at(schema, "maxItems");
-    if (fewest && static_cast<double>(value.size()) < *fewest) {
+    if (fewest && static_cast<double>(value.size()) < *fewest)
         return fault(place, "has fewer than " + plain(*fewest) + " items");
-    }
     if (most && static_cast<double>(value.size()) > *most)
         return fault(place, "has more than " + plain(*most) + " items");
     const auto items = schema.find("items");
     if (items == schema.end()) return {};
-    for (std::size_t i = 0; i < value.size(); ++i) {
+    for (std::size_t i = 0; i < value.size(); ++i)
         if (auto result = check(*items, value[i], place + "/" + std::to_string(i)); !result) return result;
-    }
     return {};
 }
 
 Expected<void> Checker::check_object(const json& schema, const json& value, const std::string& place) const {
     const auto fewest = number_at(schema, "minProperties");
     const auto most = number_at(schema, "maxProperties");
-    if (fewest && static_cast<double>(value.size()) < *fewest) {
+    if (fewest && static_cast<double>(value.size()) < *fewest)
         return fault(place, "has fewer than " + plain(*fewest) + " members");
-    }
     if (most && static_cast<double>(value.size()) > *most)
         return fault(place, "has more than " + plain(*most) + " members");
     if (const auto required = schema.find("required"); required != schema.end()) {
-        for (const auto& name : *required) {
+        for (const auto& name : *required)
             if (!value.contains(name.get<std::string>()))
                 return fault(place, "has no member " + shown_in_fault(name));
-        }
     }
     const auto properties = schema.find("properties");
     const auto patterns = schema.find("patternProperties");

@@ -122,9 +122,8 @@ std::string describe(const Field& field) {
     }
     std::string text = field.name;
     if (field.type == ValueType::kColor) return text + " (number or #rrggbb)";
-    if (field.type == ValueType::kText) {
+    if (field.type == ValueType::kText)
         return field.max_length ? text + " up to " + std::to_string(*field.max_length) + " characters" : text;
-    }
     if (field.min && field.max) text += " " + number(*field.min) + ".." + number(*field.max);
     if (!field.unit.empty()) text += " " + field.unit;
     if (field.names.empty()) return text;

@@ -58,10 +58,9 @@ Field read_field(JsonReader& reader) {
         field.max = 0xffffff;
     }
     field.max_length = reader.integer("max_length", 0, std::numeric_limits<std::size_t>::max());
-    if (const auto names = reader.object("names")) {
+    if (const auto names = reader.object("names"))
         for (const auto& [word, number] : names->value().items())
             field.names.emplace_back(word, number.get<std::int64_t>());
-    }
     field.of = reader.text("of");
     field.braces = reader.flag("braces");
     for (auto& item : reader.list("items"))
@@ -126,13 +125,11 @@ Expected<SafeForm> read_safe(const ServiceModel& model, const CommandModel& comm
     const auto given = given_arguments(command);
     if (value.is_array()) {
         safe.command = command.name;
-        for (std::size_t i = 0; i < value.size(); ++i) {
-            if (value[i].is_null() && i < given.size()) {
+        for (std::size_t i = 0; i < value.size(); ++i)
+            if (value[i].is_null() && i < given.size())
                 safe.arguments.push_back({i, 0});
-            } else {
+            else
                 safe.arguments.push_back({std::nullopt, value[i].is_null() ? 0 : value[i].get<double>()});
-            }
-        }
         return safe;
     }
     safe.command = value.get<std::string>();
@@ -209,26 +206,23 @@ std::string event_fault(const EventModel& event) {
         return place + "/fields: a map has one field";
     // Fields of an event are separated by commas and colons, so a text need not come last.
     std::set<std::string> seen;
-    for (const auto& field : event.fields) {
+    for (const auto& field : event.fields)
         if (!seen.insert(field.name).second) return place + "/fields: \"" + field.name + "\" is there twice";
-    }
     return {};
 }
 
 std::string model_fault(const ServiceModel& model) {
     std::set<std::string> event_names;
     for (const auto& event : model.events) {
-        if (!event_names.insert(event.name).second) {
+        if (!event_names.insert(event.name).second)
             return std::string("/events/") + event.tag + "/name: \"" + event.name + "\" is there twice";
-        }
         if (auto fault = event_fault(event); !fault.empty()) return fault;
     }
     for (const auto& command : model.commands) {
         const auto place = "/commands/" + command.name;
         if (auto fault = fields_fault(command.args, place + "/args"); !fault.empty()) return fault;
-        if (command.answer != 0 && model.event(command.answer) == nullptr) {
+        if (command.answer != 0 && model.event(command.answer) == nullptr)
             return place + "/answer: there is no event \"" + command.answer + "\"";
-        }
     }
     return {};
 }

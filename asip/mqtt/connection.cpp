@@ -306,22 +306,19 @@ void Connection::end(const ConnectionEnd& reason) {
 }
 
 ConnectionEnd Connection::why_closed(int error) const {
-    if (connack_code_ != 0) {
+    if (connack_code_ != 0)
         return {refused_by(broker_, connack_code_, options_), v5_ && is_version_refusal(connack_code_)};
-    }
     const bool connecting = phase_ == Phase::kConnecting;
     // libmosquitto 2.0.21 tells no code of a refusal in the words of 3.1.1.
-    if (connecting && v5_ && error == MOSQ_ERR_MALFORMED_PACKET) {
+    if (connecting && v5_ && error == MOSQ_ERR_MALFORMED_PACKET)
         return {refused_by(broker_, MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION, options_), true};
-    }
     if (error == MOSQ_ERR_TLS || error == MOSQ_ERR_TLS_HANDSHAKE || (connecting && !tls_detail_.empty())) {
         return {tls_failed(broker_, tls_ && !tls_->refusal().empty() ? tls_->refusal() : tls_detail_,
                            tls_ && tls_->may_pass())};
     }
     if (error == MOSQ_ERR_EAI || error == MOSQ_ERR_LOOKUP) return {unreachable(broker_, "unknown host")};
-    if (error == MOSQ_ERR_KEEPALIVE) {
+    if (error == MOSQ_ERR_KEEPALIVE)
         return {{Kind::kStalled, broker_, 0, broker_.describe() + " does not answer any more"}};
-    }
     if (!connecting) return {closed_by(broker_, disconnect_code_)};
     if (!tcp_connected_) {
         const bool known = error == MOSQ_ERR_ERRNO && errno != 0 && errno != EINPROGRESS;

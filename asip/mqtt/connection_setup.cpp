@@ -135,9 +135,8 @@ void Connection::on_connect(int code, const mosquitto_property* properties) {
     if (!options_.packet_log) mosquitto_log_callback_set(mosquitto_.get(), nullptr);
     Connected connected{broker_, v5_, {}, 0};
     std::uint32_t limit = 0;
-    if (mosquitto_property_read_int32(properties, MQTT_PROP_MAXIMUM_PACKET_SIZE, &limit, false) != nullptr) {
+    if (mosquitto_property_read_int32(properties, MQTT_PROP_MAXIMUM_PACKET_SIZE, &limit, false) != nullptr)
         connected.max_packet_bytes = limit;
-    }
     mosquitto_property_read_byte(properties, MQTT_PROP_MAXIMUM_QOS, &max_qos_, false);
     mosquitto_property_read_int16(properties, MQTT_PROP_RECEIVE_MAXIMUM, &receive_maximum_, false);
     events_.connection_up(connected);

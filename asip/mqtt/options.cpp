@@ -14,9 +14,8 @@ namespace {
 Expected<std::uint16_t> parse_port(std::string_view text) {
     unsigned port = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-    if (error != std::errc{} || end != text.data() + text.size() || port == 0 || port > 65535) {
+    if (error != std::errc{} || end != text.data() + text.size() || port == 0 || port > 65535)
         return fail("\"" + std::string(text) + "\" is not a port (1 to 65535)");
-    }
     return static_cast<std::uint16_t>(port);
 }
 
@@ -73,9 +72,8 @@ Expected<BrokerAddress> parse_broker(std::string_view text) {
         text = text.substr(0, colon);
         if (port.empty()) return fail("broker \"" + given + "\": the port is missing");
     }
-    if (text.empty() || text.find_first_of("/@ \t") != std::string_view::npos) {
+    if (text.empty() || text.find_first_of("/@ \t") != std::string_view::npos)
         return fail("broker \"" + given + "\" is not HOST, HOST:PORT or mqtt://HOST:PORT");
-    }
     address.host = text;
     if (!port.empty()) {
         const auto number = parse_port(port);

@@ -41,28 +41,24 @@ void read_user_properties(const mosquitto_property* list, Message& message) {
 
 Properties publish_properties(const Message& message) {
     mosquitto_property* list = nullptr;
-    if (!message.response_topic.empty()) {
+    if (!message.response_topic.empty())
         mosquitto_property_add_string(&list, MQTT_PROP_RESPONSE_TOPIC, message.response_topic.c_str());
-    }
     if (!message.correlation.empty()) {
         mosquitto_property_add_binary(&list, MQTT_PROP_CORRELATION_DATA, message.correlation.data(),
                                       static_cast<std::uint16_t>(message.correlation.size()));
     }
-    if (message.expiry_seconds) {
+    if (message.expiry_seconds)
         mosquitto_property_add_int32(&list, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, *message.expiry_seconds);
-    }
-    for (const auto& [name, value] : message.user_properties) {
+    for (const auto& [name, value] : message.user_properties)
         mosquitto_property_add_string_pair(&list, MQTT_PROP_USER_PROPERTY, name.c_str(), value.c_str());
-    }
     return Properties(list);
 }
 
 void read_properties(const mosquitto_property* list, Message& message) {
     if (list == nullptr) return;
     char* topic = nullptr;
-    if (mosquitto_property_read_string(list, MQTT_PROP_RESPONSE_TOPIC, &topic, false) != nullptr) {
+    if (mosquitto_property_read_string(list, MQTT_PROP_RESPONSE_TOPIC, &topic, false) != nullptr)
         message.response_topic = take(topic);
-    }
     void* data = nullptr;
     std::uint16_t size = 0;
     if (mosquitto_property_read_binary(list, MQTT_PROP_CORRELATION_DATA, &data, &size, false) != nullptr) {
@@ -70,9 +66,8 @@ void read_properties(const mosquitto_property* list, Message& message) {
         std::free(data);
     }
     std::uint32_t seconds = 0;
-    if (mosquitto_property_read_int32(list, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, &seconds, false) != nullptr) {
+    if (mosquitto_property_read_int32(list, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, &seconds, false) != nullptr)
         message.expiry_seconds = seconds;
-    }
     read_user_properties(list, message);
 }
 

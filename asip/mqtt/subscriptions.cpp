@@ -90,9 +90,8 @@ std::optional<Subscriptions::Refusal> Subscriptions::answered(int id, bool grant
 
 std::optional<Time> Subscriptions::waiting_since() const {
     std::optional<Time> oldest;
-    for (const auto& [id, packet] : unanswered_) {
+    for (const auto& [id, packet] : unanswered_)
         if (!oldest || packet.at < *oldest) oldest = packet.at;
-    }
     return oldest;
 }
 

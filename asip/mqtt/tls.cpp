@@ -54,17 +54,15 @@ Expected<void> Tls::configure(const Options& options) {
     } else {
         SSL_CTX_set_verify(context, SSL_VERIFY_PEER, verified);
         auto* const param = SSL_CTX_get0_param(context);
-        if (is_address_) {
+        if (is_address_)
             X509_VERIFY_PARAM_set1_ip_asc(param, host_.c_str());
-        } else {
+        else
             X509_VERIFY_PARAM_set1_host(param, host_.c_str(), host_.size());
-        }
     }
-    if (options.ca_file.empty()) {
+    if (options.ca_file.empty())
         SSL_CTX_set_default_verify_paths(context);
-    } else if (SSL_CTX_load_verify_locations(context, options.ca_file.c_str(), nullptr) != 1) {
+    else if (SSL_CTX_load_verify_locations(context, options.ca_file.c_str(), nullptr) != 1)
         return cannot_use("certificates", options.ca_file);
-    }
     if (options.cert_file.empty()) return {};
     if (SSL_CTX_use_certificate_chain_file(context, options.cert_file.c_str()) != 1)
         return cannot_use("certificate", options.cert_file);

@@ -18,17 +18,15 @@ namespace asip::program {
 namespace {
 
 Expected<void> check_tls_files(const BrokerOptions& options) {
-    for (const auto& path : {options.ca, options.cert, options.key}) {
+    for (const auto& path : {options.ca, options.cert, options.key})
         if (!path.empty() && !std::ifstream(path)) return fail("cannot read " + path);
-    }
     if (options.cert.empty() != options.key.empty()) return fail("--cert and --key are needed together");
     return {};
 }
 
 std::string id_safe(std::string text) {
-    for (auto& c : text) {
+    for (auto& c : text)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.' && c != '_') c = '-';
-    }
     return text.substr(0, 40);
 }
 

@@ -28,16 +28,14 @@ const CLI::App* parent_of(const CLI::App* app) {
 }
 
 const CLI::Option* find_option(const CLI::App* app, const std::string& name) {
-    for (; app != nullptr; app = parent_of(app)) {
+    for (; app != nullptr; app = parent_of(app))
         if (const auto* option = app->get_option_no_throw(name)) return option;
-    }
     return nullptr;
 }
 
 const CLI::App* find_subcommand(const CLI::App* app, const std::string& name) {
-    for (const auto* one : app->get_subcommands([](const CLI::App*) { return true; })) {
+    for (const auto* one : app->get_subcommands([](const CLI::App*) { return true; }))
         if (one->check_name(name)) return one;
-    }
     return nullptr;
 }
 
@@ -111,19 +109,17 @@ class Reader {
 std::vector<std::string> option_names(const CLI::App* app) {
     std::vector<std::string> names;
     for (; app != nullptr; app = parent_of(app)) {
-        for (const auto* option : app->get_options()) {
+        for (const auto* option : app->get_options())
             for (const auto& name : option->get_lnames())
                 names.push_back("--" + name);
-        }
     }
     return names;
 }
 
 std::vector<std::string> positional_names(const CLI::App& app) {
     std::vector<std::string> names;
-    for (const auto* option : app.get_options()) {
+    for (const auto* option : app.get_options())
         if (option->get_positional()) names.push_back(option->get_name());
-    }
     return names;
 }
 

@@ -18,9 +18,8 @@ constexpr std::string_view kEnd = "-----END ";
 std::vector<std::string> parts_of(const std::string& list) {
     std::vector<std::string> parts;
     std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');) {
+    for (std::string part; std::getline(stream, part, ',');)
         if (const auto name = trimmed(part); !name.empty()) parts.push_back(name);
-    }
     return parts;
 }
 

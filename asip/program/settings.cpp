@@ -68,9 +68,8 @@ struct Settings::State {
     std::vector<std::string> file_only;  // no options of the command line
 
     CLI::Option* named(const std::string& name) const {
-        for (auto* option : settings) {
+        for (auto* option : settings)
             if (option->check_lname(name)) return option;
-        }
         return nullptr;
     }
 
@@ -78,11 +77,10 @@ struct Settings::State {
     std::string set_elsewhere(const std::vector<std::string>& arguments) const {
         for (const auto& word : arguments) {
             if (word == "--") break;
-            for (const auto& name : file_only) {
+            for (const auto& name : file_only)
                 if (word == "--" + name || word.starts_with("--" + name + "="))
                     return "--" + name + " is no option: write " + name +
                            " = VALUE into the file of --config, or set " + environment_name(name);
-            }
         }
         return {};
     }
@@ -100,10 +98,9 @@ struct Settings::State {
 
     std::vector<std::string> names() const {
         std::vector<std::string> all;
-        for (const auto* option : settings) {
+        for (const auto* option : settings)
             for (const auto& name : option->get_lnames())
                 all.push_back(name);
-        }
         return all;
     }
 

@@ -33,9 +33,8 @@ bool is_input(PinMode mode) {
 std::optional<PinMode> use_of(std::optional<model::ClassUse> use, std::optional<PinMode> commanded) {
     if (!use) return commanded;
     if (*use == model::ClassUse::kNumber) return commanded.value_or(PinMode::kAnalog);
-    if (*use == model::ClassUse::kInput) {
+    if (*use == model::ClassUse::kInput)
         return commanded && is_input(*commanded) ? *commanded : PinMode::kInputPullup;
-    }
     return commanded == PinMode::kPwm ? PinMode::kPwm : PinMode::kOutput;
 }
 

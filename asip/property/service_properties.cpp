@@ -148,11 +148,10 @@ class ServiceProperties {
         describe_number(property, field, hints);
         if (field.type == ValueType::kText) property.max_length = field.max_length.value_or(kUsualTextBytes);
         property.choices = two_values(field, hints);
-        if (!property.choices.empty()) {
+        if (!property.choices.empty())
             property.kind = Kind::kBinarySensor;
-        } else if (names_say_all(field)) {
+        else if (names_say_all(field))
             property.choices = named_numbers(field);
-        }
         add(std::move(property), event.name, field.name, element);
     }
 

@@ -71,9 +71,8 @@ Expected<std::vector<ServiceName>> parse_service_names(std::string_view body) {
     if (!parsed) return fail(parsed.error());
     std::vector<ServiceName> names;
     for (const auto item : parsed->items) {
-        if (item.empty() || item[0] < 'A' || item[0] > 'Z' || (item.size() > 1 && item[1] != ':')) {
+        if (item.empty() || item[0] < 'A' || item[0] > 'Z' || (item.size() > 1 && item[1] != ':'))
             return fail("service is not LETTER:NAME");
-        }
         names.push_back({item[0], readable_name(item.substr(item.size() > 1 ? 2 : 1))});
     }
     return names;

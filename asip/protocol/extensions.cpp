@@ -9,9 +9,8 @@
 namespace asip::protocol {
 
 int Extensions::version(char tag) const {
-    for (const auto& [letter, number] : list) {
+    for (const auto& [letter, number] : list)
         if (letter == tag) return number;
-    }
     return 0;
 }
 

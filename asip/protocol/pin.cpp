@@ -37,9 +37,8 @@ std::optional<PinMode> pin_mode_from_text(std::string_view text) {
     if (const auto number = parse_integer(text)) return pin_mode_from_number(*number);
     const auto word = normalised(text);
     if (word == "pullup") return PinMode::kInputPullup;
-    for (std::size_t i = 0; i < kModes.size(); ++i) {
+    for (std::size_t i = 0; i < kModes.size(); ++i)
         if (kModes[i] == word) return static_cast<PinMode>(i);
-    }
     return std::nullopt;
 }
 

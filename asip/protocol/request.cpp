@@ -56,9 +56,8 @@ Expected<Request> parse_request(std::string_view line) {
     if (!printable) return fail("request holds bytes that are not printable ASCII");
     const bool addressed = line.size() >= 3 && line[1] == ',' && line[2] != ',' && line[2] != ' ' &&
                            (line[0] == '#' || (line[0] >= 'A' && line[0] <= 'Z'));
-    if (!addressed || (line.size() > 3 && line[3] != ',')) {
+    if (!addressed || (line.size() > 3 && line[3] != ','))
         return fail("'" + std::string(line) + "' is not a request: SERVICE,TAG[,PARAMETERS]");
-    }
     return Request{line, line[0], line[2], line.size() > 4 ? line.substr(4) : std::string_view{}};
 }
 
@@ -108,9 +107,8 @@ Expected<std::vector<Request>> split_requests(std::string_view payload) {
         if (line.empty()) continue;
         const auto request = parse_request(line);
         if (!request) return fail(request.error());
-        if (requests.size() == kMaxRequestsPerPayload) {
+        if (requests.size() == kMaxRequestsPerPayload)
             return fail("payload holds more than " + std::to_string(kMaxRequestsPerPayload) + " requests");
-        }
         requests.push_back(*request);
     }
     if (requests.empty()) return fail("payload holds no request");

@@ -90,11 +90,10 @@ void Machine::follow(Identifying& state, Time now, Actions& out) {
         interview = new_interview(now, lines);
         return write(lines, now, out);
     }
-    if (interview.identity().extensions.has(protocol::kEcho)) {
+    if (interview.identity().extensions.has(protocol::kEcho))
         queue_.use_echo(interview.identity().extensions.has(protocol::kVerifiedFence));
-    } else {
+    else
         queue_.use_questions(interview.other_question());
-    }
     set_up_line(std::move(interview.identity()), now, out);
 }
 

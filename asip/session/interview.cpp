@@ -94,11 +94,10 @@ void Interview::start_again(Time now, std::vector<std::string>& lines) {
 // Leaves the question unanswered.
 void Interview::pass(bool refused, Time now, std::vector<std::string>& lines) {
     unanswered_[step_] = !refused;
-    if (step_ == 0) {
+    if (step_ == 0)
         progress_ = Progress::kFailed;
-    } else {
+    else
         next(now, lines);
-    }
 }
 
 bool Interview::skip_step() const {

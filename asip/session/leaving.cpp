@@ -37,11 +37,10 @@ void Machine::leave_once_quiet(Time now, Actions& out) {
 void Machine::give_back(Time now, Actions& out) {
     const auto& extensions = identity_.extensions;
     std::vector<std::string> lines;
-    if (!std::holds_alternative<Ready>(state_)) {
+    if (!std::holds_alternative<Ready>(state_))
         lines = wire_.switching_lines(false);
-    } else if (extensions.has(protocol::kChecksum)) {
+    else if (extensions.has(protocol::kChecksum))
         lines.push_back(protocol::set_checksum(false));
-    }
     const bool has_rate =
         wire_.has_rates() && (extensions.has(protocol::kLineRate) || !wire_.at_start_rate());
     if (has_rate) lines.push_back(protocol::set_line_rate(static_cast<int>(wire_.start_baud())));

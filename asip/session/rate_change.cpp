@@ -37,11 +37,10 @@ RateChange::RateChange(unsigned baud, std::string token_start, Time now, std::ve
 bool RateChange::on_event(const protocol::Event& event, Time now, std::vector<std::string>& lines) {
     if (event.service != '#') return false;
     if (step_ == Step::kAsked && event.tag == 'B') {
-        if (event.body == std::to_string(baud_)) {
+        if (event.body == std::to_string(baud_))
             step_ = Step::kSwitching;
-        } else {
+        else
             step_ = Step::kFailed;
-        }
         return true;
     }
     if (event.tag != 'E') return false;

@@ -142,11 +142,10 @@ void Machine::note_report(const protocol::Event& event, Time now) {
     const auto known = std::find_if(reports_.begin(), reports_.end(), [&](const Report& report) {
         return report.service == event.service && report.tag == event.tag;
     });
-    if (known == reports_.end()) {
+    if (known == reports_.end())
         reports_.push_back({event.service, event.tag, now});
-    } else {
+    else
         known->last = now;
-    }
 }
 
 }  // namespace asip::session

@@ -45,13 +45,12 @@ void Machine::note_unasked(const protocol::Event& event, Time now) {
     auto& renewal = renewals_[event.service];
     const Duration gap = now - std::exchange(renewal.reported, now);
     renewal.patience = kFirstPatience;
-    if (gap > kLongestGap) {
+    if (gap > kLongestGap)
         renewal.gaps = 0;
-    } else if (++renewal.gaps <= kGaps) {
+    else if (++renewal.gaps <= kGaps)
         renewal.gap += (gap - renewal.gap) / renewal.gaps;
-    } else {
+    else
         renewal.gap += (gap - renewal.gap) / kGaps;
-    }
 }
 
 std::optional<unsigned> Machine::renewed_period(char service, const Renewal& renewal) const {

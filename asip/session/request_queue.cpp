@@ -67,11 +67,10 @@ Request WaitingRequests::pop() {
     else if (row != rows_.end() && row->second.client == client)
         rows_.erase(row);
     turns_.pop_front();
-    if (queue->second.empty()) {
+    if (queue->second.empty())
         queues_.erase(queue);
-    } else {
+    else
         turns_.push_back(client);
-    }
     if (--size_ == 0 && urgent_.empty()) earliest_ = Time::max();
     return request;
 }

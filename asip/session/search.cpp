@@ -75,11 +75,10 @@ void Machine::ask(Searching& state, Time now, Actions& out) {
     if (!step.ask) return;
     std::vector<std::string> lines;
     state.switched = checksums_seen_ || has_checksums();
-    if (state.switched) {
+    if (state.switched)
         lines = wire_.switching_lines(false);
-    } else if (step.newline_first) {
+    else if (step.newline_first)
         lines.emplace_back();
-    }
     lines.emplace_back(protocol::kAskInfo);
     write(lines, now, out);
 }

@@ -46,13 +46,12 @@ const json* JsonReader::required(std::string_view key) {
 std::string JsonReader::text(std::string_view key, std::string_view otherwise, std::size_t max_bytes) {
     const auto* member = find(key);
     if (member == nullptr) return std::string(otherwise);
-    if (!member->is_string()) {
+    if (!member->is_string())
         fault(key, "is not a string");
-    } else if (const auto& value = member->get_ref<const std::string&>(); value.size() > max_bytes) {
+    else if (const auto& value = member->get_ref<const std::string&>(); value.size() > max_bytes)
         fault(key, "is longer than " + std::to_string(max_bytes) + " bytes");
-    } else {
+    else
         return value;
-    }
     return std::string(otherwise);
 }
 
@@ -62,15 +61,14 @@ std::optional<std::uint64_t> JsonReader::integer(std::string_view key, std::uint
     if (member == nullptr) return std::nullopt;
     const bool negative =
         member->is_number_integer() && !member->is_number_unsigned() && member->get<std::int64_t>() < 0;
-    if (!member->is_number_integer()) {
+    if (!member->is_number_integer())
         fault(key, "is not an integer");
-    } else if (negative || member->get<std::uint64_t>() < minimum) {
+    else if (negative || member->get<std::uint64_t>() < minimum)
         fault(key, member->dump() + " is below " + std::to_string(minimum));
-    } else if (member->get<std::uint64_t>() > maximum) {
+    else if (member->get<std::uint64_t>() > maximum)
         fault(key, member->dump() + " is above " + std::to_string(maximum));
-    } else {
+    else
         return member->get<std::uint64_t>();
-    }
     return std::nullopt;
 }
 
@@ -146,10 +144,9 @@ std::vector<std::pair<std::string, JsonReader>> JsonReader::members(std::string_
 
 void JsonReader::refuse_others() {
     if (!object_->is_object()) return;
-    for (const auto& [key, value] : object_->items()) {
+    for (const auto& [key, value] : object_->items())
         if (std::find(known_.begin(), known_.end(), key) == known_.end())
             fault(key, "is unknown" + did_you_mean(key, known_));
-    }
 }
 
 void JsonReader::fault(std::string_view key, std::string_view reason) {

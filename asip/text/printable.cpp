@@ -47,13 +47,11 @@ std::size_t unseen_bytes(std::string_view text) {
 
 std::string printable(std::string_view text, std::size_t max_bytes) {
     std::string result;
-    for (const char c : text.substr(0, max_bytes)) {
-        if (c >= 0x20 && c <= 0x7e && c != '\\') {
+    for (const char c : text.substr(0, max_bytes))
+        if (c >= 0x20 && c <= 0x7e && c != '\\')
             result += c;
-        } else {
+        else
             append_escaped(result, c);
-        }
-    }
     return text.size() > max_bytes ? result + "..." : result;
 }
 
@@ -114,9 +112,8 @@ std::string without_credentials(std::string_view address) {
 }
 
 bool is_showable(std::string_view text) {
-    for (std::size_t i = 0; i < text.size(); ++i) {
+    for (std::size_t i = 0; i < text.size(); ++i)
         if (is_ascii_control(text[i]) || is_c1(text, i)) return false;
-    }
     return true;
 }
 

@@ -218,9 +218,8 @@ void Fleet::close(Carrier& carrier) {
 
 Tally Fleet::tally() const {
     Tally all = tally_;
-    for (const auto& carrier : carriers_) {
+    for (const auto& carrier : carriers_)
         if (carrier.client) add(all, carrier.client->counters());
-    }
     return all;
 }
 
@@ -257,11 +256,10 @@ void Fleet::run_due() {
         if (slot.armed != at) continue;
         slot.armed = Time::max();
         tally_.late.add(now - at);
-        if (slot.life == Life::kAway) {
+        if (slot.life == Life::kAway)
             come_back(board);
-        } else if (slot.life == Life::kPresent) {
+        else if (slot.life == Life::kPresent)
             with(board, [](auto& one, Time when, auto& out) { one.tick(when, out); });
-        }
     }
     if (!ending_) arm_timer();
 }

@@ -33,13 +33,11 @@ constexpr const char* kForm =
 std::vector<std::string> words_of(std::string_view text) {
     std::vector<std::string> words;
     std::string word;
-    for (const char c : text) {
-        if (c != ' ' && c != '\t' && c != '\r') {
+    for (const char c : text)
+        if (c != ' ' && c != '\t' && c != '\r')
             word += c;
-        } else if (!word.empty()) {
+        else if (!word.empty())
             words.push_back(std::exchange(word, {}));
-        }
-    }
     if (!word.empty()) words.push_back(std::move(word));
     return words;
 }

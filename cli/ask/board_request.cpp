@@ -56,14 +56,12 @@ Outcome<BoardCommand> make_command(const Environment& environment, const KnownBo
     const auto target = board.item.board + "/" + service.name;
     const auto where = target + ": ";
     const auto model = bus::model_of(service, environment.models());
-    if (words.empty()) {
+    if (words.empty())
         return failure(program::kExitUsage, where + "which command?" + (model ? all_commands(*model) : ""));
-    }
     if (!model) {
         const auto text = joined(words);
-        if (text.empty() || text.find_first_of("\r\n") != std::string::npos) {
+        if (text.empty() || text.find_first_of("\r\n") != std::string::npos)
             return failure(program::kExitUsage, where + "a tag and its parameters, as in: W 0 90");
-        }
         return BoardCommand{topic, text, service.name + "," + text, target, {}, board.item.names_only};
     }
     auto encoded = encode(*model, words);

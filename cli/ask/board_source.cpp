@@ -109,10 +109,9 @@ Outcome<bus::Answer> BoardSource::ask_all_pages(bus::Query query) {
         if (pages > kMaxPages || goes_on_for_ever(*page, query.cursor, holds_nothing(*page)))
             return without_end();
         std::move(page->boards.begin(), page->boards.end(), std::back_inserter(all->boards));
-        if (all->brief && page->brief) {
+        if (all->brief && page->brief)
             for (const auto& row : page->brief->rows())
                 all->brief->add(row);
-        }
         std::move(page->services.begin(), page->services.end(), std::back_inserter(all->services));
         std::move(page->kept.begin(), page->kept.end(), std::back_inserter(all->kept));
         all->cursor = page->cursor;
@@ -177,13 +176,12 @@ Outcome<bus::BriefRows> BoardSource::brief_boards(bus::Query query) {
         query.brief = true;
         auto answer = ask_all_pages(query);
         if (answer && answer->brief) return std::move(*answer->brief);
-        if (answer) {
+        if (answer)
             items = std::move(answer->boards);  // a registry that knows no brief queries
-        } else if (answer.error().status != program::kExitNoAnswer) {
+        else if (answer.error().status != program::kExitNoAnswer)
             return tl::unexpected(answer.error());
-        } else {
+        else
             without_registry(answer.error().text);
-        }
     }
     if (!asks_registry()) {
         auto found = boards(query);
@@ -272,11 +270,10 @@ KnownBoard BoardSource::known(bus::BoardItem item) const {
         if (fault != refused.end()) result.description_fault = fault->second;
         return result;
     }
-    if (auto description = model::parse_description(result.item.description)) {
+    if (auto description = model::parse_description(result.item.description))
         result.description = std::move(*description);
-    } else {
+    else
         result.description_fault = description.error();
-    }
     return result;
 }
 
@@ -305,11 +302,10 @@ Failure no_such_board(const std::string& name, const std::vector<std::string>& a
     const bool pattern = name.find_first_of("*?") != std::string::npos;
     const auto near = pattern ? std::string() : text::did_you_mean(name, all);
     auto text = pattern ? "no board is like " + name : "no board '" + name + "' on this bus" + near;
-    if (all.empty()) {
+    if (all.empty())
         text += "; there is no board at all: is its asip-agent running?";
-    } else if (near.empty()) {
+    else if (near.empty())
         text += "; see asipctl list";
-    }
     return {program::kExitNoAnswer, std::move(text)};
 }
 

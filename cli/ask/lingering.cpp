@@ -58,9 +58,8 @@ void print_lingering(const std::vector<Lingering>& all, const OutputOptions& out
 int forget_boards(Environment& environment, BusSession& session, BoardSource& source,
                   std::vector<Lingering>& lingering) {
     std::set<std::string> boards;
-    for (const auto& one : lingering) {
+    for (const auto& one : lingering)
         if (one.kind == Lingering::Kind::kGoneBoard) boards.insert(one.board);
-    }
     const auto asked = ask_to_forget(environment, session, source, {boards.begin(), boards.end()});
     std::erase_if(lingering, [&asked](const Lingering& one) { return asked.refused.contains(one.board); });
     return asked.status;

@@ -84,11 +84,10 @@ class Follower {
                 const auto event = bus::parse_change_event(message.payload);
                 if (!event || event->kind == bus::ChangeEvent::Kind::kReset) return;
                 auto change = change_of(*event);
-                if (reading_) {
+                if (reading_)
                     meanwhile_.push_back(std::move(change));
-                } else {
+                else
                     print(change);
-                }
             }));
     }
 
@@ -171,13 +170,11 @@ void print_changes(const std::vector<bus::HistoryItem>& changes, const OutputOpt
                    Environment& environment) {
     RecordPrinter records(output, RecordPrinter::Count::kList, environment.out);
     auto table = change_table();
-    for (const auto& change : changes) {
-        if (output.for_people()) {
+    for (const auto& change : changes)
+        if (output.for_people())
             table.add(change_row(change));
-        } else {
+        else
             records.print(bus::to_json(change));
-        }
-    }
     if (!output.for_people()) return records.finish();
     if (table.empty()) return environment.note("nothing is known of it");
     environment.out << table.render(environment.width, environment.colour) << std::flush;

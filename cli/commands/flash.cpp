@@ -127,11 +127,10 @@ class Flasher {
         auto prolong = Clock::now() + kProlongEvery;
         std::optional<int> status;
         while (!(status = programmer->ended())) {
-            if (session_.stopped()) {
+            if (session_.stopped())
                 std::this_thread::sleep_for(kLookEvery);  // Ctrl-C reached the programmer, too
-            } else {
+            else
                 session_.run_for(kLookEvery);
-            }
             if (Clock::now() >= limit) {
                 programmer->stop(Clock::now() >= limit + kStopTime);
                 stopped = true;

@@ -187,12 +187,11 @@ class Forgetter {
     void print_topics() {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         for (const auto& board : boards_) {
-            for (const auto& topic : board.topics) {
+            for (const auto& topic : board.topics)
                 if (options_.output.for_people())
                     environment_.say(topic);
                 else
                     records.print({{"topic", topic}, {"board", board.name}});
-            }
         }
         records.finish();
         environment_.out << std::flush;

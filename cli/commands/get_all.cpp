@@ -58,12 +58,11 @@ class AllValues {
     Outcome<void> find() {
         auto boards = choose_boards(source_, target_, labels_);
         if (!boards) return tl::unexpected(boards.error());
-        for (auto& board : *boards) {
+        for (auto& board : *boards)
             if (board.item.state == "online" && board.description)
                 boards_.emplace_back(Board{std::move(board)});
             else
                 environment_.note(board.item.board + ": no values: it is " + board.item.state);
-        }
         if (boards_.empty()) return failure(program::kExitNoAnswer, "none of these boards is there");
         return {};
     }

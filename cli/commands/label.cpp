@@ -135,11 +135,10 @@ class Labeller {
                 status = program::kExitFailure;
             }
             any = any || !labels.empty() || !fault.empty();
-            if (options_.output.for_people()) {
+            if (options_.output.for_people())
                 add_rows(table, board.item.board, labels);
-            } else {
+            else
                 records.print(record(board.item.board, labels, fault));
-            }
         }
         records.finish();
         if (!table.empty())

@@ -60,19 +60,16 @@ class PinAccess {
                                           if (message.retain) return;
                                           auto document = model::parse_json(message.payload);
                                           if (!document || !document->is_object()) return;
-                                          for (const auto& [name, value] : document->items()) {
+                                          for (const auto& [name, value] : document->items())
                                               if (value.is_object()) latest_[name].update(value);
-                                          }
                                       });
     }
 
   private:
     std::optional<int> latest(const std::string& event, const std::string& key) const {
         const auto found = latest_.find(event);
-        if (found == latest_.end() || !found->second.contains(key) ||
-            !found->second[key].is_number_integer()) {
+        if (found == latest_.end() || !found->second.contains(key) || !found->second[key].is_number_integer())
             return std::nullopt;
-        }
         return found->second[key].get<int>();
     }
 
@@ -97,9 +94,8 @@ class PinAccess {
     Outcome<PinReading> read_analog(int pin, PinReading result) {
         std::optional<int> channel;
         if (board_.description) {
-            for (const auto& [digital, number] : board_.description->pins.analog) {
+            for (const auto& [digital, number] : board_.description->pins.analog)
                 if (digital == pin) channel = number;
-            }
         }
         if (!channel)
             return failure(program::kExitFailure, "the board did not report which analog channel pin " +

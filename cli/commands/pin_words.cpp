@@ -37,13 +37,11 @@ Outcome<int> parse_pin(std::string_view text, const model::PinsInfo& pins) {
     const bool analog = text.size() > 1 && (text[0] == 'A' || text[0] == 'a');
     const bool digital = text.size() > 1 && (text[0] == 'D' || text[0] == 'd');
     const auto number = protocol::parse_integer(analog || digital ? text.substr(1) : text);
-    if (!number || *number < 0 || *number > 255) {
+    if (!number || *number < 0 || *number > 255)
         return failure(program::kExitUsage, "'" + std::string(text) + "' is not a pin; write 13, D13 or A0");
-    }
     if (!analog) return static_cast<int>(*number);
-    for (const auto& [pin, channel] : pins.analog) {
+    for (const auto& [pin, channel] : pins.analog)
         if (channel == *number) return pin;
-    }
     return failure(program::kExitUsage, "the board has no analog channel " + std::to_string(*number));
 }
 

@@ -73,11 +73,10 @@ class Pinger {
         std::string away;
         for (const auto& board : *boards) {
             const bool is_away = model::is_gone(board.item.state);
-            if (is_away) {
+            if (is_away)
                 away += (away.empty() ? "" : ", ") + board.item.board + " is " + board.item.state;
-            } else {
+            else
                 add(board);
-            }
         }
         if (!away.empty()) environment_.note("left out: " + away);
         left_out_ = !away.empty();

@@ -191,9 +191,8 @@ int run_send(const SendOptions& options, Environment& environment) {
         return environment.fail_with(
             {program::kExitUsage, "send what to whom? Write BOARD/SERVICE COMMAND [ARG...]"});
     }
-    if (!options.raw.empty() && (options.from_input || !options.words.empty())) {
+    if (!options.raw.empty() && (options.from_input || !options.words.empty()))
         return environment.fail_with({program::kExitUsage, "--raw goes with a board alone"});
-    }
     const auto target = parse_target(options.target.empty() ? "*" : options.target, true);
     if (!target) return environment.fail_with(target.error());
     const auto labels = parse_selector(options.selector);

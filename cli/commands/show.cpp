@@ -43,9 +43,8 @@ nlohmann::json board_json(const KnownBoard& board, const KnownProperties& known)
 nlohmann::json service_json(const KnownBoard& board, const model::ServiceInfo& service,
                             const model::ServiceModel* model, const KnownProperties& known) {
     auto result = nlohmann::json::object();
-    for (const auto& item : board.item.services) {
+    for (const auto& item : board.item.services)
         if (item.name == service.name) result = bus::to_json(item);
-    }
     if (model != nullptr) {
         if (auto source = model::parse_json(model->source)) result["definition"] = std::move(*source);
     }

@@ -31,9 +31,8 @@ std::string labelled(const std::string& label, const std::string& value, bool co
 std::string extensions_text(const model::Description& description) {
     if (description.firmware.protocol.empty()) return {};
     std::string text;
-    for (const auto& [tag, version] : description.firmware.extensions.list) {
+    for (const auto& [tag, version] : description.firmware.extensions.list)
         text += (text.empty() ? "" : " ") + std::string(1, tag) + ":" + std::to_string(version);
-    }
     return text.empty() ? "none (ASIP 0.4)" : text;
 }
 
@@ -75,9 +74,8 @@ std::string mode_text(char digit) {
 
 std::string owner_text(const model::Description& description, char owner) {
     if (owner == '@') return "system";
-    for (const auto& service : description.services) {
+    for (const auto& service : description.services)
         if (service.id == owner && owner != 0) return service.name;
-    }
     return owner == '-' || owner == 0 ? "" : std::string(1, owner);
 }
 
@@ -86,9 +84,8 @@ char at(const std::string& text, std::size_t index) {
 }
 
 std::string pin_name(const model::Description& description, std::size_t pin) {
-    for (const auto& [digital, channel] : description.pins.analog) {
+    for (const auto& [digital, channel] : description.pins.analog)
         if (digital == pin) return std::to_string(pin) + " (A" + std::to_string(channel) + ")";
-    }
     return std::to_string(pin);
 }
 
@@ -147,9 +144,8 @@ std::vector<nlohmann::json> pin_records(const model::Description& description) {
         if (const auto owner = owner_text(description, at(pins.owners, pin)); !owner.empty())
             record["owner"] = owner;
         record["can"] = capabilities(at(pins.capabilities, pin));
-        for (const auto& [digital, channel] : pins.analog) {
+        for (const auto& [digital, channel] : pins.analog)
             if (digital == pin) record["channel"] = channel;
-        }
         if (auto name = description.labels.pin(static_cast<int>(pin)); !name.empty())
             record["label"] = std::move(name);
         records.push_back(std::move(record));

@@ -47,12 +47,11 @@ nlohmann::json record(const SeenEvent& seen) {
     if (leaves.empty()) return object;
     object["field"] = seen.decoded.field;
     if (!leaves.front().unit.empty()) object["unit"] = leaves.front().unit;
-    if (leaves.size() == 1) {
+    if (leaves.size() == 1)
         object["value"] = leaves.front().value;
-    } else {
+    else
         for (const auto& leaf : leaves)
             object["value"][leaf.path] = leaf.value;
-    }
     return object;
 }
 
@@ -121,10 +120,9 @@ class Subscriber {
                         demand_of_chosen(std::string(topic->board));
                 }));
         }
-        if (labels_.empty() && !options_.no_demand) {
+        if (labels_.empty() && !options_.no_demand)
             for (const auto& target : targets_)
                 demands_.push_back(session_.demand(target.board, target.service, wanted_hz()));
-        }
         for (const auto& filter : context_filters(environment_.topics, targets_, options_.raw)) {
             subscriptions_.push_back(
                 session_.subscribe(filter, [this](const mqtt::Message& message) { take(message); }));
@@ -179,9 +177,8 @@ class Subscriber {
     model::ModelPtr model_of(const ContextEvent& event) const {
         if (event.kind != ContextEvent::Kind::kValue) return nullptr;
         if (const auto* description = session_.boards().description(event.board)) {
-            for (const auto& service : description->services) {
+            for (const auto& service : description->services)
                 if (service.name == event.service) return bus::model_of(service, environment_.models());
-            }
         }
         // A service is named by its model.
         return environment_.models().find(event.service);

@@ -88,19 +88,17 @@ class KeptValues {
     int list(const std::vector<bus::KeptProperty>& kept) {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"BOARD"}, {"PROPERTY"}});
-        for (const auto& each : kept) {
+        for (const auto& each : kept)
             if (options_.output.for_people())
                 table.add({each.board, each.property});
             else
                 records.print({{"board", each.board}, {"property", each.property}});
-        }
-        if (!options_.output.for_people()) {
+        if (!options_.output.for_people())
             records.finish();
-        } else if (table.empty()) {
+        else if (table.empty())
             environment_.note("nothing is kept of it; a property with a name is: asipctl label");
-        } else {
+        else
             environment_.out << table.render(environment_.width, environment_.colour) << std::flush;
-        }
         return program::kExitOk;
     }
 

@@ -34,9 +34,8 @@ std::string some_of(const std::vector<std::string>& all) {
 }
 
 std::string retained_payload(const Observations& seen, const std::string& topic) {
-    for (const auto& message : seen.retained) {
+    for (const auto& message : seen.retained)
         if (message.topic == topic) return message.payload;
-    }
     return {};
 }
 
@@ -143,11 +142,10 @@ Findings check_boards(const Observations& seen) {
             continue;
         }
         auto finding = ping_finding(board, ping);
-        if (finding.level == Finding::Level::kFine) {
+        if (finding.level == Finding::Level::kFine)
             answering.push_back(board);
-        } else {
+        else
             result.push_back(std::move(finding));
-        }
     }
     if (!denied.empty()) {
         result.push_back(note("not asked: " + some_of(denied) + "; the broker does not let us command boards",
@@ -230,9 +228,8 @@ Findings check_retained(const Observations& seen) {
 
 Findings check_names(const Observations& seen) {
     std::vector<std::string> bad;
-    for (const auto& one : find_lingering(seen.topics, seen.retained)) {
+    for (const auto& one : find_lingering(seen.topics, seen.retained))
         if (one.kind == Lingering::Kind::kInvalidName) bad.push_back(one.topic);
-    }
     if (bad.empty()) return {};
     return {problem("announced under names that are not valid, so that they are ignored: " + some_of(bad),
                     "names are 1 to 64 of A-Z a-z 0-9 . _ -; rename the board, then: asipctl forget "

@@ -14,9 +14,8 @@ namespace asip::cli {
 namespace {
 
 const model::Field* field_of(const model::EventModel& event, const std::string& key) {
-    for (const auto& field : event.fields) {
+    for (const auto& field : event.fields)
         if (field.name == key) return &field;
-    }
     return event.fields.size() == 1 ? &event.fields.front() : nullptr;
 }
 
@@ -32,15 +31,14 @@ LeafValue leaf_of(const model::ServiceModel& model, const model::EventModel& eve
 void collect(const model::ServiceModel& model, const model::EventModel& event, const nlohmann::json& value,
              const std::string& path, const std::string& key, std::vector<LeafValue>& leaves) {
     const auto below = [&path](const std::string& name) { return path.empty() ? name : path + "." + name; };
-    if (value.is_object()) {
+    if (value.is_object())
         for (const auto& [name, member] : value.items())
             collect(model, event, member, below(name), name, leaves);
-    } else if (value.is_array()) {
+    else if (value.is_array())
         for (std::size_t i = 0; i < value.size(); ++i)
             collect(model, event, value[i], below(std::to_string(i)), key, leaves);
-    } else {
+    else
         leaves.push_back(leaf_of(model, event, value, path, key));
-    }
 }
 
 bool is_index(std::string_view text) {
@@ -50,9 +48,8 @@ bool is_index(std::string_view text) {
 
 const model::EventModel* event_with_field(const model::ServiceModel& model, std::string_view name) {
     for (const auto& event : model.events) {
-        for (const auto& field : event.fields) {
+        for (const auto& field : event.fields)
             if (field.name == name) return &event;
-        }
     }
     return nullptr;
 }
@@ -61,9 +58,8 @@ std::vector<std::string> names_of(const model::ServiceModel& model) {
     std::vector<std::string> names;
     for (const auto& event : model.events) {
         names.push_back(event.name);
-        for (const auto& field : event.fields) {
+        for (const auto& field : event.fields)
             if (field.name != event.name) names.push_back(field.name);
-        }
     }
     return names;
 }
@@ -124,9 +120,8 @@ Expected<FieldChoice> choose_field(const model::ServiceModel& model, std::string
 }
 
 const model::CommandModel* asking_command(const model::ServiceModel& model, const model::EventModel& event) {
-    for (const auto& command : model.commands) {
+    for (const auto& command : model.commands)
         if (command.answer == event.tag && command.args.empty()) return &command;
-    }
     return nullptr;
 }
 

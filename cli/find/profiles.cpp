@@ -48,18 +48,16 @@ bool names_a_bus(const std::vector<std::string>& arguments) {
 }
 
 bool names_a_bus(const Profiles::Variables& variables) {
-    for (const auto* name : {"ASIP_BROKER", "ASIP_CREDENTIALS", "ASIP_CONFIG"}) {
+    for (const auto* name : {"ASIP_BROKER", "ASIP_CREDENTIALS", "ASIP_CONFIG"})
         if (const auto value = variables(name); value && !value->empty()) return true;
-    }
     return false;
 }
 
 }  // namespace
 
 std::string Profile::value(const std::string& option) const {
-    for (const auto& [key, text] : options) {
+    for (const auto& [key, text] : options)
         if (key == option) return text;
-    }
     return {};
 }
 
@@ -74,9 +72,8 @@ std::optional<Profiles> Profiles::of_user(const Variables& variables) {
 std::vector<std::string> Profiles::names() const {
     std::vector<std::string> result;
     std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder_ / "contexts", error)) {
+    for (const auto& entry : fs::directory_iterator(folder_ / "contexts", error))
         if (entry.path().extension() == ".conf") result.push_back(entry.path().stem().string());
-    }
     std::sort(result.begin(), result.end());
     return result;
 }
@@ -155,9 +152,8 @@ Expected<std::vector<std::string>> with_profile(std::vector<std::string> argumen
         return asked_for ? Expected<std::vector<std::string>>(fail(bus.error())) : arguments;
     }
     std::vector<std::string> all;
-    for (const auto& [option, value] : bus->options) {
+    for (const auto& [option, value] : bus->options)
         if (!typed_value(arguments, option)) all.push_back("--" + option + "=" + value);
-    }
     all.insert(all.end(), arguments.begin(), arguments.end());
     return all;
 }

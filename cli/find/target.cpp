@@ -35,9 +35,8 @@ Outcome<Target> parse_target(std::string_view text, bool patterns) {
     const auto slash = text.find('/');
     Target target{std::string(text.substr(0, slash)), {}};
     if (slash != std::string_view::npos) target.service = text.substr(slash + 1);
-    if (target.is_pattern() && !patterns) {
+    if (target.is_pattern() && !patterns)
         return failure(program::kExitUsage, "'" + std::string(text) + "': no wildcards here; name one board");
-    }
     const auto board = without_wildcards(target.board);
     const bool board_ok =
         board.empty() ? is_glob(target.board) : model::valid_board_name(board) || is_glob(target.board);
@@ -63,12 +62,10 @@ Outcome<void> check_board_pattern(std::string_view text, std::string_view verb) 
 
 Outcome<model::ServiceInfo> find_service(const KnownBoard& board, const std::string& name) {
     if (board.description) {
-        for (const auto& service : board.description->services) {
+        for (const auto& service : board.description->services)
             if (service.name == name) return service;
-        }
-        for (const auto& service : board.description->services) {
+        for (const auto& service : board.description->services)
             if (name.size() == 1 && service.id == name.front()) return service;
-        }
     }
     for (const auto& item : board.item.services) {
         if (item.name != name) continue;
@@ -97,13 +94,12 @@ Expected<std::vector<std::string>> split_words(std::string_view line) {
         }
         if (!inside) words.emplace_back();
         inside = true;
-        if (quote != '\0' && c == quote) {
+        if (quote != '\0' && c == quote)
             quote = '\0';
-        } else if (quote == '\0' && (c == '"' || c == '\'') && words.back().find('{') != 0) {
+        else if (quote == '\0' && (c == '"' || c == '\'') && words.back().find('{') != 0)
             quote = c;
-        } else {
+        else
             words.back() += c;
-        }
     }
     if (quote != '\0') return fail("a quote is never closed");
     return words;

@@ -98,11 +98,10 @@ class ClassRoom {
         const auto description = model::parse_description(message.payload);
         if (!description) return;
         const auto state = description->state ? description->state->state : model::BoardState::kLost;
-        if (state == model::BoardState::kOnline) {
+        if (state == model::BoardState::kOnline)
             online_[board] = *description;
-        } else {
+        else
             online_.erase(board);
-        }
         if (found != seats_.end()) {
             auto& seat = *found->second;
             if (!is_over(seat)) {

@@ -107,9 +107,8 @@ void RunningProgram::stop(bool by_force) {
 
 int RunningProgram::wait() {
     int status = 0;
-    while (waitpid(pid_, &status, 0) < 0) {
+    while (waitpid(pid_, &status, 0) < 0)
         if (errno != EINTR) return -1;
-    }
     return exit_status(status);
 }
 

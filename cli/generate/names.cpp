@@ -128,12 +128,11 @@ bool is_one_of(const Words& words, const std::string& name) {
 
 std::vector<std::string> words_of(std::string_view name) {
     std::vector<std::string> words(1);
-    for (const char c : name) {
+    for (const char c : name)
         if (std::isalnum(static_cast<unsigned char>(c)) != 0)
             words.back() += c;
         else if (!words.back().empty())
             words.emplace_back();
-    }
     if (words.back().empty()) words.pop_back();
     return words;
 }

@@ -33,9 +33,8 @@ std::vector<std::string> command_names(const model::ServiceModel& model) {
 /// How each example looks on both sides: as it is sent to a board, and as JSON.
 std::string examples_text(const model::ServiceModel& model, const Environment& environment) {
     Table table({{"EXAMPLE ON THE WIRE"}, {"AS JSON", false, 20}});
-    for (const auto& example : model::examples(model)) {
+    for (const auto& example : model::examples(model))
         if (!example.wire.empty()) table.add({example.wire, example.json});
-    }
     return table.empty() ? std::string() : "\n" + table.render(environment.width, environment.colour);
 }
 
@@ -82,11 +81,10 @@ int list_kinds(const OutputOptions& output, Environment& environment) {
             table.add({model->name, letter, model->title, listed(events), listed(commands)});
         }
     }
-    if (!output.for_people()) {
+    if (!output.for_people())
         records.finish();
-    } else if (!table.empty()) {
+    else if (!table.empty())
         environment.out << table.render(environment.width, environment.colour);
-    }
     environment.out << std::flush;
     return program::kExitOk;
 }

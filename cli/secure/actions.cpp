@@ -22,10 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 
 Outcome<void> check_hosts(const std::vector<std::string>& hosts) {
-    for (const auto& host : hosts) {
+    for (const auto& host : hosts)
         if (!valid_host(host))
             return failure(program::kExitUsage, "--host " + host + " is neither a host name nor an address");
-    }
     return {};
 }
 
@@ -80,11 +79,10 @@ void next_after_init(const SecureOptions& options, const SecureFolder& folder, c
         report.next("give each person a file", "sudo asipctl secure add operator ann");
         return;
     }
-    if (is_system_broker(folder.path(), bus)) {
+    if (is_system_broker(folder.path(), bus))
         report.next("let the broker read it", "sudo systemctl restart mosquitto");
-    } else {
+    else
         report.next("start the broker", broker_program() + " -c " + bus.configuration);
-    }
     if (taken) {
         report.next(
             "port " + std::to_string(bus.port) +
@@ -171,10 +169,9 @@ Outcome<void> tell_services(const SecureOptions& options, const SecureFolder& fo
     if (!keeps_services(options, folder.path(), bus)) return {};
     const auto changed = refresh_services(folder, bus, report);
     if (!changed) return tl::unexpected(changed.error());
-    for (const auto& name : *changed) {
+    for (const auto& name : *changed)
         if (bus.find(name)->role == Role::kBoard)
             report.next("let the agent of " + name + " read it", "sudo systemctl restart 'asip-agent@*'");
-    }
     return restart_services(false, *changed, report);
 }
 
@@ -238,9 +235,8 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
                        "--here is for root on the broker's machine, with the services of the packages "
                        "(/etc/asip/credentials is made by asip-common)");
     }
-    for (const auto& name : names) {
+    for (const auto& name : names)
         if (auto done = ensure_user(*folder, *bus, name, *role, report); !done) return done;
-    }
     if (auto done = write_users(*folder, *bus); !done) return done;
     report_reload(*folder, *bus, options.reload_pid, report);
     if (options.here) {

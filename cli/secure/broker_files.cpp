@@ -21,9 +21,8 @@ CertificateTime now() {
 
 /// Programs on the broker's machine may call it by loopback.
 std::vector<std::string> certificate_hosts(std::vector<std::string> hosts) {
-    for (const char* own : {"localhost", "127.0.0.1", "::1"}) {
+    for (const char* own : {"localhost", "127.0.0.1", "::1"})
         if (std::find(hosts.begin(), hosts.end(), own) == hosts.end()) hosts.emplace_back(own);
-    }
     return hosts;
 }
 

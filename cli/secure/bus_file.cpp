@@ -65,9 +65,8 @@ Expected<SecuredBus> read_bus(const std::string& text) {
     if (!document->is_object() || document->value("version", json()) != 1)
         return fail("not made by this version of asipctl");
     SecuredBus bus;
-    for (const auto& host : document->value("hosts", json::array())) {
+    for (const auto& host : document->value("hosts", json::array()))
         if (host.is_string()) bus.hosts.push_back(host.get<std::string>());
-    }
     if (bus.hosts.empty()) return fail("it names no host");
     const auto port = document->value("port", json());
     if (!port.is_number_unsigned() || port.get<std::uint64_t>() == 0 || port.get<std::uint64_t>() > 65535)
@@ -97,9 +96,8 @@ std::string password_lines(const SecuredBus& bus) {
 
 std::string rule_lines(const SecuredBus& bus) {
     std::vector<RoleOfUser> users;
-    for (const auto& user : bus.users) {
+    for (const auto& user : bus.users)
         if (user.role != Role::kBoard) users.push_back({user.name, user.role});
-    }
     return access_rules(bus.topic_root, users) + source_rules(bus);
 }
 

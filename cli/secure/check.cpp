@@ -56,11 +56,10 @@ class Checker {
     }
 
     int finish() {
-        if (options_.output.for_people()) {
+        if (options_.output.for_people())
             environment_.out << table_.render(environment_.width, environment_.colour) << std::flush;
-        } else {
+        else
             records_.finish();
-        }
         if (wrong_ == 0) return program::kExitOk;
         environment_.note(
             "the broker does not do what it should: has it read its files? Reload it: asipctl secure show "
@@ -109,10 +108,9 @@ Outcome<int> secure_check(const SecureOptions& options, Environment& environment
         auto found = options_of(*folder, "admin");
         if (!found) return tl::unexpected(found.error());
         admin = std::move(*found);
-        for (const auto& user : bus->users) {
+        for (const auto& user : bus->users)
             if (options.what.empty() || options.what == user.name)
                 users.emplace_back(user, options_of(*folder, user.name));
-        }
     }
     const auto stranger = "asip-check-" + random_hex(system_random(), 12);
     Checker checker(options, environment);

@@ -10,19 +10,17 @@ namespace asip::cli {
 
 void SecureReport::did(const std::string& action, const std::string& what, const std::string& file) {
     changed_ = changed_ || (action != "kept" && action != "warning");
-    if (options_.for_people()) {
+    if (options_.for_people())
         out_ << fmt::format("{:<8} {}{}{}\n", action, what, file.empty() ? "" : ": ", file);
-    } else {
+    else
         records_.print({{"action", action}, {"what", what}, {"file", file}});
-    }
 }
 
 void SecureReport::next(const std::string& why, const std::string& command) {
-    if (options_.for_people()) {
+    if (options_.for_people())
         next_ += "  " + why + (command.empty() ? "" : ":\n      " + command) + "\n";
-    } else {
+    else
         records_.print({{"action", "next"}, {"what", why}, {"command", command}});
-    }
 }
 
 void SecureReport::finish() {

@@ -114,10 +114,9 @@ std::string section(const RoleOfUser& user, const std::string& root) {
             text += "topic deny " + root + "/" + whole.replace(whole.find("%u"), 2, user.name) + "\n";
         }
     }
-    if (user.role == Role::kOperator || user.role == Role::kGateway) {
+    if (user.role == Role::kOperator || user.role == Role::kGateway)
         for (const auto topic : kNoCommand)
             text += "topic deny " + root + "/" + std::string(topic) + "\n";
-    }
     for (const auto& rule : topic_rules())
         text += lines_for(rule, beyond_all(rule, user.role), root, user.name);
     return text;
@@ -130,9 +129,8 @@ std::string_view name_of(Role role) {
 }
 
 std::optional<Role> parse_role(std::string_view word) {
-    for (const auto& one : kRoles) {
+    for (const auto& one : kRoles)
         if (one.name == word) return one.role;
-    }
     return std::nullopt;
 }
 

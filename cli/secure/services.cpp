@@ -35,9 +35,8 @@ fs::path file_of(const std::string& user) {
 }
 
 bool is_unit(const std::string& name) {
-    for (const char* folder : {"/etc/systemd/system/", "/lib/systemd/system/", "/usr/lib/systemd/system/"}) {
+    for (const char* folder : {"/etc/systemd/system/", "/lib/systemd/system/", "/usr/lib/systemd/system/"})
         if (fs::exists(folder + name + ".service")) return true;
-    }
     return false;
 }
 
@@ -161,9 +160,8 @@ Outcome<Names> give_to_services(const SecureFolder& folder, const SecuredBus& bu
 Outcome<Names> refresh_services(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
     Names present;
     std::error_code error;
-    for (fs::directory_iterator it(kFolder, error), end; !error && it != end; it.increment(error)) {
+    for (fs::directory_iterator it(kFolder, error), end; !error && it != end; it.increment(error))
         if (it->path().extension() == ".credentials") present.push_back(it->path().stem().string());
-    }
     std::sort(present.begin(), present.end());
     for (const auto& name : present) {
         if (bus.find(name) != nullptr) continue;

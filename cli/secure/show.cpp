@@ -61,14 +61,12 @@ Outcome<void> secure_show(const SecureOptions& options, Environment& environment
     const auto bus = folder->bus();
     if (!bus) return tl::unexpected(bus.error());
     std::vector<Row> rows;
-    if (options.what.empty()) {
+    if (options.what.empty())
         rows.push_back(broker_row(*folder, *bus, environment));
-    } else if (auto known = check_known(*bus, options.what); !known) {
+    else if (auto known = check_known(*bus, options.what); !known)
         return known;
-    }
-    for (const auto& user : bus->users) {
+    for (const auto& user : bus->users)
         if (options.what.empty() || user.name == options.what) rows.push_back(row_of(*folder, user));
-    }
     Table table({{"NAME"}, {"ROLE"}, {"SINCE"}, {"UNTIL"}, {"CREDENTIALS HERE"}, {"MAY", false, 20}});
     RecordPrinter records(options.output, RecordPrinter::Count::kList, environment.out);
     for (const auto& row : rows) {
@@ -87,11 +85,10 @@ Outcome<void> secure_show(const SecureOptions& options, Environment& environment
                            {"may", row.rights}});
         }
     }
-    if (options.output.for_people()) {
+    if (options.output.for_people())
         environment.out << table.render(environment.width, environment.colour) << std::flush;
-    } else {
+    else
         records.finish();
-    }
     return {};
 }
 

@@ -111,15 +111,13 @@ Outcome<std::vector<Found>> try_out(const std::vector<Trial>& trials, const mqtt
         bus::ReplyTopics(bus::Topics(root), subject_options.user, "check-" + random_hex(system_random(), 12))
             .own();
     reader.client().subscribe(mark, {.qos = 1});
-    for (const auto& trial : trials) {
+    for (const auto& trial : trials)
         for (const auto& topic : trial.reads)
             reader.client().subscribe(topic, {.qos = 1});
-    }
     if (auto connected = reader.connect(end); !connected) return tl::unexpected(connected.error());
-    for (const auto& trial : trials) {
+    for (const auto& trial : trials)
         for (const auto& topic : trial.reads)
             admin.publish(topic, end);
-    }
     admin.publish(mark, end);
     const bool read = reader.run_until([&] { return reader.has(mark); }, end);
 

@@ -52,9 +52,8 @@ std::string LineTemplate::fill(const std::function<std::string(std::string_view 
 
 std::vector<std::string> LineTemplate::names() const {
     std::vector<std::string> result;
-    for (const auto& piece : pieces_) {
+    for (const auto& piece : pieces_)
         if (piece.is_name) result.push_back(piece.text);
-    }
     return result;
 }
 

@@ -41,13 +41,11 @@ std::string painted(std::string_view text, Colour colour, bool on) {
 }
 
 void Table::add(const std::vector<Cell>& row) {
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-        if (i < row.size()) {
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+        if (i < row.size())
             add_cell(row[i].text, row[i].colour);
-        } else {
+        else
             add_cell({});
-        }
-    }
 }
 
 void Table::add_cell(std::string_view text, Colour colour) {
@@ -63,11 +61,10 @@ void Table::add_cell(std::string_view text, Colour colour) {
     }
     Shown cell;
     cell.begin = texts_.size();
-    if (is_plain(text)) {
+    if (is_plain(text))
         texts_ += text;
-    } else {
+    else
         texts_ += for_terminal(text);
-    }
     cell.size = static_cast<std::uint32_t>(texts_.size() - cell.begin);
     cell.width = static_cast<std::uint32_t>(display_width(text_of(cell)) & 0xFFFFFFFU);
     cell.colour = static_cast<unsigned>(colour) & 0xFU;
@@ -91,11 +88,10 @@ void Table::measure(std::size_t limit) {
         const bool may_be_cut = limited_ && columns_[i].least != 0;
         for (std::size_t cell = rendered_ + i; cell < cells_.size(); cell += columns) {
             const std::size_t whole = cells_[cell].width;
-            if (may_be_cut) {
+            if (may_be_cut)
                 width = std::max(width, std::min(whole, limit));
-            } else if (whole <= kMaxAligned) {
+            else if (whole <= kMaxAligned)
                 width = std::max(width, whole);
-            }
         }
         result[i] = width;
     }
@@ -126,11 +122,10 @@ void Table::append_cell(std::string& line, std::string_view shown, std::size_t w
     }
     const auto blanks = whole < width ? width - whole : 0;
     if (right) line.append(blanks, ' ');
-    if (colour != Colour::kNone) {
+    if (colour != Colour::kNone)
         line += painted(shown, colour, true);
-    } else {
+    else
         line += shown;
-    }
     if (!last) line.append((right ? 0 : blanks) + kGap, ' ');
 }
 
@@ -164,11 +159,10 @@ void Table::append_rows(std::string& text, std::size_t first, bool colour) const
                         colour ? static_cast<Colour>(cells[i].colour) : Colour::kNone, i, i + 1 == last);
             if (i == 0) behind_first = text.size();
         }
-        if (same) {
+        if (same)
             text.append(text, rest, rest_size);
-        } else {
+        else
             text += '\n';
-        }
         rest = behind_first;
         rest_size = text.size() - behind_first;
     }

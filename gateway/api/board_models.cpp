@@ -47,15 +47,13 @@ model::ModelPtr BoardModels::find(const bus::BoardItem& board, std::string_view 
         entry.bytes = 8 * text.size() + sizeof(Entry) + board.services.size() * 2 * sizeof(bus::ServiceItem);
         bytes_ += entry.bytes;
         const auto parsed = model::parse_description(text);
-        for (const auto& each : board.services) {
-            if (text.empty()) {
+        for (const auto& each : board.services)
+            if (text.empty())
                 entry.models[each.name] = models_.find(each.name);
-            } else if (const auto* info = parsed ? parsed->service(each.name) : nullptr) {
+            else if (const auto* info = parsed ? parsed->service(each.name) : nullptr)
                 entry.models[each.name] = bus::model_of(*info, models_);
-            } else if (!parsed) {
+            else if (!parsed)
                 entry.models[each.name] = bus::model_of(info_of(each), models_);
-            }
-        }
     }
     const auto found = entry.models.find(service);
     return found == entry.models.end() ? nullptr : found->second;

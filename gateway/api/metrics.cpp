@@ -145,14 +145,12 @@ void get_metrics(Call& call) {
         snapshot.lost_by_reason.emplace_back(model::to_text(reason), lost[reason]);
     snapshot.lost_by_reason.emplace_back("unknown", lost[Reason::kNone]);
     snapshot.services_by_kind = mirror.services_by_kind(view);
-    if (!rights.limited()) {  // what registries count is of all boards
+    if (!rights.limited())  // what registries count is of all boards
         for (const auto& [id, info] : mirror.registries())
             snapshot.registries.emplace_back(id, info.stats);
-    }
-    for (const auto& [board, info] : mirror.board_stats()) {
+    for (const auto& [board, info] : mirror.board_stats())
         if (snapshot.part.takes(board) && rights.sees_board(board))
             snapshot.boards.emplace_back(board, info.text);
-    }
     const bool open =
         call.request.header("accept").find("application/openmetrics-text") != std::string_view::npos;
     const auto format = open ? metrics::Exposition::Format::kOpenMetrics : metrics::Exposition::Format::kText;

@@ -109,9 +109,8 @@ std::string openapi_document(const std::vector<Route>& routes, const std::string
                   {"servers", {{{"url", base_path + "/"}}}},
                   {"security", json::parse(R"([{"token":[]},{"cookie":[]},{}])")},
                   {"components", json::parse(kComponents)}};
-    for (const auto& route : routes) {
+    for (const auto& route : routes)
         document["paths"][std::string(route.path)][http::lower(route.method)] = operation(route);
-    }
     return model::dump_json(document);
 }
 

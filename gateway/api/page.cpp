@@ -20,9 +20,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kTypes{{
 }};
 
 std::string_view type_of(std::string_view path) {
-    for (const auto& [ending, type] : kTypes) {
+    for (const auto& [ending, type] : kTypes)
         if (path.ends_with(ending)) return type;
-    }
     return "application/octet-stream";
 }
 

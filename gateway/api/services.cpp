@@ -156,11 +156,10 @@ std::vector<model::ModelPtr> models_for(const Call& call) {
     if (!rights.limited()) return {models.begin(), models.end()};
     const auto kinds = call.gateway.mirror().services_by_kind(view_of(rights));
     std::vector<model::ModelPtr> seen;
-    for (auto& model : models) {
+    for (auto& model : models)
         if (std::any_of(kinds.begin(), kinds.end(),
                         [&](const auto& kind) { return kind.first == model->name; }))
             seen.push_back(std::move(model));
-    }
     return seen;
 }
 

@@ -62,9 +62,8 @@ std::string Rights::mark() const {
 Expected<Rights> parse_role(std::string_view text) {
     constexpr std::array<std::string_view, 5> kWords{"kiosk", "viewer", "operator", "operator+raw", "admin"};
     Rights rights;
-    for (std::size_t i = 1; i < kRoles.size(); ++i) {
+    for (std::size_t i = 1; i < kRoles.size(); ++i)
         if (text == kRoles[i]) rights.role = static_cast<Role>(i);
-    }
     if (text == "operator+raw") rights.role = Role::kOperator, rights.raw = true;
     if (rights.role == Role::kNone) {
         return fail("\"" + std::string(text) +

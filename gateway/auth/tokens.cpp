@@ -86,9 +86,8 @@ Expected<Tokens> Tokens::parse(std::string_view text) {
         if (!is_hash(words[2]))
             return wrong("the third word is not a hash; make lines with asip-gateway token");
         if (tokens.named(rights->name) != nullptr) return wrong("a second token is called " + words[1]);
-        for (std::size_t i = 3; i < words.size(); ++i) {
+        for (std::size_t i = 3; i < words.size(); ++i)
             if (auto member = read_member(*rights, words[i]); !member) return wrong(member.error());
-        }
         if (rights->control && rights->dashboard.empty()) return wrong("control=yes needs dashboard=NAME");
         if (!rights->dashboard.empty() && !(rights->boards.empty() && rights->services.empty()))
             return wrong("dashboard=NAME says what is seen; leave out boards and services");
@@ -129,9 +128,8 @@ const Rights* Tokens::find(std::string_view token) const {
     if (token.empty()) return nullptr;
     const auto hash = hash_of(token);
     const Rights* found = nullptr;
-    for (const auto& each : tokens_) {
+    for (const auto& each : tokens_)
         if (equal_in_constant_time(each.token_hash, hash)) found = &each;
-    }
     return found;
 }
 

@@ -97,18 +97,17 @@ bool is_narrow(DataType type) {
 
 void value(Writer& out, const Metric& metric) {
     using namespace metric_field;
-    if (const auto* whole = std::get_if<std::int64_t>(&metric.value)) {
+    if (const auto* whole = std::get_if<std::int64_t>(&metric.value))
         if (is_narrow(metric.type))
             out.number(kInt, static_cast<std::uint32_t>(*whole));
         else
             out.number(kLong, static_cast<std::uint64_t>(*whole));
-    } else if (const auto* real = std::get_if<double>(&metric.value)) {
+    else if (const auto* real = std::get_if<double>(&metric.value))
         out.real(kDouble, *real);
-    } else if (const auto* yes = std::get_if<bool>(&metric.value)) {
+    else if (const auto* yes = std::get_if<bool>(&metric.value))
         out.number(kBoolean, *yes ? 1 : 0);
-    } else if (const auto* text = std::get_if<std::string>(&metric.value)) {
+    else if (const auto* text = std::get_if<std::string>(&metric.value))
         out.text(kString, *text);
-    }
 }
 
 std::string metric(const Metric& metric) {

@@ -94,9 +94,8 @@ std::string run(z_stream& stream, std::string_view input, Step step) {
 }  // namespace
 
 std::string_view Request::header(std::string_view name) const {
-    for (const auto& [key, value] : headers) {
+    for (const auto& [key, value] : headers)
         if (key == name) return value;
-    }
     return {};
 }
 
@@ -105,9 +104,8 @@ bool Request::has_header(std::string_view name) const {
 }
 
 const std::string* Request::parameter(std::string_view name) const {
-    for (const auto& [key, value] : query) {
+    for (const auto& [key, value] : query)
         if (key == name) return &value;
-    }
     return nullptr;
 }
 
@@ -151,9 +149,8 @@ bool split_target(Request& request) {
         if (!part.empty() && !add_segment(request, part)) return false;
         request.folder = !last && path.empty();
     }
-    while (!query.empty()) {
+    while (!query.empty())
         if (!add_parameter(request, next_part(query, '&'))) return false;
-    }
     return true;
 }
 
@@ -226,11 +223,10 @@ std::string head_text(const Response& response, bool keep_alive, bool chunked) {
     if (response.by_encoding) text.append("Vary: Accept-Encoding\r\n");
     for (const auto& [name, value] : response.headers)
         text.append(name).append(": ").append(value).append("\r\n");
-    if (chunked) {
+    if (chunked)
         text.append("Transfer-Encoding: chunked\r\n");
-    } else if (!bodiless) {
+    else if (!bodiless)
         text.append("Content-Length: ").append(std::to_string(response.text().size())).append("\r\n");
-    }
     if (response.status != 101) text.append(keep_alive ? "" : "Connection: close\r\n");
     return text.append("\r\n");
 }

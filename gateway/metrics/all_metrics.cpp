@@ -154,10 +154,9 @@ void add_registries(Exposition& out, const std::vector<std::pair<std::string, st
     for (const auto& each : registries) {
         const auto* states = at(each.stats, "boards");
         if (states == nullptr || !states->is_object()) continue;
-        for (const auto& [state, count] : states->items()) {
+        for (const auto& [state, count] : states->items())
             if (count.is_number())
                 out.sample({{"registry", each.name}, {"state", state}}, count.get<double>());
-        }
     }
 }
 
@@ -173,12 +172,11 @@ void add_catalogue(Exposition& out, const Snapshot& snapshot) {
     std::sort(kinds.begin(), kinds.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     out.family("asip_services", Type::kGauge, {}, "Services by kind");
     double rest = 0;
-    for (std::size_t i = 0; i < kinds.size(); ++i) {
+    for (std::size_t i = 0; i < kinds.size(); ++i)
         if (i < kMaxKinds)
             out.sample({{"asip_service", kinds[i].first}}, static_cast<double>(kinds[i].second));
         else
             rest += static_cast<double>(kinds[i].second);
-    }
     if (kinds.size() > kMaxKinds) out.sample({{"asip_service", "other"}}, rest);
 }
 

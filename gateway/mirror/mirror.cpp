@@ -224,15 +224,13 @@ void Mirror::registry_message(const bus::TopicRef& topic, const mqtt::Message& m
 }
 
 void Mirror::handle(const std::vector<Event>& events, const Instant& now) {
-    for (const auto& event : events) {
-        if (event.is_change()) {
+    for (const auto& event : events)
+        if (event.is_change())
             change(event, now);
-        } else if (event.kind == Event::Kind::kListen) {
+        else if (event.kind == Event::Kind::kListen)
             port_.subscribe(topics_.board_out(event.board), false);
-        } else if (event.kind == Event::Kind::kUnlisten) {
+        else if (event.kind == Event::Kind::kUnlisten)
             port_.unsubscribe(topics_.board_out(event.board));
-        }
-    }
 }
 
 void Mirror::change(const Event& event, const Instant& now) {

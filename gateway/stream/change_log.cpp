@@ -79,9 +79,8 @@ bool ChangeFeed::matches(const ChangeLog::Change& change) const {
 }
 
 bool ChangeFeed::in_snapshot(const ChangeLog::Change& change) const {
-    for (const auto& [last, number] : pages_) {
+    for (const auto& [last, number] : pages_)
         if (change.board <= last) return change.number <= number;
-    }
     return false;
 }
 

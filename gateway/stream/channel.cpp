@@ -92,9 +92,8 @@ void StreamChannel::handle(const json& request, std::string_view message) {
 void StreamChannel::subscribe(const json& request, std::string_view message) {
     const auto ref = ref_of(request, "ref", message);
     if (ref == "null") return void(fault(ref, "ref: a number or a string of at most 64 bytes"));
-    for (const auto& each : subscriptions_) {
+    for (const auto& each : subscriptions_)
         if (each.ref == ref) return void(fault(ref, "ref: in use; unsubscribe first"));
-    }
     if (subscriptions_.size() >= dependencies_.max_subscriptions)
         return void(fault(ref, "too many subscriptions on this connection"));
     auto feed = dependencies_.subscribe(request);

@@ -12,11 +12,10 @@ std::string websocket_message(const StreamEvent& event, std::string_view ref_jso
     std::string out = "{\"ref\":";
     out.append(ref_json).append(",\"event\":\"").append(event.kind).append("\"");
     if (!event.place.empty()) out.append(",\"place\":\"").append(event.place).append("\"");
-    if (event.data.size() > 2) {
+    if (event.data.size() > 2)
         out.append(",").append(event.data, 1);
-    } else {
+    else
         out.append("}");
-    }
     return out;
 }
 

@@ -38,9 +38,8 @@ void Streams::end_those_without_right(const Instant& now, const Gate& gate) {
     std::vector<OpenStream*> revoked;
     for (auto* stream : streams_)
         if (!gate.still_admitted(stream->principal(), now)) revoked.push_back(stream);
-    for (auto* stream : revoked) {
+    for (auto* stream : revoked)
         if (streams_.count(stream) > 0) stream->revoke();
-    }
 }
 
 SseSource::SseSource(Streams& streams, std::unique_ptr<Feed> feed, std::function<Instant()> now,

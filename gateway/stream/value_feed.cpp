@@ -41,9 +41,8 @@ ValueFeed::ValueFeed(Values& values, Options options)
       demand_(std::move(options.demand)),
       part_(std::move(options.part)) {
     if (!part_.set(kBytes + options.demands * kBytesOfDemand)) too_much();
-    if (options.max_hz > 0) {
+    if (options.max_hz > 0)
         interval_ = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / options.max_hz));
-    }
     if (after_) resume_one();
     if (after_each_) resume_each();
     values.add(*this);
@@ -126,11 +125,10 @@ void ValueFeed::arrived(ServiceValues& service, Time now) {
     const auto [found, is_new] = readings_.try_emplace(&service);
     auto& reading = found->second;
     if (is_new) reading.sent = service.last - 1;
-    if (!reading.queued) {
+    if (!reading.queued)
         queue(service, reading);
-    } else if (interval_ == Duration{}) {
+    else if (interval_ == Duration{})
         return;  // it was woken for the one before
-    }
     if (reading.not_before <= now) wake();
 }
 
@@ -205,10 +203,8 @@ void ValueFeed::read_service(ServiceValues& service, Reading& reading, const Ins
     if (interval_ != Duration{}) reading.not_before = now.time + interval_;
     const std::uint64_t behind = service.last - reading.sent;
     const auto* point = service.point(reading.sent + 1);
-    if (point == nullptr ||
-        (interval_ == Duration{} ? behind > kMaxBehind && !reading.resumed : behind > 1)) {
+    if (point == nullptr || (interval_ == Duration{} ? behind > kMaxBehind && !reading.resumed : behind > 1))
         return newest_of_each(service, reading);
-    }
     put(point->number, service.channels[point->channel], service.text(*point), true);
     reading.sent = point->number;
     if (reading.sent == service.last) reading.resumed = false;
@@ -217,9 +213,8 @@ void ValueFeed::read_service(ServiceValues& service, Reading& reading, const Ins
 // The last one carries the place: a client that is cut off before it resumes in front of all of them.
 void ValueFeed::newest_of_each(ServiceValues& service, Reading& reading) {
     std::vector<const ChannelValue*> changed;
-    for (const auto& channel : service.channels) {
+    for (const auto& channel : service.channels)
         if (channel.number > reading.sent) changed.push_back(&channel);
-    }
     std::sort(changed.begin(), changed.end(), [](auto* a, auto* b) { return a->number < b->number; });
     const std::uint64_t left_out = service.last - reading.sent - changed.size();
     for (const auto* channel : changed) {

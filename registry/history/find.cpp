@@ -19,9 +19,8 @@ constexpr const char* kSelect =
 class MergedRows {
   public:
     explicit MergedRows(std::deque<Statement> sources) {
-        for (Statement& source : sources) {
+        for (Statement& source : sources)
             if (source.step()) sources_.push_back(std::move(source));
-        }
     }
     bool at_end() const { return sources_.empty(); }
     /// The row with the highest id. Not at the end.
@@ -34,9 +33,8 @@ class MergedRows {
   private:
     std::size_t newest() const {
         std::size_t best = 0;
-        for (std::size_t i = 1; i < sources_.size(); ++i) {
+        for (std::size_t i = 1; i < sources_.size(); ++i)
             if (sources_[i].integer(0) > sources_[best].integer(0)) best = i;
-        }
         return best;
     }
     std::deque<Statement> sources_;
@@ -101,10 +99,9 @@ Expected<bus::Answer> History::find(const bus::Query& query) {
     const auto before = read_cursor(query.cursor);
     if (!before || (!query.cursor.empty() && is_beyond(database_, *before)))
         return fail("cursor: not one of this registry's");
-    for (const std::string& word : query.state) {
+    for (const std::string& word : query.state)
         if (!model::board_state_from_text(word))
             return fail("state: \"" + word + "\" is none of online, offline, lost, sleeping, updating");
-    }
     bus::Answer answer;
     answer.find = bus::Find::kHistory;
     const std::size_t limit = std::clamp<std::size_t>(query.limit, 1, bus::Query::kMaxPage);

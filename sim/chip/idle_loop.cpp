@@ -28,10 +28,9 @@ void IdleLoop::watch_registers() {
 
 /// Levels of pins change by interrupts and timers only, and waiting firmware reads them all the time.
 bool IdleLoop::is_pin_register(avr_io_addr_t address) const {
-    for (const auto* io = avr_.io_port; io != nullptr; io = io->next) {
+    for (const auto* io = avr_.io_port; io != nullptr; io = io->next)
         if (std::strcmp(io->kind, "port") == 0 && reinterpret_cast<const avr_ioport_t*>(io)->r_pin == address)
             return true;
-    }
     return false;
 }
 

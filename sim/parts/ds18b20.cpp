@@ -120,11 +120,10 @@ class OneWireLine final : public Part {
     void on_pin(bool low) {
         if (low == low_) return;
         low_ = low;
-        if (low) {
+        if (low)
             fell();
-        } else {
+        else
             rose(now() - fell_);
-        }
     }
 
     void fell() {

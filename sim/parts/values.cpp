@@ -96,12 +96,11 @@ class Values final : public Part {
     }
 
     void apply() {
-        for (const auto& input : spec_.inputs) {
+        for (const auto& input : spec_.inputs)
             if (input.analog)
                 context_.wiring.set_millivolts(input.pin, millivolts_for(input));
             else
                 context_.wiring.drive(input.pin, input.value == input.max);
-        }
     }
 
     std::string shown(const PinValue& output) const {

@@ -84,12 +84,11 @@ std::optional<Millis> Fleet::commands_work(Millis end, std::vector<std::size_t>&
     }
     mute.clear();
     Millis last = end;
-    for (std::size_t board = 0; board < first.size(); ++board) {
+    for (std::size_t board = 0; board < first.size(); ++board)
         if (first[board])
             last = std::max(last, *first[board]);
         else
             mute.push_back(board);
-    }
     return mute.empty() ? std::optional(last) : std::nullopt;
 }
 

@@ -17,24 +17,22 @@ class Judge {
 
     Verdict verdict() {
         executed_.resize(history_.commands.size());
-        for (const auto& execution : history_.executions) {
+        for (const auto& execution : history_.executions)
             if (execution.token < executed_.size())
                 executed_[execution.token].push_back(execution.at);
             else
                 fail(execution.at,
                      fmt::format("a board executed token {}, which nobody sent", execution.token));
-        }
         for (const auto& round : history_.rounds)
             recovery(round);
         for (std::size_t token = 0; token < history_.commands.size(); ++token)
             command(token);
-        for (const auto& gap : history_.gaps) {
+        for (const auto& gap : history_.gaps)
             if (nodes_were_apart(gap))
                 ++verdict_.excused_gaps;
             else
                 fail(gap.at, fmt::format("watcher of {}: event {} came after {}, over one connection",
                                          gap.registry, gap.next, gap.after));
-        }
         for (const auto& exit : history_.exits)
             verdict_.violations.push_back(exit);
         return std::move(verdict_);

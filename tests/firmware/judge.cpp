@@ -276,9 +276,7 @@ const char* Judge::executed(std::string_view request, const Seen& seen) {
     if (request[0] != '#') return nullptr;
     const auto line = only_line(seen.sent);
     const auto answer = line.size() > 4 ? line.substr(1) : std::string_view{};
-    if (tag == 'C') {
-        checksums_ = extended_ = Number::of(request.substr(4), false).value == 1;
-    }
+    if (tag == 'C') checksums_ = extended_ = Number::of(request.substr(4), false).value == 1;
     if (tag == 'R' || tag == 'C') return seen.sent.empty() ? nullptr : "an answer to what has none";
     if (tag == 'B' && request != "#,B,57600") can_tell_ = false;
     if (tag == 'B') extended_ = request != "#,B,57600";

@@ -17,16 +17,14 @@ namespace {
 
 mosquitto_property* to_properties(const mqtt::Message& message) {
     mosquitto_property* list = nullptr;
-    if (!message.response_topic.empty()) {
+    if (!message.response_topic.empty())
         mosquitto_property_add_string(&list, MQTT_PROP_RESPONSE_TOPIC, message.response_topic.c_str());
-    }
     if (!message.correlation.empty()) {
         mosquitto_property_add_binary(&list, MQTT_PROP_CORRELATION_DATA, message.correlation.data(),
                                       static_cast<std::uint16_t>(message.correlation.size()));
     }
-    if (message.expiry_seconds) {
+    if (message.expiry_seconds)
         mosquitto_property_add_int32(&list, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, *message.expiry_seconds);
-    }
     for (const auto& [name, value] : message.user_properties)
         mosquitto_property_add_string_pair(&list, MQTT_PROP_USER_PROPERTY, name.c_str(), value.c_str());
     return list;
@@ -45,9 +43,8 @@ void from_properties(const mosquitto_property* list, mqtt::Message& message) {
         std::free(data);
     }
     std::uint32_t seconds = 0;
-    if (mosquitto_property_read_int32(list, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, &seconds, false) != nullptr) {
+    if (mosquitto_property_read_int32(list, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, &seconds, false) != nullptr)
         message.expiry_seconds = seconds;
-    }
 }
 
 }  // namespace
@@ -211,9 +208,8 @@ std::vector<mqtt::Message> BusProbe::messages() const {
 
 std::vector<mqtt::Message> BusProbe::messages(const std::string& topic) const {
     std::vector<mqtt::Message> found;
-    for (auto& message : messages()) {
+    for (auto& message : messages())
         if (message.topic == topic) found.push_back(std::move(message));
-    }
     return found;
 }
 
@@ -242,9 +238,8 @@ std::optional<mqtt::Message> BusProbe::wait_for(const Match& match, std::chrono:
         [&] {
             const std::lock_guard lock(state_->mutex);
             looked_at = std::min(looked_at, state_->messages.size());
-            for (; looked_at < state_->messages.size() && !found; ++looked_at) {
+            for (; looked_at < state_->messages.size() && !found; ++looked_at)
                 if (match(state_->messages[looked_at])) found = state_->messages[looked_at];
-            }
             return found.has_value();
         },
         limit);

@@ -27,9 +27,8 @@ bool counts_agree(const PartPool<Part>& pool, const std::vector<const Part*>& us
 std::string CatalogueCheck::check(const Catalogue& catalogue) {
     const auto& all = *catalogue.impl_;
     std::vector<std::uint32_t> slots;
-    for (std::uint32_t slot = 0; slot < all.slots_; ++slot) {
+    for (std::uint32_t slot = 0; slot < all.slots_; ++slot)
         if (all.board(slot).in_use) slots.push_back(slot);
-    }
     std::sort(slots.begin(), slots.end(),
               [&all](auto a, auto b) { return all.board(a).name < all.board(b).name; });
     if (slots.size() != all.names_.size()) return "names counted wrong";
@@ -64,9 +63,8 @@ std::string CatalogueCheck::check(const Catalogue& catalogue) {
         !counts_agree(all.services_, services)) {
         return "parts and the boards that refer to them disagree";
     }
-    for (std::size_t state = 0; state < kStates; ++state) {
+    for (std::size_t state = 0; state < kStates; ++state)
         if (all.all_[state].size() != by_state[state].size()) return "boards by state counted wrong";
-    }
     if (!all.order_.settled()) return {};
     for (std::size_t state = 0; state < kStates; ++state) {
         std::vector<std::uint32_t> listed;

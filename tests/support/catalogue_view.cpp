@@ -72,18 +72,16 @@ void CatalogueView::finish_snapshot() {
     collecting_ = false;
     complete_ = true;
     cursor_.clear();
-    for (const auto& [name, item] : before) {
+    for (const auto& [name, item] : before)
         if (boards_.count(name) == 0) notify(ChangeEvent::Kind::kForgotten, item, {}, {});
-    }
     for (const auto& [name, item] : boards_) {
         const auto old = before.find(name);
-        if (old == before.end()) {
+        if (old == before.end())
             notify(ChangeEvent::Kind::kAdded, item, {}, {});
-        } else if (old->second.state != item.state) {
+        else if (old->second.state != item.state)
             notify(ChangeEvent::Kind::kState, item, old->second.state, {});
-        } else if (old->second.session != item.session || old->second.services != item.services) {
+        else if (old->second.session != item.session || old->second.services != item.services)
             notify(ChangeEvent::Kind::kDescription, item, {}, {});
-        }
     }
     seq_ = page_ends_.begin()->second;
     for (const auto& [name, seq] : page_ends_)

@@ -123,9 +123,8 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 std::optional<std::string> find_line(const std::string& text, const std::regex& pattern) {
     std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line);) {
+    for (std::string line; std::getline(lines, line);)
         if (std::regex_search(line, pattern)) return line;
-    }
     return std::nullopt;
 }
 

@@ -52,11 +52,10 @@ std::string make_signed(const TempDir& folder, const std::string& name, const st
                                      "-out",     folder.file(name + ".crt"),
                                      "-extfile", extensions};
     if (!content.from.empty()) command.insert(command.end(), {"-startdate", content.from});
-    if (content.until.empty()) {
+    if (content.until.empty())
         command.insert(command.end(), {"-days", "2"});
-    } else {
+    else
         command.insert(command.end(), {"-enddate", content.until});
-    }
     must_succeed(std::move(command));
     return folder.file(name + ".crt");
 }
@@ -95,9 +94,8 @@ void MosquittoBroker::write_configuration() {
     }
     if (!options_.users.empty()) {
         const auto file = folder_.write("passwords", "");
-        for (const auto& [user, password] : options_.users) {
+        for (const auto& [user, password] : options_.users)
             must_succeed({"mosquitto_passwd", "-b", file, user, password});
-        }
         text += "password_file " + file + "\n";
     }
     if (options_.tls) {
@@ -116,9 +114,8 @@ void MosquittoBroker::start() {
     const auto program = access("/usr/sbin/mosquitto", X_OK) == 0 ? "/usr/sbin/mosquitto" : "mosquitto";
     process_ = std::make_unique<ChildProcess>(
         std::vector<std::string>{program, "-c", folder_.file("mosquitto.conf")});
-    if (!wait_until([&] { return accepts(port_) || !process_->running(); }) || !process_->running()) {
+    if (!wait_until([&] { return accepts(port_) || !process_->running(); }) || !process_->running())
         throw std::runtime_error("mosquitto does not start: " + process_->errors());
-    }
 }
 
 void MosquittoBroker::stop() {

@@ -64,9 +64,8 @@ int first_ephemeral_port() {
 std::uint16_t free_port() {
     thread_local std::mt19937 random(std::random_device{}());
     std::uniform_int_distribution<int> ports(kFirstPort, first_ephemeral_port() - 1);
-    for (int attempt = 0; attempt < 1000; ++attempt) {
+    for (int attempt = 0; attempt < 1000; ++attempt)
         if (const int port = ports(random); can_bind(port)) return static_cast<std::uint16_t>(port);
-    }
     throw std::runtime_error("no free port on 127.0.0.1");
 }
 

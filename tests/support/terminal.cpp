@@ -192,9 +192,8 @@ bool TerminalProcess::shows(const std::string& pattern, std::chrono::millisecond
     return wait_until(
         [&] {
             const auto now = screen();
-            for (std::size_t row = 0; row < kRows; ++row) {
+            for (std::size_t row = 0; row < kRows; ++row)
                 if (std::regex_search(now.line(row), wanted)) return true;
-            }
             return false;
         },
         limit);

@@ -204,11 +204,10 @@ void Agent::submit(Command command, Micros now) {
                       at(now + command.hold),
                       *id});
     }
-    if (id) {
+    if (id)
         commands_[*id] = index;
-    } else {
+    else
         ledger_.refused(index, now);
-    }
     perform(actions, now);
 }
 

@@ -22,21 +22,20 @@ int hardware_mode(unsigned mode) {
 Command CommandSource::draw(unsigned client, const ClientPlan& plan) {
     Command command;
     const auto kind = dice_.below(10);
-    if (plan.only_marks) {
+    if (plan.only_marks)
         command = mark(static_cast<std::size_t>(dice_.chance(plan.longs) ? dice_.between(30, 62) : 0));
-    } else if (dice_.chance(plan.bad)) {
+    else if (dice_.chance(plan.bad))
         command = bad();
-    } else if (dice_.chance(plan.longs)) {
+    else if (dice_.chance(plan.longs))
         command = mark(static_cast<std::size_t>(dice_.between(30, 62)));
-    } else if (kind < 4) {
+    else if (kind < 4)
         command = mark(0);
-    } else if (kind < 7) {
+    else if (kind < 7)
         command = pin();
-    } else if (kind < 9 || !plan.settings) {
+    else if (kind < 9 || !plan.settings)
         command = question();
-    } else {
+    else
         command = setting();
-    }
     command.client = client;
     command.prove = !dice_.chance(0.1);
     switch (dice_.below(4)) {

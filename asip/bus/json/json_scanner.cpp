@@ -213,9 +213,8 @@ bool JsonScanner::skip_string() {
         const char escaped = at_[1];
         if (escaped == 'u') {
             if (end_ - at_ < 6) return false;
-            for (int i = 2; i < 6; ++i) {
+            for (int i = 2; i < 6; ++i)
                 if (!is_hex(at_[i])) return false;
-            }
             // A surrogate must come as a pair, or parsers that make UTF-8 of it refuse the text.
             const bool high = (at_[2] == 'd' || at_[2] == 'D') && std::strchr("89abAB", at_[3]) != nullptr;
             const bool low = (at_[2] == 'd' || at_[2] == 'D') && std::strchr("cdefCDEF", at_[3]) != nullptr;
@@ -256,9 +255,8 @@ bool JsonScanner::skip_utf8() {
         return false;
     }
     if (left < length || byte(at_[1]) < low || byte(at_[1]) > high) return false;
-    for (int i = 2; i < length; ++i) {
+    for (int i = 2; i < length; ++i)
         if ((byte(at_[i]) & 0xC0) != 0x80) return false;
-    }
     at_ += length;
     return true;
 }
@@ -267,12 +265,11 @@ bool JsonScanner::skip_number() {
     const char* p = at_;
     if (p != end_ && *p == '-') ++p;
     if (p == end_ || !is_digit(*p)) return false;
-    if (*p == '0') {
+    if (*p == '0')
         ++p;
-    } else {
+    else
         while (p != end_ && is_digit(*p))
             ++p;
-    }
     if (p != end_ && *p == '.') {
         ++p;
         if (p == end_ || !is_digit(*p)) return false;
@@ -316,10 +313,8 @@ bool JsonScanner::is_finite(std::string_view number) {
 }
 
 bool JsonScanner::skip_literal(std::string_view word) {
-    if (static_cast<std::size_t>(end_ - at_) < word.size() ||
-        std::memcmp(at_, word.data(), word.size()) != 0) {
+    if (static_cast<std::size_t>(end_ - at_) < word.size() || std::memcmp(at_, word.data(), word.size()) != 0)
         return false;
-    }
     at_ += word.size();
     return true;
 }

@@ -92,14 +92,12 @@ Expected<Answer> parse_answer(std::string_view payload) {
     answer.refused = text_of(object, "refused");
     answer.error = text_of(object, "error");
     const std::string find = text_of(object, "find");
-    for (const Find each : {Find::kServices, Find::kHistory, Find::kModels, Find::kValues}) {
+    for (const Find each : {Find::kServices, Find::kHistory, Find::kModels, Find::kValues})
         if (find == to_string(each)) answer.find = each;
-    }
     if (object.contains("total")) answer.total = number_of(object, "total");
     if (const auto found = object.find("forgotten"); found != object.end() && found->is_array()) {
-        for (const json& name : *found) {
+        for (const json& name : *found)
             if (name.is_string()) answer.forgotten.push_back(name.get<std::string>());
-        }
     }
     if (split) {
         if (!split->rows) return Unexpected<std::string>(split->rows.error());
@@ -119,17 +117,16 @@ Expected<Answer> parse_answer(std::string_view payload) {
             continue;
         }
         if (!item.is_object()) return fail("items: must be objects");
-        if (answer.find == Find::kServices) {
+        if (answer.find == Find::kServices)
             answer.services.push_back(read_service_item(item));
-        } else if (answer.find == Find::kHistory) {
+        else if (answer.find == Find::kHistory)
             answer.history.push_back(read_history_item(item));
-        } else if (answer.find == Find::kValues) {
+        else if (answer.find == Find::kValues)
             answer.kept.push_back(read_kept_property(item));
-        } else if (answer.find == Find::kModels) {
+        else if (answer.find == Find::kModels)
             answer.models.push_back(model::dump_json(item));
-        } else {
+        else
             answer.boards.push_back(read_board_item(item));
-        }
     }
     return answer;
 }
@@ -145,11 +142,10 @@ std::string encode(const ChangeEvent& event) {
     put(object, "at", event.at);
     put(object, "was", event.was);
     put(object, "reason", event.reason);
-    if (event.kind == ChangeEvent::Kind::kForgotten) {
+    if (event.kind == ChangeEvent::Kind::kForgotten)
         object["board"] = {{"board", event.board.board}};
-    } else if (event.kind != ChangeEvent::Kind::kReset) {
+    else if (event.kind != ChangeEvent::Kind::kReset)
         object["board"] = to_json(event.board);
-    }
     return model::dump_json(object);
 }
 

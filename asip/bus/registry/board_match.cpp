@@ -8,9 +8,8 @@ namespace {
 
 unsigned capabilities_of(const model::Description& description) {
     unsigned all = 0;
-    for (const char digit : description.pins.capabilities) {
+    for (const char digit : description.pins.capabilities)
         if (digit >= '0' && digit <= '7') all |= static_cast<unsigned>(digit - '0');
-    }
     return all;
 }
 

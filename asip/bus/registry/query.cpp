@@ -22,9 +22,8 @@ constexpr std::size_t kUsualPoints = 500;
 
 void read_find(JsonReader& reader, Query& query) {
     const auto word = reader.text("find");
-    for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory, Find::kModels, Find::kValues}) {
+    for (const Find each : {Find::kBoards, Find::kServices, Find::kHistory, Find::kModels, Find::kValues})
         if (word == to_string(each)) return void(query.find = each);
-    }
     reader.fault("find", reader.has("find")
                              ? "is not \"boards\", \"services\", \"history\", \"values\" or \"models\""
                              : "is missing; \"boards\", \"services\", \"history\", \"values\" or "
@@ -163,11 +162,10 @@ Expected<std::variant<Query, Forget>> read_registry_request(const json& object) 
     std::string fault;
     JsonReader reader(object, "", fault, JsonReader::Nulls::kAbsent);
     std::variant<Query, Forget> request;
-    if (object.is_object() && object.contains("forget")) {
+    if (object.is_object() && object.contains("forget"))
         request = forget_from(reader);
-    } else {
+    else
         request = query_from(reader);
-    }
     reader.refuse_others();
     if (!reader.ok()) return fail(std::move(fault));
     return request;

@@ -23,9 +23,8 @@ using S = Reply::Status;
 
 std::optional<Reply::Status> status_named(std::string_view name) {
     using Status = Reply::Status;
-    for (const auto status : {Status::kOk, Status::kError, Status::kTimeout, Status::kRefused}) {
+    for (const auto status : {Status::kOk, Status::kError, Status::kTimeout, Status::kRefused})
         if (name == to_string(status)) return status;
-    }
     return std::nullopt;
 }
 

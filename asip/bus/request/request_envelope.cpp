@@ -121,9 +121,8 @@ std::string take_clock(json& object, RequestEnvelope& envelope) {
 /// Moves `reply_to`, `id` and `by` out of the object; the reason when they cannot be used.
 std::string take_reply_members(json& object, ReplyTo& reply) {
     if (const auto topic = object.find("reply_to"); topic != object.end()) {
-        if (!topic->is_string() || !valid_reply_topic(topic->get_ref<const std::string&>())) {
+        if (!topic->is_string() || !valid_reply_topic(topic->get_ref<const std::string&>()))
             return "\"reply_to\" is not a topic to publish on";
-        }
         if (!reply.wanted()) reply.topic = topic->get<std::string>();
         object.erase(topic);
     }
@@ -243,9 +242,8 @@ Expected<RequestEnvelope, BadRequest> open_envelope(const mqtt::Message& request
     auto object = json::parse(payload, nullptr, false);
     if (!object.is_object()) return unreadable({});
     keep_numbers(payload, object, {"id", "renew"});
-    if (auto reason = take_reply_members(object, envelope.reply); !reason.empty()) {
+    if (auto reason = take_reply_members(object, envelope.reply); !reason.empty())
         return bad(std::move(envelope.reply), std::move(reason));
-    }
     if (auto reason = take_clock(object, envelope); !reason.empty())
         return bad(std::move(envelope.reply), std::move(reason));
     for (const auto& [name, value] :

@@ -46,12 +46,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         check(model::encode_control_json(nullptr, 'X', *object), nullptr);
     }
     std::vector<std::string> words(1);
-    for (const char c : payload.substr(0, 200)) {
+    for (const char c : payload.substr(0, 200))
         if (c == ' ')
             words.emplace_back();
         else
             words.back() += c;
-    }
     if (const auto command = model::encode_word_command(model, words)) check_line(*command);
     return 0;
 }

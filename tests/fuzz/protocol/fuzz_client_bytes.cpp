@@ -57,9 +57,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         REQUIRE(frame.size() <= 100);
         from_whole.append(frame).append("|");
     });
-    for (const char& byte : bytes) {
+    for (const char& byte : bytes)
         pieces.push({&byte, 1}, [&](std::string_view frame) { from_pieces.append(frame).append("|"); });
-    }
     REQUIRE(from_whole == from_pieces);
     return 0;
 }

@@ -65,9 +65,8 @@ void FakePort::serve() {
         if (count > 0 && answers_)
             say(board_.hear({buffer, static_cast<std::size_t>(count)}, 57600,
                             std::chrono::steady_clock::now()));
-        for (int i = 0; i < 50 && !flood_.empty(); ++i) {
+        for (int i = 0; i < 50 && !flood_.empty(); ++i)
             if (write(master_, flood_.data(), flood_.size()) < 0) break;
-        }
     }
 }
 

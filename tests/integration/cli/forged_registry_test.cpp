@@ -26,11 +26,10 @@ class ForgedRegistryTest : public BusTest {
         Finished finished;
         wait_until([&] {
             const auto messages = probe_.messages();
-            for (; seen < messages.size(); ++seen) {
+            for (; seen < messages.size(); ++seen)
                 if (messages[seen].topic == "asip/registry/query" ||
                     messages[seen].topic == "asip/registry/r1/query")
                     answer(messages[seen], page(number++));
-            }
             return !child.running();
         });
         return {child.wait_exit(0s).value_or(-1), child.output(), child.errors()};

@@ -24,11 +24,10 @@ class DroppedBoard {
   public:
     boost::asio::awaitable<void> open(std::string address) {
         auto opened = co_await Board::open(io, address);
-        if (opened) {
+        if (opened)
             board = std::move(*opened);
-        } else {
+        else
             error = to_string(opened.error());
-        }
         done = true;
     }
     bool opens(const std::string& address) {

@@ -82,9 +82,8 @@ TEST(DocumentedCode, Board_ButtonSwitchesTheLedUntilTheBoardIsGone) {
 
 std::vector<std::string> pages() {
     std::vector<std::string> paths{ASIP_TEST_SOURCE "/README.md"};
-    for (const auto& entry : std::filesystem::directory_iterator(ASIP_TEST_SOURCE "/docs")) {
+    for (const auto& entry : std::filesystem::directory_iterator(ASIP_TEST_SOURCE "/docs"))
         if (entry.path().extension() == ".md") paths.push_back(entry.path());
-    }
     return paths;
 }
 

@@ -58,9 +58,8 @@ class SimulatedBoards {
                     R"(.elf","parts":[{"kind":"led","pin":13},)" +
                     R"({"kind":"button","pin":2,"steady":true},{"kind":"potentiometer","pin":14}]})"));
         }
-        for (std::size_t i = 0; i < images.size(); ++i) {
+        for (std::size_t i = 0; i < images.size(); ++i)
             all.insert(all.end(), {"--link", serial(i), "--tcp", "0"});
-        }
         return all;
     }
 

@@ -40,9 +40,8 @@ std::string FirmwareBoard::ask(std::string_view line) {
 std::vector<std::string> FirmwareBoard::lines_within(milliseconds time) {
     std::vector<std::string> lines;
     const auto end = board_->now() + time;
-    while (board_->now() < end) {
+    while (board_->now() < end)
         if (auto line = board_->read_line(end - board_->now())) lines.push_back(line->text);
-    }
     return lines;
 }
 

@@ -133,9 +133,8 @@ INSTANTIATE_TEST_SUITE_P(All, PixelsAtRateTest, testing::Values(57600u, 500000u,
 TEST(PixelsTest, LongestRequestsInARowAt500000_AreAllTaken) {
     PixelBoard board;
     board.step_up(500000);
-    for (int round = 0; round < 50; ++round) {
+    for (int round = 0; round < 50; ++round)
         EXPECT_EQ(board.ask(longest_request(16777215 - round)), "");
-    }
     EXPECT_EQ(board->line_errors().receive_overruns, 0u);
     EXPECT_EQ(board.shown().substr(0, 6), "ffffce");
 }

@@ -106,9 +106,8 @@ std::string Wire::read_until(std::string_view until, std::chrono::milliseconds l
 
 std::string Wire::read_bytes(std::size_t count, std::chrono::milliseconds limit) {
     const auto end = after(limit);
-    while (in_.size() < count) {
+    while (in_.size() < count)
         if (!receive(end)) return {};
-    }
     auto text = in_.substr(0, count);
     in_.erase(0, count);
     return text;
@@ -230,9 +229,8 @@ std::string Socket::message(std::chrono::milliseconds limit) {
 
 int Socket::close_code(std::chrono::milliseconds limit) {
     const auto end = after(limit);
-    while (code_ == 0 && std::chrono::steady_clock::now() < end) {
+    while (code_ == 0 && std::chrono::steady_clock::now() < end)
         if (message(limit).empty()) break;
-    }
     return code_ != 0 ? code_ : wire_.closed(std::chrono::milliseconds(1000)) ? 0 : -1;
 }
 

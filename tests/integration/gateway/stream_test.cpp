@@ -113,10 +113,9 @@ TEST_F(GatewayStreams, TwoGatewaysOnOneBus_SayTheSame) {
     ASSERT_TRUE(second.becomes("uno1", "online"));
     auto a = ask("/api/boards/uno1").json();
     auto b = get(second.port(), "/api/boards/uno1").json();
-    for (auto* item : {&a, &b}) {
+    for (auto* item : {&a, &b})
         for (const char* member : {"age", "first_seen", "last_seen", "since", "state_age"})
             item->erase(member);
-    }
     EXPECT_EQ(a, b);
 }
 

@@ -42,9 +42,8 @@ struct Recorder {
     }
     bool received(const std::string& topic, const std::string& payload) {
         return until([&] {
-            for (const auto& message : messages) {
+            for (const auto& message : messages)
                 if (message.topic == topic && message.payload == payload) return true;
-            }
             return false;
         });
     }

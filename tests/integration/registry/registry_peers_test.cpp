@@ -48,10 +48,9 @@ TEST(Registry, TwoRegistries_AgreeAndTheDeathOfOneHarmsNobody) {
     }
     const auto snapshot = [&](const std::string& registry) {
         std::string text;
-        if (const auto answer = ask(probe, R"({"find":"boards"})", registry)) {
+        if (const auto answer = ask(probe, R"({"find":"boards"})", registry))
             for (const auto& item : answer->boards)
                 text += item.board + " " + item.state + " " + item.session + "\n";
-        }
         return text;
     };
     ASSERT_TRUE(becomes(probe, "board18", "offline", "r1"));
@@ -76,9 +75,8 @@ TEST(Registry, WatcherThatJoinsDuringAFlood_EndsWithTheSameBoards) {
     std::size_t fed = 0;
     const auto feed = [&] {
         const auto messages = watcher.messages("asip/registry/r1/events");
-        for (; fed < messages.size(); ++fed) {
+        for (; fed < messages.size(); ++fed)
             if (auto event = bus::parse_change_event(messages[fed].payload)) view.event(*event);
-        }
     };
     const auto change = [&](int i) {
         const std::string board = "board" + std::to_string(i % 150);

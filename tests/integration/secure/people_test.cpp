@@ -36,11 +36,10 @@ TEST_F(PeopleOnSecuredBus, Viewer_CannotSeeAnswersOrRequestsOfOthers) {
 }
 
 TEST_F(PeopleOnSecuredBus, AnswersToAnOperator_AreForgedByNobody) {
-    for (const char* user : {"bob", "gateway", "registry"}) {
+    for (const char* user : {"bob", "gateway", "registry"})
         for (const char* topic : {"asip/reply/ann/uno1/x", "asip/reply/ann/uno1", "asip/reply/ann/$self/x",
                                   "asip/reply/ann/x", "asip/reply/ann"})
             EXPECT_FALSE(may_publish(user, topic)) << user << " " << topic;
-    }
     for (const char* user : {"uno1", "bob", "gateway"})
         EXPECT_FALSE(may_publish(user, "asip/reply/ann/registry/x")) << user;
     EXPECT_TRUE(may_publish("uno1", "asip/reply/ann/uno1/x")) << "who is asked answers";

@@ -33,11 +33,10 @@ class Marks final : public asip::Service {
     asip::Error processRequest(asip::Request& request) override {
         if (request.tag() != 'w') return asip::Error::kUnknownRequest;
         const int number = request.number();
-        if (request.more()) {
+        if (request.more())
             request.text();
-        } else if (!request.complete()) {
+        else if (!request.complete())
             return asip::Error::kBadArgument;
-        }
         if (!request.complete()) return asip::Error::kBadArgument;
         if (effects) effects->push_back({Effect::Kind::kMark, 0, number});
         return asip::Error::kNone;

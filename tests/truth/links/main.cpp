@@ -230,9 +230,7 @@ class World {
         }
         if (dice_.chance(.002)) fail_or_mend_source();
         if (dice_.chance(.002)) fail_or_mend_target();
-        if (dice_.chance(.002)) {
-            broker_up_ ? broker_down() : broker_back();
-        }
+        if (dice_.chance(.002)) broker_up_ ? broker_down() : broker_back();
         if (dice_.chance(.001)) board_there_ ? board_gone() : board_back();
         if (dice_.chance(.02)) connect_all();
     }

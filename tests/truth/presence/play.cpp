@@ -120,11 +120,10 @@ void Play::join() {
     auto view = kind == 0   ? make_gateway(broker_, dice_)
                 : kind == 1 ? bus_view()
                             : make_registry(broker_, dice_, fmt::format("r{}", ++registries_), now_);
-    if (at == views_.size()) {
+    if (at == views_.size())
         views_.push_back(std::move(view));
-    } else {
+    else
         views_[at] = std::move(view);
-    }
     views_[at]->start(now_);
 }
 

@@ -96,9 +96,8 @@ TEST(CatalogueProperty, AnyInterleavingDuplicationAndReplay_EndsInTheSameCatalog
         for (int order = 0; order < 6; ++order) {
             Catalogue catalogue({.hash_seed = random()});
             Time now = at(0s);
-            for (const OwnedMessage& message : history(random, lives)) {
+            for (const OwnedMessage& message : history(random, lives))
                 catalogue.apply(message.view(), now += std::chrono::milliseconds(below(random, 200)));
-            }
             ASSERT_EQ(CatalogueCheck::check(catalogue), "") << "seed " << seed;
             if (order == 0) expected = CatalogueCheck::fingerprint(catalogue);
             ASSERT_EQ(CatalogueCheck::fingerprint(catalogue), expected) << "seed " << seed;
@@ -240,9 +239,8 @@ void expect_indices_answer_like_a_scan(Catalogue& catalogue, Instant now, Random
                 if (wanted(query, board, nullptr)) expected.push_back(board.board);
                 continue;
             }
-            for (const auto& service : board.services) {
+            for (const auto& service : board.services)
                 if (wanted(query, board, &service)) expected.push_back(board.board + "/" + service.name);
-            }
         }
         std::vector<std::string> found;
         query.limit = 1 + below(random, 7);

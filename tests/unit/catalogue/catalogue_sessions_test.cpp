@@ -65,9 +65,8 @@ TEST_F(CatalogueTest, OneMessageOfTheReplacedSessionUnderWay_IsNoConflict) {
     give(description("uno1", {.session = "a", .seq = 1}), 0s);
     give(description("uno1", {.session = "b", .seq = 1}), 1s);
     give(description("uno1", {.session = "a", .seq = 2}), 1s);
-    for (std::uint64_t seq = 2; seq < 9; ++seq) {
+    for (std::uint64_t seq = 2; seq < 9; ++seq)
         EXPECT_THAT(give(description("uno1", {.session = "b", .seq = seq}), seq * 20s), IsEmpty());
-    }
     EXPECT_EQ(board("uno1").session, "b");
     EXPECT_FALSE(board("uno1").conflict);
 }

@@ -189,9 +189,8 @@ TEST_F(CatalogueTest, Suspended_JudgesNoLeaseAndGivesGraceAfterwards) {
 TEST_F(CatalogueTest, ChangesAreNumberedWithoutGap) {
     std::vector<std::uint64_t> numbers;
     const auto collect = [&](std::vector<Event> events) {
-        for (const Event& event : events) {
+        for (const Event& event : events)
             if (event.is_change()) numbers.push_back(event.seq);
-        }
     };
     collect(catalogue.apply(description("uno1").view(), at(0s)).events);
     collect(catalogue.apply(board_name("esp1").view(), at(0s)).events);

@@ -73,9 +73,8 @@ TEST(DueWheel, RandomUse_AgreesWithAMap) {
                 std::vector<std::uint32_t> out;
                 wheel.advance(now, out);
                 std::vector<std::pair<Time, std::uint32_t>> expected;
-                for (const auto& [each, due] : model) {
+                for (const auto& [each, due] : model)
                     if (due <= now) expected.emplace_back(due, each);
-                }
                 std::sort(expected.begin(), expected.end());
                 ASSERT_EQ(out.size(), expected.size()) << "seed " << seed << " step " << step;
                 for (std::size_t i = 0; i < out.size(); ++i) {

@@ -21,9 +21,8 @@ std::vector<std::string> shown(const char* kind, const std::string& field, const
     const auto choice = choose_field(model_named(kind), field);
     EXPECT_TRUE(choice) << choice.error();
     std::vector<std::string> result;
-    for (const auto& leaf : leaf_values(model_named(kind), *choice->event, Json::parse(event))) {
+    for (const auto& leaf : leaf_values(model_named(kind), *choice->event, Json::parse(event)))
         if (choice->takes(leaf.path)) result.push_back(leaf.path + "=" + leaf.text());
-    }
     return result;
 }
 

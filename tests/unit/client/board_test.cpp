@@ -38,9 +38,7 @@ class BoardTest : public ::testing::Test {
                 result.emplace(co_await std::move(call));
             },
             [](std::exception_ptr failed) {
-                if (failed) {
-                    std::rethrow_exception(failed);
-                }
+                if (failed) std::rethrow_exception(failed);
             });
         io.restart();
         while (!result && io.run_one() > 0) {
@@ -172,9 +170,8 @@ TEST_F(BoardTest, Stream_ThatNobodyEmptiesDropsTheOldestAndCounts) {
     auto service = board.service("distance");
     ASSERT_TRUE(service);
     const auto events = service->events();
-    for (int i = 0; i < static_cast<int>(Stream<json>::kCapacity) + 3; ++i) {
+    for (int i = 0; i < static_cast<int>(Stream<json>::kCapacity) + 3; ++i)
         report("distance", R"({"distance":[)" + std::to_string(i) + "]}");
-    }
     EXPECT_EQ(events.dropped(), 3U);
     const auto oldest = run(events.next());
     ASSERT_TRUE(oldest);

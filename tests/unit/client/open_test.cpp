@@ -31,9 +31,8 @@ TEST(BoardOpenTest, FromACoroutineWithOptionsLeftOut_FailsWithItsReasonAndFreesN
     boost::asio::co_spawn(io, open_in_every_way(io, errors), boost::asio::detached);
     io.run();
     ASSERT_EQ(errors.size(), 3u);
-    for (const std::string& error : errors) {
+    for (const std::string& error : errors)
         EXPECT_NE(error.find(kNoPort), std::string::npos) << error;
-    }
 }
 
 TEST(BoardOpenTest, AddressOrTopicRootThatCannotBe_IsInvalidWithTheReason) {

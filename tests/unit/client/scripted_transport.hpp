@@ -49,9 +49,7 @@ class ScriptedTransport : public Transport {
 
   private:
     Result<Json> take_step() {
-        if (script.empty()) {
-            return Json();
-        }
+        if (script.empty()) return Json();
         const Step step = std::move(script.front());
         script.pop_front();
         return step(*listener);

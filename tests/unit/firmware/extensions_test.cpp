@@ -29,9 +29,8 @@ TEST(ExtensionsTest, Echo_TakesOneToEightLettersOrDigits) {
     FakeBoard board;
     EXPECT_EQ(board.ask("#,E,a"), "@#,E,a\n");
     EXPECT_EQ(board.ask("#,E,Abc12345"), "@#,E,Abc12345\n");
-    for (const char* bad : {"#,E", "#,E,", "#,E,123456789", "#,E,a-b", "#,E,a b", "#,E,a,b"}) {
+    for (const char* bad : {"#,E", "#,E,", "#,E,123456789", "#,E,a-b", "#,E,a b", "#,E,a,b"})
         EXPECT_EQ(board.ask(bad), "~#,E,11{BAD_ARGUMENT}\n") << bad;
-    }
 }
 
 TEST(ExtensionsTest, VerifiedFence_DigestsWhatWasReadSinceTheLast) {
@@ -103,9 +102,8 @@ TEST(ExtensionsTest, NameOf32Characters_IsTakenAndOf33Refused) {
 
 TEST(ExtensionsTest, NameThatIsNoBoardName_IsRefusedAndNothingWritten) {
     FakeBoard board;
-    for (const char* bad : {"#,I,", "#,I,a b", "#,I,a/b", "#,I,a,b", "#,I,$x"}) {
+    for (const char* bad : {"#,I,", "#,I,a b", "#,I,a/b", "#,I,a,b", "#,I,$x"})
         EXPECT_EQ(board.ask(bad), "~#,I,11{BAD_ARGUMENT}\n") << bad;
-    }
     EXPECT_EQ(board.hardware().eeprom_writes, 0u);
 }
 
@@ -266,9 +264,8 @@ TEST(ExtensionsTest, BadChecksum_IsReportedAndNothingExecuted) {
     board.ask("I,P,13,3");
     board.ask("#,C,1");
     const auto error = with_checksum("~#,C,10{BAD_CHECKSUM}") + "\n";
-    for (const char* bad : {"I,d,13,1", "I,d,13,1*", "I,d,13,1*0", "I,d,13,1*00", "I,d,13,1*GG", "*", "x"}) {
+    for (const char* bad : {"I,d,13,1", "I,d,13,1*", "I,d,13,1*0", "I,d,13,1*00", "I,d,13,1*GG", "*", "x"})
         EXPECT_EQ(board.ask(bad), error) << bad;
-    }
     EXPECT_FALSE(board.hardware().levels[13]);
     EXPECT_EQ(board.ask(with_checksum("I,d,13,1")), "");
     EXPECT_TRUE(board.hardware().levels[13]);
@@ -299,9 +296,8 @@ TEST(ExtensionsTest, EverySingleDamagedCharacter_IsCaughtByTheChecksum) {
 
 TEST(ExtensionsTest, ChecksumArgument_IsZeroOrOne) {
     FakeBoard board;
-    for (const char* bad : {"#,C", "#,C,", "#,C,2", "#,C,on"}) {
+    for (const char* bad : {"#,C", "#,C,", "#,C,2", "#,C,on"})
         EXPECT_EQ(board.ask(bad), "~#,C,11{BAD_ARGUMENT}\n") << bad;
-    }
 }
 
 }  // namespace

@@ -133,11 +133,10 @@ std::uint8_t room() {
 
 void write(std::uint8_t byte) {
     fake.from_board.push_back(static_cast<char>(byte));
-    if (fake.room == 0) {
+    if (fake.room == 0)
         ++fake.waits;
-    } else {
+    else
         --fake.room;
-    }
 }
 
 bool idle() {

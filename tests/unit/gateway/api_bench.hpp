@@ -38,9 +38,8 @@ class ApiTest : public testing::Test {
         }
         std::string detail() const { return body().value("detail", ""); }
         std::string header(const std::string& name) const {
-            for (const auto& [key, value] : response->headers) {
+            for (const auto& [key, value] : response->headers)
                 if (key == name) return value;
-            }
             return {};
         }
     };
@@ -86,9 +85,8 @@ class ApiTest : public testing::Test {
     }
 
     void settle() {
-        for (const auto& message : std::vector<mqtt::Message>(published_)) {
+        for (const auto& message : std::vector<mqtt::Message>(published_))
             if (message.topic == "asip/reply/gate/$self/gw/mark") gateway_->message(message);
-        }
         published_.clear();
     }
     void bus(const std::string& topic, const std::string& payload) {

@@ -220,11 +220,9 @@ TEST_F(ApiTest, StopOfNamedBoards_StopsThoseInOneRequest_AndNamesTheUnknown) {
 TEST_F(ApiTest, StopWithABodyThatNamesBoardsWrongly_IsRefusedAndStopsNoBoard) {
     announce("a");
     const auto before = published_.size();
-    for (const char* body :
-         {R"({"boards":"a"})", R"({"boards":[7]})", R"({"board":["a"]})", R"(["a"])", "a"}) {
+    for (const char* body : {R"({"boards":"a"})", R"({"boards":[7]})", R"({"board":["a"]})", R"(["a"])", "a"})
         for (const char* path : {"/api/stop", "/api/resume"})
             EXPECT_EQ(ask("POST", path, body)->status(), 400) << path << " " << body;
-    }
     EXPECT_EQ(published_.size(), before);
     ask("POST", "/api/stop", "{}");
     EXPECT_EQ(published_.size(), before + 1) << "the next one stops all";

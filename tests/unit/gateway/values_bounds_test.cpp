@@ -86,11 +86,10 @@ TEST(ValueBounds, OneBoardsLastValues_HaveABoundInBytesAndLeaveOthersTheirs) {
 
 TEST(ValueBounds, LastValuesOfManyBoards_HaveABound) {
     Values values("e1", {.points = 2, .value = 1000, .board_last_bytes = 1u << 20, .last_bytes = 1u << 20});
-    for (int board = 0; board < 100; ++board) {
+    for (int board = 0; board < 100; ++board)
         for (int service = 0; service < 100; ++service)
             values.value("b" + std::to_string(board), "s" + std::to_string(service), long_report("a", 70'000),
                          false, at(0ms));
-    }
     EXPECT_LT(values.last_bytes(), (2u << 20) + 2000);
     EXPECT_GT(values.services(), 100u);
 }

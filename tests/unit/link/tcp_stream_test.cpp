@@ -142,9 +142,8 @@ TEST(ParseTcpAddress, Forms) {
     EXPECT_EQ(parse_tcp_address("[::1]:5000")->host, "::1");
     EXPECT_EQ(parse_tcp_address("5000", "127.0.0.1")->host, "127.0.0.1");
     EXPECT_EQ(parse_tcp_address(":5000", "127.0.0.1")->port, 5000);
-    for (const char* text : {"", "pi", "pi:", "pi:x", "pi:65536", ":5000", "5000"}) {
+    for (const char* text : {"", "pi", "pi:", "pi:x", "pi:65536", ":5000", "5000"})
         EXPECT_FALSE(parse_tcp_address(text)) << text;
-    }
 }
 
 }  // namespace

@@ -83,9 +83,8 @@ TEST(ServiceNames, Answer_IsRead) {
 }
 
 TEST(ServiceNames, DamagedAnswer_IsRefused) {
-    for (const std::string_view body : {"", "1,{}", "1,{i:x}", "1,{IO}", "2,{I:x}"}) {
+    for (const std::string_view body : {"", "1,{}", "1,{i:x}", "1,{IO}", "2,{I:x}"})
         EXPECT_FALSE(parse_service_names(body)) << body;
-    }
 }
 
 TEST(PinOwners, EachPin_IsOneCharacter) {
@@ -126,9 +125,8 @@ TEST(Extensions, Answer_IsTagsAndVersions) {
 }
 
 TEST(Extensions, DamagedAnswer_IsRefused) {
-    for (const std::string_view body : {"", "1,{E}", "1,{EE:1}", "1,{E:x}", "1,{E:256}", "1,{:1}"}) {
+    for (const std::string_view body : {"", "1,{E}", "1,{EE:1}", "1,{E:x}", "1,{E:256}", "1,{:1}"})
         EXPECT_FALSE(parse_extensions(body)) << body;
-    }
 }
 
 }  // namespace

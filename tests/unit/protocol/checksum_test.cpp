@@ -33,10 +33,8 @@ TEST(Checksum, AnyFlippedBit_IsNoticed) {
 }
 
 TEST(Checksum, MissingOrCutOff_IsRefused) {
-    for (const std::string_view line :
-         {"", "*", "*0", "I,d,13,1", "I,d,13,1*", "I,d,13,1*3", "I,d,13,1*3g"}) {
+    for (const std::string_view line : {"", "*", "*0", "I,d,13,1", "I,d,13,1*", "I,d,13,1*3", "I,d,13,1*3g"})
         EXPECT_FALSE(verify_checksum(line)) << line;
-    }
 }
 
 }  // namespace

@@ -39,9 +39,8 @@ TEST(PortState, PortAndHexMask_AreRead) {
 }
 
 TEST(PortState, DamagedEvent_IsRefused) {
-    for (const std::string_view body : {"", "4", "4,", ",2c", "4,2c,1", "4,2c\r", "x,1", "4,0x1", "300,1"}) {
+    for (const std::string_view body : {"", "4", "4,", ",2c", "4,2c,1", "4,2c\r", "x,1", "4,0x1", "300,1"})
         EXPECT_FALSE(parse_port_state(body)) << body;
-    }
 }
 
 }  // namespace

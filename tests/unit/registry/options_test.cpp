@@ -56,9 +56,8 @@ TEST(RegistryOptions, Periods_AreASecondOrMore) {
     EXPECT_EQ(parse_period("15m"), Duration(15min));
     EXPECT_EQ(parse_period("7d"), Duration(7 * 24h));
     EXPECT_EQ(parse_period("1500ms"), Duration(1500ms));
-    for (const char* bad : {"", "h", "0s", "500ms", "1w", "-1s", "99999999999999999999d", "40000d"}) {
+    for (const char* bad : {"", "h", "0s", "500ms", "1w", "-1s", "99999999999999999999d", "40000d"})
         EXPECT_FALSE(parse_period(bad)) << bad;
-    }
 }
 
 std::string history_of(std::vector<const char*> arguments) {

@@ -28,9 +28,8 @@ class Connection {
     }
     /// The newest message on a topic, as JSON.
     json last(const std::string& topic) const {
-        for (auto message = published.rbegin(); message != published.rend(); ++message) {
+        for (auto message = published.rbegin(); message != published.rend(); ++message)
             if (message->topic == topic) return json::parse(message->payload, nullptr, false);
-        }
         return json();
     }
     std::size_t count(const std::string& topic) const {
@@ -199,9 +198,8 @@ class RegistryTest : public testing::Test {
   protected:
     RegistryTest() { registry.connected(0, moment(0s)); }
     mqtt::Message sent(const std::string& topic, std::size_t index = 0) const {
-        for (const auto& message : connection.published) {
+        for (const auto& message : connection.published)
             if (message.topic == topic && index-- == 0) return message;
-        }
         ADD_FAILURE() << "nothing on " << topic;
         return {};
     }

@@ -157,15 +157,14 @@ class History {
         if (what < 80) return submit();
         if (what < 90) return from_board_.push(board_.framed("@D,e,1,{42}"), byte_time(), now_);
         if (!options_.restarts) return;
-        if (what == 90) {
+        if (what == 90)
             from_board_.push(board_.reboot(), byte_time(), now_);
-        } else if (what == 91) {
+        else if (what == 91)
             mute_until_ = now_ + std::chrono::milliseconds(random_() % 8000);
-        } else if (what == 92) {
+        else if (what == 92)
             link_down();
-        } else if (!link_) {
+        else if (!link_)
             link_up();
-        }
     }
 
     void submit() {

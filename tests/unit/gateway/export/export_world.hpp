@@ -202,9 +202,8 @@ class ExportWorld {
     /// Home Assistant, as far as properties go: what a document leaves out stays.
     void restart_home_assistant() {
         devices.clear();
-        for (const auto& [topic, payload] : retained) {
+        for (const auto& [topic, payload] : retained)
             home_assistant_reads(mqtt::Message{.topic = topic, .payload = payload});
-        }
         if (!dialect_->status().empty()) publish(dialect_->status(), "online");
     }
 
