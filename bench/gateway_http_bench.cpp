@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "bench/catalogue_load.hpp"
 #include "bench/figures.hpp"

@@ -7,9 +7,7 @@
 
 #include <charconv>
 #include <cstdio>
-#include <memory>
 #include <string>
-#include <thread>
 
 #include "bench/figures.hpp"
 #include "bench/http_load.hpp"

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <iterator>
 #include <ostream>
-#include <set>
 #include <utility>
 
 #include "asip/program/command_words.hpp"

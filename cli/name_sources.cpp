@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/name_sources.hpp"
 
-#include <utility>
-
 #include "asip/bus/registry/board_match.hpp"
 #include "cli/find/target.hpp"
 

@@ -9,7 +9,6 @@
 #include "asip/program/exit_status.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/duration.hpp"
-#include "asip/text/printable.hpp"
 #include "gateway/export_options.hpp"
 
 namespace asip::gateway {

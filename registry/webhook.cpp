@@ -9,7 +9,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <optional>
-#include <string_view>
 
 namespace asip::registry {
 namespace {

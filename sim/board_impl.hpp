@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <deque>
 
 #include "sim/board.hpp"
 #include "sim/chip/chip.hpp"

@@ -11,7 +11,6 @@
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
-#include "asip/protocol/limits.hpp"
 #include "asip/protocol/message.hpp"
 #include "asip/session/name_budget.hpp"
 #include "asip/session/request.hpp"

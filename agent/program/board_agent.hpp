@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
@@ -14,7 +13,6 @@
 #include "agent/clients/point_to_point.hpp"
 #include "agent/counts/board_log.hpp"
 #include "agent/describe/label_files.hpp"
-#include "agent/inbound/continuations.hpp"
 #include "agent/inbound/inbox.hpp"
 #include "agent/port/link_framing.hpp"
 #include "agent/port/port_outage.hpp"

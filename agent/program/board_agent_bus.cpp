@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "agent/inbound/continuations.hpp"
 #include "agent/program/board_agent.hpp"
 #include "asip/mqtt/quirks/closes_when_denied.hpp"
 #include "asip/program/exit_status.hpp"

@@ -2,14 +2,12 @@
 #pragma once
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "agent/bridge/bridge.hpp"
 #include "agent/cable/lent.hpp"
 #include "agent/clients/client_framing.hpp"
-#include "asip/expected.hpp"
 #include "asip/link/tcp_stream.hpp"
 #include "asip/mqtt/options.hpp"
 #include "asip/program/options.hpp"

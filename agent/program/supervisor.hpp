@@ -13,7 +13,6 @@
 #include "agent/cable/cables.hpp"
 #include "agent/program/board_agent.hpp"
 #include "agent/program/plan.hpp"
-#include "asip/mqtt/backoff.hpp"
 #include "asip/program/stop_signal.hpp"
 
 namespace asip::agent {

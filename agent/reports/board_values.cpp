@@ -5,7 +5,6 @@
 
 #include "asip/bus/pattern.hpp"
 #include "asip/bus/request/reply.hpp"
-#include "asip/model/json.hpp"
 #include "asip/property/documents.hpp"
 #include "asip/property/list.hpp"
 #include "asip/protocol/extensions.hpp"

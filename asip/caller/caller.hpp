@@ -9,7 +9,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 
 #include "asip/bus/request/demander.hpp"
 #include "asip/bus/request/reply.hpp"

@@ -6,7 +6,6 @@
 #include "asip/bus/request/reply.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
-#include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/protocol/message.hpp"
 

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "asip/client/error.hpp"
-
 namespace asip::client {
 
 /// How many values a second a caller wants that does not say it.

@@ -5,7 +5,6 @@
 
 #include "asip/links/rules.hpp"
 #include "asip/model/json.hpp"
-#include "asip/property/value.hpp"
 
 namespace asip::links {
 namespace {

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
-#include "asip/model/names.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"
 #include "asip/text/nearest.hpp"

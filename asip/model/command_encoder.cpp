@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "asip/model/argument_writer.hpp"
-#include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"

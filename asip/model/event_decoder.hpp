@@ -2,7 +2,6 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <span>
-#include <string_view>
 
 #include "asip/expected.hpp"
 #include "asip/model/service_model.hpp"

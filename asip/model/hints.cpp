@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/model/argument_writer.hpp"
-#include "asip/model/json.hpp"
 
 namespace asip::model {
 namespace {

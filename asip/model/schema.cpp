@@ -9,7 +9,6 @@
 
 #include "asip/model/embedded.hpp"
 #include "asip/model/json.hpp"
-#include "asip/model/names.hpp"
 #include "asip/text/printable.hpp"
 
 namespace asip::model {

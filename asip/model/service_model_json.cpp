@@ -8,7 +8,6 @@
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/hints.hpp"
 #include "asip/model/json.hpp"
-#include "asip/model/names.hpp"
 #include "asip/model/schema.hpp"
 #include "asip/model/service_model.hpp"
 #include "asip/text/json_reader.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <chrono>
 
 #include "asip/random.hpp"
 #include "asip/time.hpp"

@@ -6,7 +6,6 @@
 
 #include "asip/model/description.hpp"
 #include "asip/model/hints.hpp"
-#include "asip/model/model_set.hpp"
 #include "asip/model/service_model.hpp"
 #include "asip/property/property.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/protocol/port_map.hpp"
 
-#include <string>
-
 #include "asip/protocol/body.hpp"
 
 namespace asip::protocol {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Giving the line back as it was found, for the program that opens the port next.
-#include "asip/protocol/limits.hpp"
 #include "asip/protocol/request.hpp"
 #include "asip/session/machine.hpp"
 

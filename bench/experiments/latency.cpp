@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pin 13 wired to pin 2: the time from a write of the program to the change that the board reports.
 #include <algorithm>
-#include <thread>
 
 #include "bench/experiments/experiment.hpp"
 #include "bench/experiments/recorded.hpp"

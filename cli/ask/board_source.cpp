@@ -5,7 +5,6 @@
 
 #include "asip/model/names.hpp"
 #include "asip/text/nearest.hpp"
-#include "asip/text/printable.hpp"
 
 namespace asip::cli {
 namespace {

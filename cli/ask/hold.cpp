@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <ostream>
 
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/json.hpp"

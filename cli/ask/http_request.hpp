@@ -2,7 +2,6 @@
 #pragma once
 #include <chrono>
 #include <string>
-#include <string_view>
 
 #include "asip/expected.hpp"
 #include "asip/text/http_address.hpp"

@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <list>
 #include <nlohmann/json.hpp>
-#include <ostream>
 #include <thread>
 
 #include "asip/text/duration.hpp"

@@ -7,7 +7,6 @@
 #include <ostream>
 
 #include "asip/bus/registry/board_match.hpp"
-#include "asip/model/json.hpp"
 #include "asip/property/words.hpp"
 #include "asip/text/duration.hpp"
 #include "cli/ask/board_values.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <list>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>

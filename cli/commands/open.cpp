@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 
 #include <nlohmann/json.hpp>
-#include <ostream>
 
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"

@@ -8,7 +8,6 @@
 #include "asip/model/description.hpp"
 #include "asip/protocol/pin.hpp"
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
-#include <ostream>
 
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
 #include <deque>
-#include <istream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ostream>
 #include <string>
 #include <vector>
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <list>
 #include <nlohmann/json.hpp>
-#include <ostream>
 
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"

@@ -10,7 +10,6 @@
 #include "asip/mqtt/router.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
-#include "cli/ask/bus_session.hpp"
 #include "cli/output.hpp"
 #include "cli/text/table.hpp"
 #include "cli/text/width.hpp"

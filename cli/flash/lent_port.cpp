@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "asip/bus/request/reply.hpp"
 #include "asip/model/json.hpp"

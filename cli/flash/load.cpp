@@ -2,7 +2,6 @@
 #include "cli/flash/load.hpp"
 
 #include <nlohmann/json.hpp>
-#include <ostream>
 
 #include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/json.hpp"

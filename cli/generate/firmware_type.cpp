@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "cli/generate/layout.hpp"
-#include "cli/generate/names.hpp"
 
 namespace asip::generate {
 

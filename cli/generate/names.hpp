@@ -4,8 +4,6 @@
 #include <string>
 #include <string_view>
 
-#include "asip/expected.hpp"
-
 namespace asip::generate {
 
 // Names of a model are `[a-z][a-z0-9._-]*`; each language has its own form of them.

@@ -12,7 +12,6 @@
 #include "cli/generate/generate.hpp"
 #include "cli/generate/layout.hpp"
 #include "cli/generate/names.hpp"
-#include "cli/generate/render.hpp"
 
 namespace asip::generate {
 namespace {

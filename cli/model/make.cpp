@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <ostream>
 
 #include "asip/model/example_check.hpp"

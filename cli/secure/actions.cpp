@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-
 #include "asip/program/path.hpp"
 #include "cli/find/broker_search.hpp"
 #include "cli/secure/broker_files.hpp"

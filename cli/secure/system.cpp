@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <istream>
 #include <ostream>
 
 #include "cli/secure/actions.hpp"

@@ -2,7 +2,6 @@
 #include "cli/secure/topic_rules.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace asip::cli {

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/request/request_envelope.hpp"
-#include "asip/model/json.hpp"
 #include "asip/property/property.hpp"
 #include "gateway/api/routes.hpp"
 

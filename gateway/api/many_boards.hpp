@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>

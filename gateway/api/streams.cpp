@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"

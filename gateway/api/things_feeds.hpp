@@ -3,7 +3,6 @@
 #include <memory>
 #include <string>
 
-#include "gateway/export/exported_board.hpp"
 #include "gateway/export/web_of_things.hpp"
 #include "gateway/stream/feed.hpp"
 

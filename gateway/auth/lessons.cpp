@@ -2,7 +2,6 @@
 #include "gateway/auth/lessons.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 

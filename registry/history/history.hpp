@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,7 +8,6 @@
 #include "asip/bus/registry/items.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "asip/expected.hpp"
-#include "asip/text/wall_time.hpp"
 #include "asip/time.hpp"
 #include "registry/history/journal.hpp"
 #include "registry/history/kept_time.hpp"

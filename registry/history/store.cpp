@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/history/store.hpp"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 

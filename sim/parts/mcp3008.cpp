@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "sim/parts/numbers.hpp"
 #include "sim/wiring/part_context.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
-#include <optional>
 
 #include "sim/wiring/part_context.hpp"
 #include "sim/wiring/part_reader.hpp"

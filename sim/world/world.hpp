@@ -6,7 +6,6 @@
 #include <mutex>
 #include <optional>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "sim/world/laps.hpp"

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "asip/mqtt/options.hpp"
 #include "tests/cluster/history.hpp"

@@ -2,7 +2,6 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <functional>
 #include <optional>
 #include <set>
 #include <string>

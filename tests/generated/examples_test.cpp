@@ -9,7 +9,6 @@
 
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
-#include "asip/model/json.hpp"
 #include "asip/model/model_set.hpp"
 #include "asip/protocol/message.hpp"
 #include "cli/generate/generate.hpp"

@@ -6,7 +6,6 @@
 
 #include "sim/board.hpp"
 #include "sim/world/world_file.hpp"
-#include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
-#include <deque>
 #include <optional>
 #include <string>
 #include <unordered_map>

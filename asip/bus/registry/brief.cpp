@@ -9,7 +9,6 @@
 #include "asip/bus/json/json_scanner.hpp"
 #include "asip/bus/json/json_text.hpp"
 #include "asip/bus/registry/members.hpp"
-#include "asip/model/json.hpp"
 
 namespace asip::bus {
 namespace {

@@ -2,7 +2,6 @@
 // Demands from strangers: refused with a reason, or within the limits, and what was read can be written and
 // read again.
 #include <cstdint>
-#include <string_view>
 
 #include "asip/bus/request/demand.hpp"
 #include "tests/fuzz/require.hpp"

@@ -6,7 +6,6 @@
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/model_set.hpp"
-#include "asip/protocol/limits.hpp"
 #include "asip/protocol/request.hpp"
 #include "tests/fuzz/require.hpp"
 

@@ -7,7 +7,6 @@
 #include <map>
 
 #include "tests/integration/cli/bus_fixture.hpp"
-#include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
 namespace {

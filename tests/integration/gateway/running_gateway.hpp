@@ -11,7 +11,6 @@
 #include "tests/support/child_process.hpp"
 #include "tests/support/mosquitto_broker.hpp"
 #include "tests/support/patterns.hpp"
-#include "tests/support/temp_dir.hpp"
 
 namespace asip::test {
 

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
-#include <fstream>
 #include <set>
 
 #include "asip/bus/topics.hpp"

@@ -2,7 +2,6 @@
 // Adding, revoking and renewing while the broker runs.
 #include <sys/stat.h>
 #include <unistd.h>
-#include <csignal>
 
 #include <filesystem>
 

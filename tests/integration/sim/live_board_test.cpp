@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "sim_program.hpp"
 #include "tests/support/temp_dir.hpp"
 #include "tty_client.hpp"

@@ -2,7 +2,6 @@
 // Compiled twice, with the firmware's namespace under two names: with link extensions and without.
 #include "tests/truth/board/firmware.hpp"
 
-#include <cstring>
 #include <optional>
 #include <utility>
 

@@ -7,7 +7,6 @@
 #include <optional>
 #include <queue>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "asip/mqtt/message.hpp"

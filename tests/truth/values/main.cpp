@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "tests/truth/values/history.hpp"

@@ -2,7 +2,6 @@
 // Which board is at the port, and how often it restarts.
 #include <gmock/gmock.h>
 
-#include "asip/program/exit_status.hpp"
 #include "tests/unit/agent/bridge_bench.hpp"
 
 namespace asip::agent {

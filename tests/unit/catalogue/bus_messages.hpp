@@ -2,7 +2,6 @@
 #pragma once
 #include <chrono>
 #include <string>
-#include <utility>
 
 #include "asip/catalogue/catalogue.hpp"
 #include "asip/text/wall_time.hpp"

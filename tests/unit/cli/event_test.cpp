@@ -2,12 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <nlohmann/json.hpp>
 
-#include "cli/ask/bus_session.hpp"
 #include "cli/events/context_event.hpp"
-#include "cli/text/table.hpp"
 #include "tests/unit/cli/boards.hpp"
 
 namespace asip::cli {

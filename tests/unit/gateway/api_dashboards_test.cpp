@@ -2,7 +2,6 @@
 // Dashboards over HTTP: editors that do not overwrite each other, and links that show one dashboard and
 // nothing else.
 #include "api_bench.hpp"
-#include "gateway/api/openapi_schemas.hpp"
 #include "gateway/api/routes.hpp"
 
 namespace asip::gateway {

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "asip/model/json.hpp"
 #include "asip/model/model_set.hpp"
 
 namespace asip::model {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What each standard service, pins and services of one's own are shown as.
-#include <algorithm>
 
 #include "asip/property/value.hpp"
 #include "tests/unit/property/boards.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "registry/catalogue_types.hpp"
 #include "tests/unit/catalogue/bus_messages.hpp"
 
 /// The messages that the tests of the catalogue are made of.

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <fstream>
-
 #include "monitor.hpp"
 #include "sim/board_kind.hpp"
 

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include "monitor.hpp"
-#include "sim/wiring/part_context.hpp"
 
 namespace asip::sim {
 namespace {

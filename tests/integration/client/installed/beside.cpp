@@ -2,7 +2,6 @@
 #include <asip/client/blocking_board.hpp>
 #include <chrono>
 #include <cstdio>
-#include <string>
 
 #include "others.hpp"
 

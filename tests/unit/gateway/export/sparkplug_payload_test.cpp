@@ -3,8 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include <limits>
-
 namespace asip::gateway::exports::sparkplug {
 namespace {
 
