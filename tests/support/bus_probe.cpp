@@ -56,7 +56,6 @@ struct BusProbe::State {
     std::atomic<int> connect_code{-1};
     std::atomic<bool> dropped{false};
     std::atomic<int> reconnects{0};
-    std::atomic<int> last_reason{0};
     mutable std::mutex mutex;
     std::vector<mqtt::Message> messages;
     std::map<std::string, int> filters;  ///< filter -> QoS
@@ -94,10 +93,9 @@ struct BusProbe::State {
                 state.subscribe_again(instance);
                 ++state.reconnects;
             });
-        mosquitto_disconnect_callback_set(client, [](mosquitto* instance, void* self, int reason) {
+        mosquitto_disconnect_callback_set(client, [](mosquitto* instance, void* self, int) {
             auto& state = *static_cast<State*>(self);
             state.connected = false;
-            state.last_reason = reason;
             if (state.dropped) mosquitto_disconnect(instance);  // ends the thread instead of reconnecting
         });
         mosquitto_publish_callback_set(
@@ -290,10 +288,6 @@ bool BusProbe::connected() const {
 
 int BusProbe::reconnects() const {
     return state_->reconnects;
-}
-
-int BusProbe::last_reason() const {
-    return state_->last_reason;
 }
 
 void BusProbe::drop() {

@@ -62,11 +62,9 @@ class BusProbe {
                                        std::chrono::milliseconds limit = kDeadline);
 
     bool connected() const;
-    /// How often the connection was lost and made again, and why it was lost the last time (reason code of
-    /// the MQTT specification, or of libmosquitto). The subscriptions are there again; what was published
-    /// meanwhile is lost.
+    /// How often the connection was lost and made again. The subscriptions are there again; what was
+    /// published meanwhile is lost.
     int reconnects() const;
-    int last_reason() const;
     /// Cuts the TCP connection without DISCONNECT: the will is published.
     void drop();
 

@@ -18,7 +18,7 @@
 #include "tests/integration/agent/rig.hpp"
 #include "tests/integration/gateway/running_gateway.hpp"
 #include "tests/support/dice.hpp"
-#include "tests/truth/live/machine.hpp"
+#include "tests/truth/presence/machine.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/truth/live/machine.hpp"
+#include "tests/truth/presence/machine.hpp"
 
 #include <algorithm>
 #include <chrono>
