@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "tests/cluster/bare_client.hpp"
 #include "tests/cluster/board.hpp"
 #include "tests/cluster/commander.hpp"
 #include "tests/cluster/echo.hpp"
@@ -56,20 +55,6 @@ class Fleet {
     /// Waits for the last answers.
     void finish();
 
-    /// How long after kill -9 of a node.
-    struct FailOver {
-        std::size_t node = 0;
-        std::optional<Millis> bare{};      ///< a bare client that was connected to it heard itself again
-        std::optional<Millis> all_bare{};  ///< each of the bare clients had
-        std::optional<Millis> answered{};  ///< each of them had been answered by another one
-        std::optional<Millis> commands{};  ///< each board had executed a command that was sent since
-    };
-    using BareClients = std::vector<std::unique_ptr<BareClient>>;
-    /// Kills the node at which the first bare client is, and starts it again. False: it did not recover.
-    bool fail_over(const BareClients& bare, FailOver& result);
-    /// For a bare client: where everything connects to.
-    asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
-
     Shape shape() const;
     /// The log of each program into a file of the folder.
     void write_logs(const std::string& folder) const;
@@ -80,6 +65,8 @@ class Fleet {
     std::unique_ptr<Board> make_board(std::size_t index);
     std::vector<std::string> program(const std::string& name, std::size_t first_node,
                                      std::vector<std::string> more) const;
+    /// Where everything connects to.
+    asip::mqtt::Options connection(const std::string& id, std::size_t first_node) const;
     /// As connection(), for one that stays with its node.
     asip::mqtt::Options echo(std::size_t node) const;
     std::unique_ptr<Process> start(std::size_t host, bool own_clock, std::vector<std::string> command) const;

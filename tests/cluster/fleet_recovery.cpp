@@ -8,8 +8,6 @@ namespace cluster {
 
 namespace {
 
-// A program that loses a connection that is newer than five seconds waits before the next attempt.
-constexpr Millis kSettled = 6'000;
 // RabbitMQ needs 10 to 20 s, on a busy machine more; all of its nodes together minutes.
 constexpr Millis kNodeStarts = 180'000;
 
@@ -31,39 +29,6 @@ void Fleet::look_for_recovery(Round& round, Millis longest, Millis engine_alone)
     while (!recovered(round) && now() < limit() && !only_the_engine())
         run_until(now() + kTurn);
     round.looked_until = now();
-}
-
-bool Fleet::fail_over(const BareClients& bare, FailOver& result) {
-    run_until(now() + kSettled);
-    result.node = bare.front()->node();
-    engine_.kill(result.node);
-    const Millis killed = now();
-    for (const auto& client : bare)
-        client->look_anew();
-    std::optional<Millis> commands;
-    std::vector<std::size_t> mute;
-    const auto last = [&](std::optional<Millis> (BareClient::*what)() const) -> std::optional<Millis> {
-        Millis latest = killed;
-        for (const auto& client : bare) {
-            const auto time = ((*client).*what)();
-            if (!time) return std::nullopt;
-            latest = std::max(latest, *time);
-        }
-        return latest - killed;
-    };
-    while ((!commands || !last(&BareClient::heard) || !last(&BareClient::answered)) &&
-           now() < killed + options_.look) {
-        run_until(now() + 5);
-        if (!commands) commands = commands_work(killed, mute);
-    }
-    if (const auto heard = bare.front()->heard()) result.bare = *heard - killed;
-    result.all_bare = last(&BareClient::heard);
-    result.answered = last(&BareClient::answered);
-    if (commands) result.commands = *commands - killed;
-    engine_.start(result.node);
-    Round round;
-    look_for_recovery(round, kNodeStarts, kNodeStarts);
-    return recovered(round);
 }
 
 bool Fleet::recovered(Round& round) {

@@ -15,14 +15,10 @@ namespace {
 
 using namespace cluster;
 
-/// Commands a second to each board: as often as a bare client writes.
-constexpr double kOftenEnough = 50;
-
 struct Settings {
     std::string engine = "mosquitto";
     std::size_t rounds = 0;
     std::size_t skip = 0;
-    std::size_t fail_overs = 0;
     std::uint64_t seed = 1;
     std::string faults = "all";
     std::string logs = "cluster-logs";
@@ -61,60 +57,6 @@ std::string came_back(const Round& round, const History& history) {
                        since(round.catalogues_agree), round.delayed);
 }
 
-template <class T>
-T median(std::vector<T> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
-/// What commands took, beside something else that was measured in the same fail-overs. Of each the ratio is
-/// taken by itself: an engine may need 20 ms in one and 8 s in the next.
-struct Beside {
-    std::vector<Millis> times{};
-    std::vector<double> ratios{};
-
-    void add(Millis time, Millis commands) {
-        times.push_back(time);
-        ratios.push_back(static_cast<double>(commands) / static_cast<double>(std::max<Millis>(1, time)));
-    }
-    std::string described() const { return fmt::format("{} ms ({:.2f})", median(times), median(ratios)); }
-};
-
-/// Nodes are killed one after the other: how long commands fail, beside as many bare clients of the engine as
-/// agents and clients have to come back for that.
-int fail_overs(const Settings& settings, const Engine& engine, Fleet& fleet) {
-    const std::size_t count = settings.fleet.boards + settings.fleet.clients;
-    Fleet::BareClients bare;
-    for (std::size_t i = 0; i < count; ++i)
-        bare.push_back(
-            std::make_unique<BareClient>(fleet.connection(fmt::format("bare-{}", i), i), i, count));
-    std::vector<Millis> commands;
-    Beside one, last, answered;
-    for (std::size_t i = 0; i < settings.fail_overs; ++i) {
-        Fleet::FailOver each;
-        const bool recovered = fleet.fail_over(bare, each);
-        fmt::print("node {} killed: bare client {}, the last of {} {}, answered {}, commands {}\n", each.node,
-                   seconds(each.bare), count, seconds(each.all_bare), seconds(each.answered),
-                   seconds(each.commands));
-        std::fflush(stdout);
-        fleet.write_logs(settings.logs);
-        if (!recovered || !each.commands) throw std::runtime_error("that node did not come back as it was");
-        // RabbitMQ may deliver nothing to a bare client any more, which does not notice it.
-        if (!each.bare || !each.all_bare || !each.answered) continue;
-        commands.push_back(*each.commands);
-        one.add(*each.bare, *each.commands);
-        last.add(*each.all_bare, *each.commands);
-        answered.add(*each.answered, *each.commands);
-    }
-    if (commands.empty()) throw std::runtime_error("there is nothing to compare with");
-    fmt::print(
-        "{}: after kill -9 of a node, medians of {}, of times and of ratios: commands {} ms; a bare client "
-        "hears itself {}, the last of {} {}, the last of them is answered {}\n",
-        engine.name(), commands.size(), median(commands), one.described(), count, last.described(),
-        answered.described());
-    return 0;
-}
-
 int run(Settings settings) {
     fmt::print("engine {}, seed {}, {} boards ({} with real firmware), {} registries, {} clients\n",
                settings.engine, settings.seed, settings.fleet.boards,
@@ -124,7 +66,6 @@ int run(Settings settings) {
     boost::asio::io_context io;
     const auto network = make_network(settings);
     settings.fleet.clock = settings.faults == "all";
-    if (settings.fail_overs > 0) settings.fleet.per_board = kOftenEnough;
     if (settings.faults == "network") settings.fleet.processes = false;
     const auto engine = make_engine(settings.engine, Hosts{network.get()});
     for (const auto& lack : engine->lacks())
@@ -139,7 +80,6 @@ int run(Settings settings) {
     }
     if (!settings.fleet.only.empty() && !is_known(settings.fleet.only, fleet.shape()))
         throw std::runtime_error("there is no fault \"" + settings.fleet.only + "\" here");
-    if (settings.fail_overs > 0) return fail_overs(settings, *engine, fleet);
     auto plan = settings.rounds == 0 ? each_once(settings.seed, fleet.shape())
                                      : at_random(settings.seed, settings.rounds, fleet.shape());
     plan.erase(plan.begin(),
@@ -176,9 +116,6 @@ int main(int argc, char** argv) {
                    "Faults and pairs of them at random; default: each fault once");
     app.add_option("--skip", settings.skip,
                    "Leave out so many of the first rounds: to see a later one again");
-    app.add_option("--fail-overs", settings.fail_overs,
-                   "Instead of rounds: so many times a node is killed, and how long commands fail is put "
-                   "beside a bare client of the engine");
     app.add_option("--faults", settings.faults,
                    "processes: killed and stopped; network: packets dropped and delayed between hosts, which "
                    "only root can make; all: both, and a clock that is stepped")
@@ -209,7 +146,6 @@ int main(int argc, char** argv) {
     app.add_option("--logs", settings.logs, "Folder for the programs' logs after a violation")
         ->capture_default_str();
     CLI11_PARSE(app, argc, argv);
-    if (settings.fail_overs > 0) settings.faults = "processes";
     try {
         return run(settings);
     } catch (const std::exception& error) {
