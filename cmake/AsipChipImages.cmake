@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Images of our library for chips that are not AVR, with the small Arduino cores of tests/chips: for emulators, in tests.
 #
-#   asip_add_chip_image(NAME CHIP rp2040|riscv SKETCH FILE.ino [DEFINES NAME=VALUE...])
+#   asip_add_chip_image(NAME CHIP rp2040 SKETCH FILE.ino [DEFINES NAME=VALUE...])
 #
 # makes ${ASIP_IMAGES}/NAME.elf, target NAME_image. As asip_add_image does for AVR; the library is compiled as the IDE compiles it.
 
@@ -18,14 +18,6 @@ set(asip_chip_rp2040_tool arm-none-eabi)
 set(asip_chip_rp2040_flags -mcpu=cortex-m0plus -mthumb --specs=picolibc.specs)
 set(asip_chip_rp2040_defines -DARDUINO_ARCH_RP2040 -DASIP_ANALOG_BITS=12)
 set(asip_chip_rp2040_sources core/runtime.cpp rp2040/core.cpp rp2040/flash.cpp rp2040/start.cpp rp2040/uart.cpp rp2040/wire.cpp)
-
-# A FE310 has no converter; its first UART is on 16 and 17.
-set(asip_chip_riscv_tool riscv64-unknown-elf)
-# Libraries are there for rv32imac, of which the control registers are an extension since GCC 12.
-set(asip_chip_riscv_link -march=rv32imac)
-set(asip_chip_riscv_flags -march=rv32imac_zicsr -mabi=ilp32 --specs=picolibc.specs -msmall-data-limit=0)
-set(asip_chip_riscv_defines "-DASIP_CHIP=\"FE310\"" -DASIP_FIRST_ANALOG_PIN=0 -DASIP_ANALOG_PINS=0 -DASIP_TX_PIN=17 -DASIP_RX_PIN=16)
-set(asip_chip_riscv_sources core/runtime.cpp riscv/core.cpp)
 
 function(asip_add_chip_image name)
   cmake_parse_arguments(arg "" "CHIP;SKETCH" "DEFINES" ${ARGN})
@@ -65,7 +57,7 @@ function(asip_add_chip_image name)
   set(elf "${ASIP_IMAGES}/${name}.elf")
   set(script "${ASIP_CHIPS}/${chip}/${chip}.ld")
   add_custom_command(OUTPUT "${elf}"
-    COMMAND ${tool}-gcc ${asip_chip_${chip}_flags} ${asip_chip_${chip}_link} -nostartfiles -Wl,--gc-sections -Wl,--nmagic -T "${script}" -o "${elf}" ${objects} -lm
+    COMMAND ${tool}-gcc ${asip_chip_${chip}_flags} -nostartfiles -Wl,--gc-sections -Wl,--nmagic -T "${script}" -o "${elf}" ${objects} -lm
     DEPENDS ${objects} "${script}" COMMENT "image ${name}.elf" VERBATIM)
   add_custom_target(${name}_image DEPENDS "${elf}")
 endfunction()
