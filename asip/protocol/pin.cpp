@@ -42,12 +42,4 @@ std::optional<PinMode> pin_mode_from_text(std::string_view text) {
     return std::nullopt;
 }
 
-std::optional<std::uint8_t> capability_from_text(std::string_view text) {
-    const auto word = normalised(text);
-    if (word == "digital") return kCapabilityDigital;
-    if (word == "analog") return kCapabilityAnalogIn;
-    if (word == "pwm") return kCapabilityPwm;
-    return std::nullopt;
-}
-
 }  // namespace asip::protocol

@@ -42,7 +42,4 @@ inline constexpr std::uint8_t kCapabilityDigital = 1;
 inline constexpr std::uint8_t kCapabilityAnalogIn = 2;
 inline constexpr std::uint8_t kCapabilityPwm = 4;
 
-/// The bit of "digital", "analog" or "pwm"; nothing for other words.
-std::optional<std::uint8_t> capability_from_text(std::string_view text);
-
 }  // namespace asip::protocol

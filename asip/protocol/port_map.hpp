@@ -38,7 +38,6 @@ class PortMap {
     static Expected<PortMap> parse(std::string_view body);
 
     bool empty() const { return positions_.empty(); }
-    std::size_t pin_count() const { return positions_.size(); }
     const std::vector<Position>& positions() const { return positions_; }
 
     /// The levels of every pin of that port, ascending; those of pins that are no inputs mean nothing.

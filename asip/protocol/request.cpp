@@ -26,18 +26,12 @@ std::string digital_write(int pin, bool high) {
 std::string analog_write(int pin, int value) {
     return make_request('I', 'a', {pin, value});
 }
-std::string analog_period(int milliseconds) {
-    return make_request('I', 'A', {milliseconds});
-}
 std::string echo(std::string_view token) {
     return "#,E," + std::string(token);
 }
 
 std::string verified_fence(std::string_view token) {
     return "#,V," + std::string(token);
-}
-std::string set_identity(std::string_view name) {
-    return "#,I," + std::string(name);
 }
 std::string set_line_rate(int baud) {
     return make_request('#', 'B', {baud});

@@ -35,14 +35,10 @@ std::string set_pin_mode(int pin, PinMode mode);
 std::string digital_write(int pin, bool high);
 /// `value`: 0 to 255, the duty of a PWM pin.
 std::string analog_write(int pin, int value);
-/// In ms, 1 to 65535; 0: never.
-std::string analog_period(int milliseconds);
 /// `token`: 1 to 8 letters or digits, which come back. For the echo extension.
 std::string echo(std::string_view token);
 /// For verified fences: a digest comes behind the token.
 std::string verified_fence(std::string_view token);
-/// `name`: at most 32 characters, for EEPROM. For the identity extension.
-std::string set_identity(std::string_view name);
 /// For the line-rate extension. The answer comes at the old rate.
 std::string set_line_rate(int baud);
 /// For the checksum extension.

@@ -52,7 +52,6 @@ bool UtfFrameReader::take_frame(std::string_view& bytes) {
         if (remaining_ > 0) return false;
         header_bytes_ = 0;
         if (!skipping_) return true;
-        ++overlong_frames_;
         skipping_ = false;
     }
 }

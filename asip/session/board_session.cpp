@@ -126,24 +126,4 @@ const char* to_string(BoardSession::State state) {
     return "?";
 }
 
-const char* to_string(Ending ending) {
-    switch (ending) {
-        case Ending::kExecuted:
-            return "executed";
-        case Ending::kUnproven:
-            return "unproven";
-        case Ending::kBoardError:
-            return "error";
-        case Ending::kDoubt:
-            return "doubt";
-        case Ending::kNoValue:
-            return "no value";
-        case Ending::kTimeout:
-            return "timeout";
-        case Ending::kNotSent:
-            return "not sent";
-    }
-    return "?";
-}
-
 }  // namespace asip::session

@@ -198,6 +198,5 @@ class BoardSession {
 bool may_be_sent(const protocol::Request& request);
 
 const char* to_string(BoardSession::State state);
-const char* to_string(Ending ending);
 
 }  // namespace asip::session

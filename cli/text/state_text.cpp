@@ -2,24 +2,11 @@
 #include "cli/text/state_text.hpp"
 
 #include <chrono>
-#include <ctime>
 
 #include "asip/model/board_state.hpp"
 #include "asip/text/duration.hpp"
 
 namespace asip::cli {
-namespace {
-
-std::string clock_text(text::WallTime moment) {
-    const std::time_t seconds = std::chrono::system_clock::to_time_t(moment);
-    std::tm local{};
-    localtime_r(&seconds, &local);
-    char text[16];
-    std::strftime(text, sizeof text, "%H:%M:%S", &local);
-    return text;
-}
-
-}  // namespace
 
 std::string state_text(std::string_view state, std::string_view reason, double age_seconds) {
     std::string result(state);
@@ -51,10 +38,6 @@ std::string what_to_do(const bus::BoardItem& board) {
         default:
             return "start its agent again, or: asipctl forget " + board.board;
     }
-}
-
-std::string not_known_text(const std::string& why, text::WallTime now) {
-    return why + "; the states of boards are not known since " + clock_text(now);
 }
 
 }  // namespace asip::cli

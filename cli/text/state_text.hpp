@@ -15,7 +15,5 @@ std::string state_text(std::string_view state, std::string_view reason, double a
 std::string state_text(const bus::BoardItem& board);
 /// What a person can do about a board that is not there.
 std::string what_to_do(const bus::BoardItem& board);
-/// `why` the broker was lost, and that nothing is known of the boards from `now` on.
-std::string not_known_text(const std::string& why, text::WallTime now = text::wall_now());
 
 }  // namespace asip::cli

@@ -307,7 +307,7 @@ void Agent::write(const std::string& bytes, Micros now) {
 void Agent::finished(const session::Finished& end, Micros now) {
     const auto known = commands_.find(end.id);
     if (known == commands_.end()) return ledger_.fail("a request ended that is not open");
-    note_(fmt::format("#{} {} {} {} {}", known->second, session::to_string(end.ending), end.code, end.text,
+    note_(fmt::format("#{} {} {} {} {}", known->second, to_string(outcome(end.ending)), end.code, end.text,
                       end.answer.text()));
     if (const auto safe = safe_.find(end.id); safe != safe_.end()) holds_.on_finished(end, safe->second);
     std::vector<asip::agent::SafeLines::Done> done;

@@ -23,7 +23,7 @@ void read_bodies(std::string_view body) {
     }
     if (const auto map = PortMap::parse(body))
         for (const std::uint32_t levels : {0u, 0xffffffffu})
-            REQUIRE(map->levels({4, levels}).size() <= map->pin_count());
+            REQUIRE(map->levels({4, levels}).size() <= map->positions().size());
     (void)parse_port_state(body);
     (void)parse_board_info(body);
     (void)parse_service_names(body);

@@ -27,12 +27,5 @@ TEST(PinMode, UnknownTextOrNumber_IsNothing) {
         EXPECT_FALSE(pin_mode_from_text(text)) << text;
 }
 
-TEST(Capability, Word_IsItsBit) {
-    EXPECT_EQ(capability_from_text("digital"), 1);
-    EXPECT_EQ(capability_from_text("Analog"), 2);
-    EXPECT_EQ(capability_from_text("PWM"), 4);
-    EXPECT_FALSE(capability_from_text("touch"));
-}
-
 }  // namespace
 }  // namespace asip::protocol

@@ -17,9 +17,7 @@ TEST(MakeRequest, Helpers_WriteTheWire) {
     EXPECT_EQ(set_pin_mode(13, PinMode::kOutput), "I,P,13,3");
     EXPECT_EQ(digital_write(13, true), "I,d,13,1");
     EXPECT_EQ(analog_write(3, 128), "I,a,3,128");
-    EXPECT_EQ(analog_period(50), "I,A,50");
     EXPECT_EQ(echo("a1"), "#,E,a1");
-    EXPECT_EQ(set_identity("uno1"), "#,I,uno1");
     EXPECT_EQ(set_line_rate(500000), "#,B,500000");
     EXPECT_EQ(set_checksum(true), "#,C,1");
 }

@@ -38,7 +38,6 @@ TEST_F(UtfFrameReaderTest, LengthIsBigEndian) {
 
 TEST_F(UtfFrameReaderTest, TooLongForBuffer_SkipsFrameAndRecovers) {
     EXPECT_THAT(push("\xff\xff"s + std::string(65535, 'x') + "\0\2ok"s), ElementsAre("ok"));
-    EXPECT_EQ(reader.overlong_frames(), 1u);
 }
 
 TEST(EncodeUtfFrame, Text_GetsItsLengthBeforeIt) {

@@ -22,7 +22,7 @@ TEST(BoardSession, BoardWithExtensions_IsIdentifiedAndSteppedUp) {
     EXPECT_EQ(board.stored_name, "uno1");
     EXPECT_EQ(board.services.size(), 3u);
     EXPECT_EQ(board.pin_owners, "@@IISD");
-    EXPECT_EQ(board.port_map.pin_count(), 6u);
+    EXPECT_EQ(board.port_map.positions().size(), 6u);
     EXPECT_EQ(bench.session.baud(), 1'000'000u);
     EXPECT_EQ(bench.board.baud, 1'000'000u);
     EXPECT_EQ(bench.count("identified"), 1);
@@ -226,7 +226,7 @@ TEST(BoardSession, OneQuestionUnanswered_RestIsKnown) {
     bench.plug();
     ASSERT_TRUE(bench.ready_within(10s));
     EXPECT_THAT(bench.session.identity().pin_capabilities, IsEmpty());
-    EXPECT_EQ(bench.session.identity().port_map.pin_count(), 6u);
+    EXPECT_EQ(bench.session.identity().port_map.positions().size(), 6u);
 }
 
 TEST(BoardSession, QuestionRefused_IsNotAskedAgain) {

@@ -125,7 +125,7 @@ TEST_F(AskedForNames, AnswersComeLate_AreTaken) {
     answers_the_rest();
     ASSERT_TRUE(done());
     EXPECT_EQ(interview_.identity().services.size(), 3u);
-    EXPECT_EQ(interview_.identity().port_map.pin_count(), 6u);
+    EXPECT_EQ(interview_.identity().port_map.positions().size(), 6u);
 }
 
 TEST_F(AskedForNames, AnswersAreLost_AreAskedForOnceMore) {
@@ -152,7 +152,7 @@ TEST_F(AskedForNames, BoardStandsStillForPinsToo_BothAreAskedForOnceMore) {
     EXPECT_EQ(question(), "I,M");
     says("@I,M,6,{4:1,4:2,4:4,4:8,4:10,3:1}");
     EXPECT_TRUE(done());
-    EXPECT_EQ(interview_.identity().port_map.pin_count(), 6u);
+    EXPECT_EQ(interview_.identity().port_map.positions().size(), 6u);
 }
 
 TEST_F(AskedForNames, AreNeverAnswered_EndsWithoutThem) {
