@@ -41,7 +41,7 @@ void remove_port(const fs::path& path) {
     if (fs::read_symlink(path, error).native().starts_with("/dev/pts/")) fs::remove(path, error);
 }
 
-/// Of an agent that was killed.
+/// An agent that was killed leaves its socket.
 void remove_left_over(boost::asio::io_context& io, const std::string& path) {
     if (!fs::is_socket(path)) throw std::runtime_error("something else has this name");
     boost::asio::local::stream_protocol::socket probe(io);

@@ -18,10 +18,10 @@ struct StepperSpec {
     long switch_at = 0;
 };
 
-/// Of the data sheet of the 28BYJ-48: it starts at up to 600 steps a second, and follows up to 1,000.
+/// The data sheet of the 28BYJ-48 says that it starts at up to 600 steps a second, and follows up to 1,000.
 constexpr double kStartUs = 1e6 / 600, kFollowUs = 1e6 / 1000;
-/// Of that of the A4988: a step is high and low for 1 us at least, and DIR and ENABLE stand for 200 ns
-/// before.
+/// The one of the A4988 says that a step is high and low for 1 us at least, and DIR and ENABLE stand for 200
+/// ns before.
 constexpr double kPulseUs = 1, kSetUpUs = 0.2;
 
 class Stepper final : public Part {

@@ -7,7 +7,7 @@ import struct
 
 MINUTE = 60_000
 DAY = 24 * 60 * MINUTE
-# Of each level: the length of a part, and of one row.
+# Each level has parts of one length, and rows of another.
 LEVELS = {"changes": (6 * 60 * MINUTE, 0), "minutes": (3 * DAY, MINUTE), "hours": (90 * DAY, 60 * MINUTE)}
 TABLES = """PRAGMA user_version=1;
     CREATE TABLE properties(id INTEGER PRIMARY KEY, board TEXT NOT NULL, property TEXT NOT NULL, written INTEGER NOT NULL, UNIQUE(board, property));

@@ -72,7 +72,7 @@ class Widget extends Part {
     this.series = new Series();
     this.text = h("span", { class: "big" });
     const title = title_of(this.widget, this.property);
-    // Of what was kept a link shows nothing.
+    // A link shows nothing that was kept.
     const kept = status.you.dashboard ? undefined : new Kept(this.widget.board, () => [{ ...this.point(), key: this.widget.property }]);
     this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title, title.replaceAll(" ", "-"), kept));
   }

@@ -51,7 +51,7 @@ TEST(ExtensionsTest, VerifiedFence_DigestsWhatWasReadSinceTheLast) {
 }
 
 TEST(ExtensionsTest, VerifiedFence_DigestsTheErrorThatWasSent) {
-    // Of a service that is not there and without a tag: both are errors, one is the answer.
+    // A request to a service that is not there, or without a tag, has two errors and gets one answer.
     FakeBoard board;
     for (const char* line : {"Z", "Zz", "Z,x1", "Z,x,1"}) {
         (void)board.ask("#,V,a");

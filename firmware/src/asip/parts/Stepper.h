@@ -64,7 +64,7 @@ class Stepper {
     void changeSpeed() __attribute__((always_inline));
     void step() __attribute__((always_inline));
 
-    // Of 1 / 2^32 step a tick, and each fourth tick.
+    // Speeds are in 1 / 2^32 step a tick; the gain is added at each fourth tick.
     uint32_t now_, top_, slowest_, gain_;
     uint32_t part_;  // of the next step
     uint32_t left_;  // steps
@@ -83,7 +83,7 @@ class Stepper {
     } lines_[4], home_;
 };
 
-// Of those that `StepTimer` drives.
+// The timer of all motors that run.
 class StepTimer {
   public:
     static constexpr uint8_t kMaxSteppers = 2;  // more would keep a byte of the line waiting for too long

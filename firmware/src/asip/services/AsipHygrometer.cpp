@@ -41,7 +41,7 @@ Error Hygrometer::processRequest(Request& request) {
     return Error::kNone;
 }
 
-// Of two bytes: x^8 + x^5 + x^4 + 1, from 0xFF on.
+// CRC-8 over two bytes: x^8 + x^5 + x^4 + 1, from 0xFF on.
 uint8_t Hygrometer::checksum(const uint8_t* word) {
     uint8_t sum = 0xFF;
     for (uint8_t i = 0; i < 2; ++i) {
