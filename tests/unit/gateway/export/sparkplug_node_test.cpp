@@ -78,6 +78,7 @@ class SparkplugNodeTest : public testing::Test {
     SparkplugNodeTest() { world.put("uno1", exported(2)); }
     ~SparkplugNodeTest() override {
         EXPECT_THAT(world.view().faults, IsEmpty());
+        world.retained.erase("spBv1.0/STATE/scada");
         for (const auto& [topic, payload] : world.retained)
             EXPECT_THAT(topic, testing::StartsWith("asip/export/sparkplug/$"));
     }
@@ -85,6 +86,20 @@ class SparkplugNodeTest : public testing::Test {
         auto& gateway = world.start_node();
         world.pass(3s);
         return gateway;
+    }
+    /// A node that waits for this primary host.
+    void start_for_scada() {
+        SparkplugNode::Options options;
+        options.dialect.host = "scada";
+        world.start_node(options);
+        world.pass(3s);
+    }
+    void scada_says(bool online, std::int64_t time) {
+        world.publish(
+            "spBv1.0/STATE/scada",
+            R"({"online":)"s + (online ? "true" : "false") + R"(,"timestamp":)" + std::to_string(time) + "}",
+            true);
+        world.pass(3s);
     }
     SparkplugWorld world;
 };
@@ -425,73 +440,39 @@ TEST_F(SparkplugNodeTest, DeathOfThisSession_ThatSomebodySays_IsAnsweredByBirths
 }
 
 TEST_F(SparkplugNodeTest, PrimaryHost_IsWaitedFor_AndLeftWhenItGoes) {
-    const auto says = [&](bool online, int time) {
-        world.publish(
-            "spBv1.0/STATE/scada",
-            "{\"online\":"s + (online ? "true" : "false") + ",\"timestamp\":" + std::to_string(time) + "}",
-            true);
-    };
-    SparkplugNode::Options options;
-    options.dialect.host = "scada";
-    world.start_node(options);
-    world.pass(3s);
+    start_for_scada();
     EXPECT_FALSE(world.view().node_alive);
     world.publish("spBv1.0/STATE/scada", "ONLINE");  // no JSON
-    says(true, 10);
-    world.pass(1s);
+    scada_says(true, 10);
     EXPECT_TRUE(world.view().node_alive);
-    says(false, 9);  // the will of an earlier connection of the host
-    world.pass(1s);
+    scada_says(false, 9);  // the will of an earlier connection of the host
     EXPECT_TRUE(world.view().node_alive);
-    says(false, 10);
-    world.pass(3s);
+    scada_says(false, 10);
     EXPECT_FALSE(world.view().node_alive);
-    says(true, 20);
-    world.pass(3s);
+    scada_says(true, 20);
     EXPECT_TRUE(world.view().node_alive);
     EXPECT_THAT(world.host.bd_seqs, ElementsAre(0u, 1u));
-    world.retained.erase("spBv1.0/STATE/scada");
 }
 
 TEST_F(SparkplugNodeTest, StateOfAHostWithATimeOfTheFuture_IsNotTheLatestForEver) {
-    const auto says = [&](bool online, const std::string& time) {
-        world.publish("spBv1.0/STATE/scada",
-                      "{\"online\":"s + (online ? "true" : "false") + ",\"timestamp\":" + time + "}", true);
-        world.pass(3s);
-    };
-    says(false, "9000000000000000");
-    SparkplugNode::Options options;
-    options.dialect.host = "scada";
-    world.start_node(options);
-    world.pass(3s);
+    scada_says(false, 9000000000000000);
+    start_for_scada();
     EXPECT_FALSE(world.view().node_alive);
-    says(true, "1000");
+    scada_says(true, 1000);
     EXPECT_TRUE(world.view().node_alive) << "what is retained does not bind it";
-    says(false, "9000000000000000");
+    scada_says(false, 9000000000000000);
     EXPECT_FALSE(world.view().node_alive);
-    says(true, "2000");
+    scada_says(true, 2000);
     EXPECT_TRUE(world.view().node_alive) << "nor does what was said live";
-    says(false, "1999");
+    scada_says(false, 1999);
     EXPECT_TRUE(world.view().node_alive);
-    world.retained.erase("spBv1.0/STATE/scada");
 }
 
 TEST_F(SparkplugNodeTest, RetainedStateOfAHost_DoesNotBindWhatItSaysLive) {
-    const auto says = [&](bool online, int time) {
-        world.publish(
-            "spBv1.0/STATE/scada",
-            "{\"online\":"s + (online ? "true" : "false") + ",\"timestamp\":" + std::to_string(time) + "}",
-            true);
-    };
-    says(false, 60'000);  // within what clocks may differ
-    SparkplugNode::Options options;
-    options.dialect.host = "scada";
-    world.start_node(options);
-    world.pass(3s);
-    says(true, 2000);
-    world.pass(3s);
+    scada_says(false, 60'000);  // within what clocks may differ
+    start_for_scada();
+    scada_says(true, 2000);
     EXPECT_TRUE(world.view().node_alive);
-    world.retained.erase("spBv1.0/STATE/scada");
 }
 
 TEST_F(SparkplugNodeTest, SlowBroker_GetsBirthsInPieces_AndDataOnlyBehindThem) {
