@@ -42,7 +42,6 @@ class Judge {
     /// Nothing is known of its bytes besides the state of this object.
     bool line_is_open() const { return length_ != 0 && !lost_; }
     std::string_view text() const { return {text_.data(), length_}; }
-    bool is_extended() const { return extended_; }
     bool uses_checksums() const { return checksums_; }
     std::uint16_t digest() const { return digest_; }
     /// Goes on from another digest; the board has to have the same.

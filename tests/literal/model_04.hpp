@@ -29,14 +29,6 @@ class Model04 {
 
     /// Something that was received is not executed.
     bool waits() const { return !waiting_.empty(); }
-    /// All that decides what it does next.
-    template <class Each>
-    void each_of_state(Each&& each) const {
-        each(waiting_);
-        each(waits() ? quiet_ms_ : 0L);
-        for (const auto& request : executed_)
-            each(request);
-    }
 
   private:
     static constexpr long kSilenceMs = 1000;

@@ -12,36 +12,11 @@
 
 namespace truth {
 
-/// What of an Agent changes.
-struct AgentState {
-  protected:
-    std::optional<asip::session::Machine> session_;
-    std::unordered_map<asip::session::RequestId, std::size_t> commands_;
-    std::unordered_map<asip::session::RequestId, std::string> safe_;  // forms of commands with a hold
-    asip::agent::Holds holds_;
-    asip::agent::SafeLines safe_lines_;
-    Micros undone_at_ = kNever;
-    Micros identified_at_ = 0;
-    unsigned baud_ = 0;
-    unsigned wanted_baud_ = 0;
-    Micros rate_set_at_ = kNever;
-    std::string held_;  // written since; leaves at the new rate
-    Micros last_tick_ = -1;
-    unsigned ticks_at_once_ = 0;
-    Micros last_byte_ = 0;
-    Micros asked_ = kNever;               // the first write since the last byte
-    std::optional<asip::Time> deadline_;  // of the session, as it said when it was last called
-    asip::session::BoardSession::State noted_ = asip::session::BoardSession::State::kDown;
-};
-
 /// The session under test, with what a program has to do for it: performs its actions on the line, calls it
 /// in time, and gives its answers to the ledger.
-class Agent : public AgentState {
+class Agent {
   public:
     Agent(const Plan& plan, Dice& dice, Ledger& ledger, Wire& to_board, Ledger::Note note);
-    /// Goes on where `other` is.
-    void resume(const Agent& other) { AgentState::operator=(other); }
-
     void link_up(bool restarting, Micros now);
     void link_down(Micros now);
     /// Another session takes its place.
@@ -57,7 +32,6 @@ class Agent : public AgentState {
     bool holds() const { return holds_.size() + safe_lines_.size() > 0; }
     /// When the board was last asked what it is.
     Micros identified_at() const { return identified_at_; }
-    /// Whether the session took the board for another one: it then restores nothing.
     /// When the first hold was undone because its time was over.
     Micros undone_at() const { return undone_at_; }
 
@@ -83,6 +57,24 @@ class Agent : public AgentState {
     Ledger& ledger_;
     Wire& to_board_;
     Ledger::Note note_;
+
+    std::optional<asip::session::Machine> session_;
+    std::unordered_map<asip::session::RequestId, std::size_t> commands_;
+    std::unordered_map<asip::session::RequestId, std::string> safe_;  // forms of commands with a hold
+    asip::agent::Holds holds_;
+    asip::agent::SafeLines safe_lines_;
+    Micros undone_at_ = kNever;
+    Micros identified_at_ = 0;
+    unsigned baud_ = 0;
+    unsigned wanted_baud_ = 0;
+    Micros rate_set_at_ = kNever;
+    std::string held_;  // written since; leaves at the new rate
+    Micros last_tick_ = -1;
+    unsigned ticks_at_once_ = 0;
+    Micros last_byte_ = 0;
+    Micros asked_ = kNever;               // the first write since the last byte
+    std::optional<asip::Time> deadline_;  // of the session, as it said when it was last called
+    asip::session::BoardSession::State noted_ = asip::session::BoardSession::State::kDown;
 };
 
 }  // namespace truth

@@ -23,24 +23,8 @@ struct BoardRead {
     std::string reply;  ///< what the board sent while it read the line; it may end in the middle of a line
 };
 
-/// What of a BoardModel changes, besides its firmware.
-struct BoardState {
-  protected:
-    bool on_ = false;
-    bool busy_ = false;
-    Micros on_at_ = kNever;
-    Micros hangs_until_ = 0;
-    Micros last_pass_ = 0;
-    Micros blocked_until_ = 0;  // waits for room in its send buffer
-    std::string received_;
-    std::deque<std::uint32_t> received_from_;
-    BoardRead reading_;
-    std::string sending_;
-    std::uint32_t line_out_ = 1;
-};
-
 /// A board: the firmware, its UART with buffers of 64 bytes, its power.
-class BoardModel : public BoardState {
+class BoardModel {
   public:
     struct Reports {
         std::function<void(BoardRead)> read;
@@ -62,10 +46,6 @@ class BoardModel : public BoardState {
           reports_(std::move(reports)) {}
 
     static constexpr const char* kOff = "board off";
-
-    /// Goes on where `other` is; its firmware has to be put back besides.
-    void resume(const BoardModel& other) { BoardState::operator=(other); }
-    Firmware& firmware() const { return firmware_; }
 
     /// Off, and on again at `when` (kNever: stays off). What it was about to send is lost.
     void restart(Micros now, Micros when);
@@ -92,6 +72,18 @@ class BoardModel : public BoardState {
     bool silent_overrun_;
     Reports reports_;
     Pass pass_;
+
+    bool on_ = false;
+    bool busy_ = false;
+    Micros on_at_ = kNever;
+    Micros hangs_until_ = 0;
+    Micros last_pass_ = 0;
+    Micros blocked_until_ = 0;  // waits for room in its send buffer
+    std::string received_;
+    std::deque<std::uint32_t> received_from_;
+    BoardRead reading_;
+    std::string sending_;
+    std::uint32_t line_out_ = 1;
 };
 
 }  // namespace truth

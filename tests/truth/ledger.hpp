@@ -55,13 +55,6 @@ class Ledger {
     using Note = std::function<void(const std::string&)>;
     /// `digests`: the board has verified fences, and no `ok` of it is excused.
     Ledger(bool calm, bool digests, Note note) : calm_(calm), digests_(digests), note_(std::move(note)) {}
-    /// Goes on where `other` is.
-    void resume(const Ledger& other) {
-        Note note = std::move(note_);
-        *this = other;
-        note_ = std::move(note);
-    }
-
     std::size_t submitted(Command command, Micros now);
     void refused(std::size_t command, Micros now);
     /// A line of the session goes to the line. Returns its number on the wire.

@@ -21,28 +21,14 @@ enum class Fault : std::uint8_t { kLost, kTwice, kChanged, kInserted, kStalled, 
 constexpr unsigned kFaults = 8;
 const char* to_string(Fault fault);
 
-/// What of a Wire changes.
-struct WireState {
-  protected:
-    std::deque<WireByte> bytes_;
-    Micros free_ = 0;
-    Micros spaced_ = 0;    // when the last byte was through, before bytes were bunched
-    unsigned losing_ = 0;  // bytes still to be lost in a row
-    std::uint64_t sent_ = 0;
-    Micros cut_until_ = 0;
-};
-
 /// One direction of a line that takes time for each byte, and does to the bytes what its plan says.
-class Wire : public WireState {
+class Wire {
   public:
     /// `on_fault` hears of each byte that is not delivered as sent. `arrives` of the byte: when a delay or a
     /// cut that it begins is over.
     using OnFault = std::function<void(Fault, const WireByte&)>;
     Wire(const WirePlan& plan, Dice& dice, OnFault on_fault)
         : plan_(plan), dice_(dice), on_fault_(std::move(on_fault)) {}
-
-    /// Goes on where `other` is.
-    void resume(const Wire& other) { WireState::operator=(other); }
 
     /// At `baud`, behind what was sent before.
     void send(char value, std::uint32_t line, unsigned baud, Micros now);
@@ -69,6 +55,13 @@ class Wire : public WireState {
     const WirePlan& plan_;
     Dice& dice_;
     OnFault on_fault_;
+
+    std::deque<WireByte> bytes_;
+    Micros free_ = 0;
+    Micros spaced_ = 0;    // when the last byte was through, before bytes were bunched
+    unsigned losing_ = 0;  // bytes still to be lost in a row
+    std::uint64_t sent_ = 0;
+    Micros cut_until_ = 0;
 };
 
 }  // namespace truth

@@ -22,17 +22,6 @@ World::World(Setting setting)
              to_board_, to_host_, dice_, plan_.board_pass, plan_.idle_pass, !plan_.extensions, reports()),
       agent_(plan_, dice_, ledger_, to_board_, note_) {}
 
-void World::resume(const World& other) {
-    dice_ = other.dice_;
-    now_ = other.now_;
-    ledger_.resume(other.ledger_);
-    to_board_.resume(other.to_board_);
-    to_host_.resume(other.to_host_);
-    board_.resume(other.board_);
-    agent_.resume(other.agent_);
-    link_back_at_ = other.link_back_at_;
-}
-
 void World::note(const std::string& text) {
     if (trace_) lines_.push_back(fmt::format("{:10.6f} {}", static_cast<double>(now_) * 1e-6, text));
 }

@@ -28,9 +28,6 @@ class World {
     explicit World(Setting setting);
     virtual ~World() = default;
 
-    /// Goes on where `other` is, but for its incidents; its firmware has to be put back besides.
-    void resume(const World& other);
-
     void note(const std::string& text);
     /// When something happens next, `other` at the latest; not before now.
     Micros next(Micros other) const;

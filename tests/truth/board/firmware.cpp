@@ -83,26 +83,8 @@ void set_time(Micros now) {
     asip::hw::fake.milliseconds = static_cast<std::uint8_t>(now / 1000);
 }
 
-struct SavedBoard : Firmware::Saved {
-    asip::Board board = asip::board;
-    asip::Out out = asip::out;
-    asip::hw::Fake fake = asip::hw::fake;
-    std::optional<Marks> marks = truth::marks;
-    std::optional<Ranger> ranger = truth::ranger;
-};
-
 class HostFirmware : public Firmware {
   public:
-    std::unique_ptr<const Saved> save() const override { return std::make_unique<SavedBoard>(); }
-    void put_back(const Saved& saved) override {
-        const auto& of = static_cast<const SavedBoard&>(saved);
-        asip::board = of.board;
-        asip::out = of.out;
-        asip::hw::fake = of.fake;
-        marks = of.marks;
-        ranger = of.ranger;
-        effects = nullptr;
-    }
     std::string power_up(Micros now) override {
         effects = nullptr;
         asip::hw::reset_fake();

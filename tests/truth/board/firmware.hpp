@@ -2,7 +2,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -50,14 +49,6 @@ class Firmware {
     /// that fit its send buffer. `idle`: all that it sent before has left.
     virtual void run(Micros now, std::string& received, std::size_t room, bool idle, Pass& pass) = 0;
     virtual unsigned baud() const = 0;
-
-    /// All of the board that changes.
-    struct Saved {
-        virtual ~Saved() = default;
-    };
-    virtual std::unique_ptr<const Saved> save() const = 0;
-    /// What save() of this firmware gave.
-    virtual void put_back(const Saved& saved) = 0;
 };
 
 Firmware& firmware_with_extensions();

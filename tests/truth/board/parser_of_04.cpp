@@ -38,28 +38,12 @@ class ParserOf04 : public Firmware {
 
     unsigned baud() const override { return firmware_.baud(); }
 
-    std::unique_ptr<const Saved> save() const override {
-        auto saved = std::make_unique<SavedParser>();
-        saved->state = state_;
-        saved->firmware = firmware_.save();
-        return saved;
-    }
-    void put_back(const Saved& saved) override {
-        const auto& of = static_cast<const SavedParser&>(saved);
-        state_ = of.state;
-        firmware_.put_back(*of.firmware);
-    }
-
   private:
     struct State {
         asip::test::Model04 parser;
         std::deque<std::string> requests;  // not executed yet
         std::string line, left;            // what is being executed, and what of it is still to be read
         Micros last = 0;                   // until then its silence is counted
-    };
-    struct SavedParser : Saved {
-        State state;
-        std::unique_ptr<const Saved> firmware;
     };
 
     // A board that is about to send reads on later.

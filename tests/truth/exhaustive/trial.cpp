@@ -194,31 +194,6 @@ void Trial::close() {
     }
 }
 
-void Trial::power_up() {
-    ledger_.counts.histories = 1;
-    if (!undisturbed_) begin();
-    board_.restart(0, 0);
-    board_.run(0);
-    agent_.link_up(false, 0);
-}
-
-void Trial::resume(const Trial& other, const Firmware::Saved& saved, const Faults& faults) {
-    World::resume(other);
-    TrialState::operator=(other);
-    board_.firmware().put_back(saved);
-    set_faults(faults);
-}
-
-void Trial::set_faults(const Faults& faults) {
-    plan_.to_board.faults = faults.to_board;
-    plan_.to_host.faults = faults.to_host;
-    incidents_ = faults.incidents;
-    next_incident_ = 0;
-    begin();
-    while (next_incident_ < incidents_.size() && incidents_[next_incident_].at <= now_)
-        ++next_incident_;
-}
-
 bool Trial::pass_on() {
     now_ = next(next_step());
     if (!to_board_.empty() || !to_host_.empty()) busy_at_ = now_;
@@ -235,11 +210,11 @@ bool Trial::pass_on() {
 }
 
 TrialEnd Trial::run() {
-    power_up();
-    return go_on();
-}
-
-TrialEnd Trial::go_on() {
+    ledger_.counts.histories = 1;
+    if (!undisturbed_) begin();
+    board_.restart(0, 0);
+    board_.run(0);
+    agent_.link_up(false, 0);
     while (!ledger_.failed() && pass_on()) {
     }
     end_.recovered_after = now_ - std::max(faults_end_, end_.times.ready);

@@ -41,43 +41,15 @@ struct TrialEnd {
     Micros recovered_after = 0;  ///< from the end of the last fault to the last command, which is `ok`
 };
 
-// What of a trial changes.
-struct TrialState {
-    TrialEnd end_;
-    std::size_t next_step_ = 0;
-    Micros faults_end_ = 0;
-    Micros busy_at_ = 0;  // something was under way
-    Micros last_at_ = kNever;
-    bool ready_ = false;
-    bool rate_asked_ = false;
-    int closing_ = 0;                // last commands that were sent
-    std::map<unsigned, int> modes_;  // of the board's pins since it restarted
-    std::map<unsigned, int> levels_;
-    Micros off_at_ = 0;          // the board, for the last time
-    Micros held_from_ = kNever;  // the last renewal, or the beginning
-};
-
 /// One history of a scenario, with faults at known places. Asserted, beside what the ledger asserts of each
 /// answer: the session is ready again within `kRecovery` of the last fault's end, a command then is `ok`, and
 /// what clients had set is in force. Commands come at the same time in each history.
-class Trial : World, TrialState {
+class Trial : World {
   public:
     /// `times`: of the undisturbed history.
     Trial(const Scenario& scenario, const Faults& faults, Times times, bool trace);
 
     TrialEnd run();
-
-    /// At the beginning.
-    void power_up();
-    /// Goes on where `other` was when its firmware was saved, with these faults. None of them is before that.
-    void resume(const Trial& other, const Firmware::Saved& saved, const Faults& faults);
-    /// To the end.
-    TrialEnd go_on();
-    /// One step; false: the end.
-    bool pass_on();
-    Range sent() const { return {to_board_.sent(), to_host_.sent()}; }
-    Micros now() const { return now_; }
-    Firmware& firmware() const { return board_.firmware(); }
 
   private:
     static Setting setting_of(const Scenario& scenario, const Faults& faults, Times times, bool trace);
@@ -94,12 +66,25 @@ class Trial : World, TrialState {
     void check_settings();
     void check_levels();
     void close();
-    void set_faults(const Faults& faults);
+    /// One step; false: the end.
+    bool pass_on();
     std::string last_line() const;
     bool all_well() const;
 
     const Scenario& scenario_;
     bool undisturbed_;
+    TrialEnd end_;
+    std::size_t next_step_ = 0;
+    Micros faults_end_ = 0;
+    Micros busy_at_ = 0;  // something was under way
+    Micros last_at_ = kNever;
+    bool ready_ = false;
+    bool rate_asked_ = false;
+    int closing_ = 0;                // last commands that were sent
+    std::map<unsigned, int> modes_;  // of the board's pins since it restarted
+    std::map<unsigned, int> levels_;
+    Micros off_at_ = 0;          // the board, for the last time
+    Micros held_from_ = kNever;  // the last renewal, or the beginning
 };
 
 /// Plays a history from its beginning to its end.

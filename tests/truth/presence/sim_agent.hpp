@@ -116,7 +116,6 @@ class SimAgent {
     bool claims() const { return runs() || will_due_; }
     /// It has something to say of its board, and that reaches the bus.
     bool is_heard() const { return announcer_ && identified_ && client_ != 0 && announcer_->may_publish(); }
-    const std::string& description_topic() const { return description_topic_; }
 
   private:
     void connect(Time now);
