@@ -35,84 +35,12 @@ std::vector<char*> as_pointers(std::vector<std::string>& texts) {
 
 }  // namespace
 
-void Screen::write(const std::string& bytes) {
-    for (const char c : bytes) {
-        if (sequence_.empty() && c != '\033') {
-            put(c);
-            continue;
-        }
-        sequence_ += c;
-        const bool begins = sequence_.size() == 2 && c == '[';
-        const bool parameter = sequence_.size() > 2 && (c < '@' || c > '~');
-        if (sequence_.size() == 1 || begins || parameter) continue;
-        control(c);
-        sequence_.clear();
-    }
-}
-
-void Screen::put(char c) {
-    if (c == '\r') {
-        column_ = 0;
-    } else if (c == '\n') {
-        line_feed();
-    } else if (c == '\b') {
-        column_ = column_ == 0 ? 0 : std::min(column_, lines_[0].size()) - 1;
-    } else if (static_cast<unsigned char>(c) >= 0x20) {
-        // A terminal with automatic margins goes on only when the next character comes.
-        if (column_ == lines_[0].size()) {
-            column_ = 0;
-            line_feed();
-        }
-        lines_[row_][column_++] = c;
-    }
-}
-
-void Screen::line_feed() {
-    if (row_ + 1 < lines_.size()) {
-        ++row_;
-        return;
-    }
-    lines_.erase(lines_.begin());
-    lines_.emplace_back(lines_[0].size(), ' ');
-}
-
-void Screen::control(char final) {
-    const auto number = static_cast<std::size_t>(std::max(0, std::atoi(sequence_.c_str() + 2)));
-    const auto count = std::max<std::size_t>(number, 1);
-    const auto columns = lines_[0].size();
-    auto& line = lines_[row_];
-    const auto at = std::min(column_, columns);
-    if (final == 'A') row_ -= std::min(row_, count);
-    if (final == 'B') row_ = std::min(row_ + count, lines_.size() - 1);
-    if (final == 'C') column_ = std::min(column_ + count, columns - 1);
-    if (final == 'D') column_ -= std::min(column_, count);
-    if (final == 'G') column_ = std::min(count, columns) - 1;
-    if (final == 'H') row_ = column_ = 0;
-    if (final == '@')
-        line = (line.substr(0, at) + std::string(count, ' ') + line.substr(at)).substr(0, columns);
-    if (final == 'P') line = line.erase(at, count) + std::string(columns - line.size(), ' ');
-    if (final == 'K' || final == 'J') line.replace(at, columns - at, columns - at, ' ');
-    for (std::size_t row = number == 2 ? 0 : row_ + 1; final == 'J' && row < lines_.size(); ++row)
-        lines_[row].assign(columns, ' ');
-}
-
-std::string Screen::line(std::size_t row) const {
-    return lines_[row].substr(0, lines_[row].find_last_not_of(' ') + 1);
-}
-
-std::string Screen::text() const {
-    std::string all;
-    for (std::size_t row = 0; row < lines_.size(); ++row)
-        all += line(row) + "\n";
-    return all;
-}
-
 struct TerminalProcess::State {
     pid_t pid = -1;
     int terminal = -1;
     std::optional<int> status;
     mutable std::mutex mutex;
-    Screen screen{kRows, kColumns};
+    std::string written;
     std::atomic<bool> stop = false;
     std::thread reader;
 
@@ -124,7 +52,7 @@ struct TerminalProcess::State {
             // EIO: no process has the other end open any more.
             if (size <= 0) return;
             const std::lock_guard lock(mutex);
-            screen.write({buffer, static_cast<std::size_t>(size)});
+            written.append(buffer, static_cast<std::size_t>(size));
         }
     }
     void reap(int flags) {
@@ -165,10 +93,6 @@ TerminalProcess::~TerminalProcess() {
     close(state_->terminal);
 }
 
-pid_t TerminalProcess::pid() const {
-    return state_->pid;
-}
-
 void TerminalProcess::type(const std::string& keys) {
     for (std::size_t sent = 0; sent < keys.size();) {
         const auto size = write(state_->terminal, keys.data() + sent, keys.size() - sent);
@@ -177,35 +101,16 @@ void TerminalProcess::type(const std::string& keys) {
     }
 }
 
-void TerminalProcess::resize(unsigned short rows, unsigned short columns) {
-    winsize size{rows, columns, 0, 0};
-    ioctl(state_->terminal, TIOCSWINSZ, &size);
-}
-
-Screen TerminalProcess::screen() const {
+std::string TerminalProcess::written() const {
+    static const std::regex kEscapes(
+        "\x1b(\\[[0-?]*[ -/]*[@-~]|\\][^\x07\x1b]*(\x07|\x1b\\\\)|[()].|[^\\[\\]()])");
     const std::lock_guard lock(state_->mutex);
-    return state_->screen;
+    return std::regex_replace(state_->written, kEscapes, "");
 }
 
 bool TerminalProcess::shows(const std::string& pattern, std::chrono::milliseconds limit) const {
-    const std::regex wanted(pattern);
-    return wait_until(
-        [&] {
-            const auto now = screen();
-            for (std::size_t row = 0; row < kRows; ++row)
-                if (std::regex_search(now.line(row), wanted)) return true;
-            return false;
-        },
-        limit);
-}
-
-bool TerminalProcess::edits(const std::string& line, std::chrono::milliseconds limit) const {
-    return wait_until(
-        [&] {
-            const auto now = screen();
-            return now.line(now.row()) == line;
-        },
-        limit);
+    const std::regex wanted(pattern, std::regex::ECMAScript | std::regex::multiline);
+    return wait_until([&] { return std::regex_search(written(), wanted); }, limit);
 }
 
 std::optional<int> TerminalProcess::wait_exit(std::chrono::milliseconds limit) {

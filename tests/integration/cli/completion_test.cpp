@@ -128,7 +128,7 @@ class HostileCompletion : public BusTest, public testing::WithParamInterface<She
         for (const auto& line : {"cd '" + folder_.file("home") + "'", std::string(GetParam().begin),
                                  std::string("asipctl sure")})
             terminal.type(line + "\r");
-        ASSERT_TRUE(wait_until([&] { return got() == "sure\n"; })) << terminal.screen().text();
+        ASSERT_TRUE(wait_until([&] { return got() == "sure\n"; })) << terminal.written();
     }
 
     std::string got() const {
@@ -157,10 +157,10 @@ TEST_P(HostileCompletion, ValueOfALabel_IsInsertedAsItIsAndNothingOfItIsExecuted
         const auto value = hostile(i);
         const auto whole = key(i) + "v=" + value;
         const auto words = press_tab_and_enter(terminal, "asipctl list -l " + key(i));
-        EXPECT_EQ(words, "list\n-l\n" + whole + "\nmark\n") << value << "\n" << terminal.screen().text();
+        EXPECT_EQ(words, "list\n-l\n" + whole + "\nmark\n") << value << "\n" << terminal.written();
         if (HasFailure()) terminal.type("\x03\r");
         EXPECT_FALSE(fs::exists(folder_.file("home/canary"))) << value;
-        ASSERT_FALSE(HasFailure()) << terminal.screen().text();
+        ASSERT_FALSE(HasFailure()) << terminal.written();
     }
     EXPECT_TRUE(fs::is_empty(folder_.file("home")) || !fs::exists(folder_.file("home/canary")));
 }
@@ -181,7 +181,7 @@ TEST_P(HostileCompletion, BehindAnOpenQuote_NothingIsExecuted) {
         terminal.type("\x03\rasipctl sure\r");
         wait_until([&] { return got() == "sure\n"; }, time_limit(2s));
     }
-    ASSERT_EQ(got(), "sure\n") << terminal.screen().text();
+    ASSERT_EQ(got(), "sure\n") << terminal.written();
     EXPECT_FALSE(fs::exists(folder_.file("home/canary")));
 }
 

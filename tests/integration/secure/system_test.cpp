@@ -85,7 +85,7 @@ TEST_F(SecuredSystem, OnATerminal_AsksAndTakesNothingButYesForAYes) {
     const auto before = files();
     for (const char* answer : {"n\n", "\n", "nope\n", "\x04"}) {
         TerminalProcess asked(init());
-        ASSERT_TRUE(asked.shows("Continue\\? \\[y/N\\]")) << asked.screen().text();
+        ASSERT_TRUE(asked.shows("Continue\\? \\[y/N\\]")) << asked.written();
         asked.type(answer);
         EXPECT_EQ(asked.wait_exit(), 0) << answer;
         EXPECT_EQ(files(), before) << answer;
@@ -100,7 +100,7 @@ TEST_F(SecuredSystem, OnATerminal_AsksAndTakesNothingButYesForAYes) {
     ASSERT_TRUE(asked.shows("Continue"));
     EXPECT_EQ(files(), before) << "before the answer";
     asked.type("y\n");
-    EXPECT_EQ(asked.wait_exit(), 0) << asked.screen().text();
+    EXPECT_EQ(asked.wait_exit(), 0) << asked.written();
     expect_secured();
 }
 
