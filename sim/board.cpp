@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 
 #include "asip/text/file_text.hpp"
 #include "sim/board_impl.hpp"
+#include "sim/chip/image_chip.hpp"
 
 namespace asip::sim {
 namespace {
@@ -278,6 +280,20 @@ std::vector<std::uint8_t> Board::eeprom() const {
 }
 void Board::set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& bytes) {
     impl_->chip_->set_eeprom(offset, bytes);
+}
+
+Expected<void> Board::load(const std::filesystem::path& file) {
+    const auto image = load_image(file);
+    if (!image) return fail(image.error());
+    auto& avr = impl_->avr();
+    const std::size_t size = avr.flashend + std::size_t{1};
+    if (auto fits = check_chip(*image, kind(), size); !fits) return fail(file.string() + ": " + fits.error());
+    std::memset(avr.flash, 0xff, size);
+    std::memcpy(avr.flash, image->flash.data(), image->flash.size());
+    avr.codeend = static_cast<std::uint32_t>(image->flash.size());
+    if (!image->eeprom.empty()) set_eeprom(0, image->eeprom);
+    reset();
+    return {};
 }
 
 void Board::watch_stack() {

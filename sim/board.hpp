@@ -139,6 +139,10 @@ class Board {
     std::vector<std::uint8_t> eeprom() const;
     void set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& bytes);
 
+    /// As a programmer does: the rest of the flash is erased, the EEPROM stays unless the image has one.
+    /// symbol() knows the old image. After an error nothing has changed.
+    Expected<void> load(const std::filesystem::path& image);
+
     /// To BoardConfig::eeprom, if it changed. False: that cannot be written.
     bool save_eeprom();
 

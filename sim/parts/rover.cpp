@@ -2,16 +2,91 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <fstream>
 
 #include "sim/parts/echo.hpp"
 #include "sim/parts/numbers.hpp"
 #include "sim/parts/servo_pulse.hpp"
-#include "sim/parts/wheel_encoder.hpp"
+#include "sim/wiring/part_context.hpp"
 #include "sim/wiring/part_reader.hpp"
 #include "sim/world/picture.hpp"
 
 namespace asip::sim {
+namespace {
+
+/// The encoder of a wheel: two pins whose signals are a quarter of a cycle apart, each edge at the moment at
+/// which the wheel gets there. The first pin leads while the wheel turns forwards as it sees it. Needs a
+/// timer of the simulator.
+class WheelEncoder {
+  public:
+    WheelEncoder(PartContext& context, int first, int second, double cycles_per_radian);
+
+    /// From now on the wheel turns evenly from where the last call ended to `turned` (radians), in `cycles`
+    /// of the chip.
+    void turn_to(double turned, std::uint64_t cycles);
+
+  private:
+    void put();
+    void schedule();
+    void edge();
+
+    PartContext& context_;
+    int first_;
+    int second_;
+    double quarters_per_radian_;
+    Alarm next_;
+    std::int64_t quarter_ = 0;  // shown by the pins
+    double from_ = 0, to_ = 0;  // in quarters
+    std::uint64_t began_ = 0;   // cycle
+    std::uint64_t took_ = 1;    // cycles
+};
+
+WheelEncoder::WheelEncoder(PartContext& context, int first, int second, double cycles_per_radian)
+    : context_(context),
+      first_(first),
+      second_(second),
+      quarters_per_radian_(4 * cycles_per_radian),
+      next_(context.clock, [this] { edge(); }) {
+    put();
+}
+
+void WheelEncoder::put() {
+    constexpr std::array<bool, 4> kFirst = {false, true, true, false}, kSecond = {false, false, true, true};
+    const auto phase = static_cast<std::size_t>((quarter_ % 4 + 4) % 4);
+    context_.wiring.drive(first_, kFirst[phase]);
+    context_.wiring.drive(second_, kSecond[phase]);
+}
+
+void WheelEncoder::turn_to(double turned, std::uint64_t cycles) {
+    // Edges of the time before that are still due: none is left out.
+    while (std::floor(to_) != static_cast<double>(quarter_)) {
+        quarter_ += std::floor(to_) > static_cast<double>(quarter_) ? 1 : -1;
+        put();
+    }
+    from_ = to_;
+    to_ = turned * quarters_per_radian_;
+    began_ = context_.clock.cycle();
+    took_ = cycles;
+    schedule();
+}
+
+/// The next edge: where the wheel passes from one quarter into the next or the one before.
+void WheelEncoder::schedule() {
+    next_.cancel();
+    if (std::floor(to_) == static_cast<double>(quarter_)) return;
+    const double boundary = static_cast<double>(to_ > from_ ? quarter_ + 1 : quarter_);
+    const double share = (boundary - from_) / (to_ - from_);
+    next_.at(began_ + static_cast<std::uint64_t>(std::max(0.0, share) * static_cast<double>(took_)));
+}
+
+void WheelEncoder::edge() {
+    quarter_ += to_ > from_ ? 1 : -1;
+    put();
+    schedule();
+}
+
+}  // namespace
 
 const PartKind& rover_part();
 

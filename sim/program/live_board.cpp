@@ -5,8 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/chip/load.hpp"
-
 namespace asip::sim {
 namespace {
 
@@ -153,8 +151,7 @@ Expected<std::string> LiveBoard::command(std::string_view verb, std::string_view
     }
     if (verb == "load") {
         if (!plugged_) return fail(name() + " is unplugged");
-        if (auto loaded = load_into(*board_, std::filesystem::path(argument)); !loaded)
-            return fail(loaded.error());
+        if (auto loaded = board_->load(argument); !loaded) return fail(loaded.error());
         happened("loaded", json{{"image", argument}});
         return std::string();
     }

@@ -1,28 +1,101 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <map>
 #include <set>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "asip/program/exit_status.hpp"
 #include "asip/program/open_files.hpp"
+#include "asip/protocol/line_reader.hpp"
+#include "asip/protocol/request.hpp"
+#include "asip/text/file_text.hpp"
 #include "sim/program/control_socket.hpp"
-#include "sim/program/input_commands.hpp"
 #include "sim/program/options.hpp"
 #include "sim/program/running_boards.hpp"
 #include "sim/program/world_publisher.hpp"
 
 namespace asip::sim {
 namespace {
+
+/// Commands on standard input. Its end ends nothing: a service has none.
+class InputCommands {
+  public:
+    using Execute = std::function<void(std::string line)>;
+
+    /// A file is executed at once. A program in the background of a shell reads no terminal.
+    InputCommands(boost::asio::io_context& context, Execute execute);
+
+  private:
+    void read();
+    void take(std::size_t size);
+    void take_end();
+
+    boost::asio::posix::stream_descriptor descriptor_;
+    std::array<char, 1024> input_;
+    protocol::LineReader lines_{protocol::kMaxBoardLineBytes, protocol::kRequestEnds};
+    Execute execute_;
+    bool first_ = true;  // some editors put a mark before it
+};
+
+bool is_file(int descriptor) {
+    struct stat status{};
+    return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+InputCommands::InputCommands(boost::asio::io_context& context, Execute execute)
+    : descriptor_(context), execute_(std::move(execute)) {
+    if (is_file(STDIN_FILENO)) {  // epoll refuses files
+        for (ssize_t read = 0; (read = ::read(STDIN_FILENO, input_.data(), input_.size())) > 0;)
+            take(static_cast<std::size_t>(read));
+        take_end();
+        return;
+    }
+    // In a shell's background reading the terminal would stop the program; ignored, it fails instead.
+    std::signal(SIGTTIN, SIG_IGN);
+    boost::system::error_code error;
+    descriptor_.assign(::dup(STDIN_FILENO), error);
+    if (!error) read();
+}
+
+void InputCommands::take(std::size_t size) {
+    const auto overlong = lines_.overlong_lines();
+    lines_.push(std::string_view(input_.data(), size), [this](std::string_view line) {
+        execute_(std::string(std::exchange(first_, false) ? text::without_mark(line) : line));
+    });
+    if (lines_.overlong_lines() != overlong) std::cerr << "asip-sim: a command is too long\n";
+}
+
+// The last line of a file may have no end.
+void InputCommands::take_end() {
+    input_[0] = '\n';
+    take(1);
+}
+
+void InputCommands::read() {
+    descriptor_.async_read_some(boost::asio::buffer(input_),
+                                [this](boost::system::error_code error, std::size_t size) {
+                                    take(size);
+                                    if (error) return take_end();
+                                    read();
+                                });
+}
 
 int report(int status, const std::string& text) {
     std::cerr << "asip-sim: " << text << '\n';

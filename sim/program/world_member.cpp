@@ -100,8 +100,6 @@ WorldMember::WorldMember(const bus::Topics& topics, WorldIdentity identity,
     : topics_(topics),
       identity_(std::move(identity)),
       world_(std::move(world)),
-      bystander_(topics, identity_.name, std::string(bus::kRefusedInvalid),
-                 "this is the world of simulated boards; it takes no commands"),
       announcer_(
           topics,
           [this] {
@@ -140,9 +138,10 @@ model::Description WorldMember::description() const {
 }
 
 std::vector<member::Announcer::Subscription> WorldMember::subscriptions() const {
-    auto all = bystander_.subscriptions();
-    for (auto& one : announcer_.subscriptions())
-        all.push_back(std::move(one));
+    auto all = announcer_.subscriptions();
+    for (const auto& filter : {topics_.board_in(identity_.name), topics_.service_in(identity_.name, "+"),
+                               topics_.stop(identity_.name)})
+        all.push_back({filter, {.qos = 1}});
     return all;
 }
 
@@ -154,20 +153,22 @@ void WorldMember::on_connected(Time now, Announcements& out) {
 }
 
 void WorldMember::on_message(const mqtt::Message& message, Time now, Announcements& out) {
-    if (!bystander_.is_command(message)) return announcer_.on_message(message, now, out);
-    if (!announcer_.may_publish()) return;
-    if (topics_.parse(message.topic)->kind == bus::TopicKind::kStop)
-        answer_stop(message, out);
-    else
-        bystander_.refuse(message, out);
+    using bus::TopicKind;
+    const auto topic = topics_.parse(message.topic);
+    const bool stop = topic && topic->kind == TopicKind::kStop;
+    if (!stop && !(topic && (topic->kind == TopicKind::kBoardIn || topic->kind == TopicKind::kServiceIn)))
+        return announcer_.on_message(message, now, out);
+    if (announcer_.may_publish() && !message.retain) answer(message, stop, out);
 }
 
-/// Nothing of a world runs that a stop could end; a refusal would look like a danger.
-void WorldMember::answer_stop(const mqtt::Message& stop, Announcements& out) const {
-    const auto envelope = bus::open_envelope(stop);
-    if (stop.retain || !envelope) return bystander_.refuse(stop, out);
-    if (auto reply =
-            bus::reply_message(envelope->reply, bus::Reply::ok("answer", R"({"executed":[],"refused":0})")))
+/// It executes no command. Nothing of a world runs that a stop could end; a refusal would look like a danger.
+void WorldMember::answer(const mqtt::Message& command, bool stop, Announcements& out) const {
+    const auto envelope = bus::open_envelope(command);
+    const auto answer =
+        stop && envelope ? bus::Reply::ok("answer", R"({"executed":[],"refused":0})")
+                         : bus::Reply::refused(std::string(bus::kRefusedInvalid),
+                                               "this is the world of simulated boards; it takes no commands");
+    if (auto reply = bus::reply_message(envelope ? envelope->reply : envelope.error().reply, answer))
         out.publish.push_back({std::move(*reply), mqtt::Priority::kReply});
 }
 

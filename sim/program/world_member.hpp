@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "asip/member/announcer.hpp"
-#include "asip/member/bystander.hpp"
 #include "sim/world/world.hpp"
 
 namespace asip::sim {
@@ -58,12 +57,11 @@ class WorldMember {
     model::Description description() const;
     void say_obstacles(Time now, member::Announcements& out);
     void say(Report& report, std::string payload, Duration again, Time now, member::Announcements& out);
-    void answer_stop(const mqtt::Message& stop, member::Announcements& out) const;
+    void answer(const mqtt::Message& command, bool stop, member::Announcements& out) const;
 
     bus::Topics topics_;
     WorldIdentity identity_;
     std::shared_ptr<const world::World> world_;
-    member::Bystander bystander_;
     member::Announcer announcer_;
     const std::string floor_, line_;  // do not change
     Report floor_said_, line_said_, obstacles_said_;

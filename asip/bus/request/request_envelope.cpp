@@ -8,7 +8,6 @@
 
 #include "asip/bus/json/json_text.hpp"
 #include "asip/bus/request/agent_clock.hpp"
-#include "asip/bus/request/broken_request.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/client_core.hpp"
 #include "asip/text/file_text.hpp"
@@ -191,6 +190,16 @@ bool may_answer_on(std::string_view topic, const Topics& topics, std::string_vie
     return topic.size() > answerer.size() + 1 && topic.starts_with(answerer) && topic[answerer.size()] == '/';
 }
 
+namespace {
+
+/// A request that is no JSON, so that its sender gets the refusal.
+struct BrokenRequest {
+    /// Those of `reply_to`, `id` and `by` that stand before the fault.
+    nlohmann::json members = nlohmann::json::object();
+    std::string error;  ///< a sentence for a person
+};
+
+/// An impossible number (`1e400`) does not end the reading.
 BrokenRequest read_broken_request(std::string text) {
     constexpr std::string_view kNothing = "null";
     std::string error = "the request is not valid JSON";
@@ -207,6 +216,8 @@ BrokenRequest read_broken_request(std::string text) {
         text.replace(start, kNothing.size(), kNothing);
     }
 }
+
+}  // namespace
 
 std::string RequestEnvelope::shown() const {
     return form == Form::kRaw ? text : model::dump_json(object);
