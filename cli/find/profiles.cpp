@@ -1,36 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/find/profiles.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 
 #include "asip/model/names.hpp"
 #include "asip/program/config_file.hpp"
+#include "asip/program/kept_file.hpp"
 #include "asip/text/nearest.hpp"
 
 namespace asip::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Under another name first, so that a reader never sees half of it.
-Expected<void> write_private(const fs::path& file, const std::string& text) {
-    std::error_code error;
-    fs::create_directories(file.parent_path(), error);
-    const auto draft = file.string() + ".new";
-    const int descriptor = ::open(draft.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0600);
-    if (descriptor < 0) return fail(draft + " cannot be written: " + std::strerror(errno));
-    const bool whole = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-    ::close(descriptor);
-    if (whole) fs::rename(draft, file, error);
-    if (!whole || error) return fail(file.string() + " cannot be written");
-    return {};
-}
 
 /// The value of an option that was typed; nothing: it was not.
 std::optional<std::string> typed_value(const std::vector<std::string>& arguments, const std::string& name) {
@@ -100,7 +82,7 @@ Expected<void> Profiles::add(const Profile& bus) {
             return fail("--" + name + ": a value with quotes or line ends cannot be kept");
         text.append(name).append(" = \"").append(value).append("\"\n");
     }
-    return write_private(file_of(bus.name), text);
+    return program::keep_file(file_of(bus.name), text);
 }
 
 Expected<void> Profiles::remove(const std::string& name) {
@@ -121,7 +103,7 @@ std::string Profiles::current() const {
 Expected<void> Profiles::use(const std::string& name) {
     if (!name.empty()) {
         if (const auto bus = find(name); !bus) return fail(bus.error());
-        return write_private(current_file(), name + "\n");
+        return program::keep_file(current_file(), name + "\n");
     }
     std::error_code error;
     fs::remove(current_file(), error);
