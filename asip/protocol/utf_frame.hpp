@@ -22,7 +22,7 @@ constexpr bool starts_utf_frame(unsigned char first_byte) {
 /// otherwise. Fails above 65535 bytes.
 Expected<std::string> encode_utf_frame(std::string_view text);
 
-/// Cuts bytes into frames. A frame above the limit is skipped and counted.
+/// Cuts bytes into frames. A frame above the limit is skipped.
 class UtfFrameReader {
   public:
     explicit UtfFrameReader(std::size_t max_frame_bytes = kMaxPayloadBytes);
@@ -38,9 +38,6 @@ class UtfFrameReader {
         }
     }
 
-    /// Since construction.
-    std::uint64_t overlong_frames() const { return overlong_frames_; }
-
     bool operator==(const UtfFrameReader&) const = default;
 
   private:
@@ -51,7 +48,6 @@ class UtfFrameReader {
     std::size_t remaining_ = 0;
     bool skipping_ = false;
     std::string frame_;
-    std::uint64_t overlong_frames_ = 0;
 };
 
 }  // namespace asip::protocol
