@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/model/schema.hpp"
 
-#include <locale.h>
-#include <regex.h>
-
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "asip/model/embedded.hpp"
 #include "asip/model/json.hpp"
@@ -16,6 +14,7 @@ namespace {
 
 using nlohmann::json;
 
+// std::regex recurses for each character it matches.
 constexpr std::size_t kMaxMatchedBytes = 256;
 constexpr int kMaxReferences = 64;
 
@@ -69,37 +68,11 @@ std::string plain(double number) {
     return static_cast<double>(whole) == number ? dump_json(json(whole)) : dump_json(json(number));
 }
 
-/// A regular expression of the C library: the compiler takes seconds for std::regex.
-class Pattern {
-  public:
-    explicit Pattern(const std::string& text) {
-        // Ranges of letters are those of ASCII, whatever language the program speaks.
-        const auto plain = newlocale(LC_ALL_MASK, "C", nullptr);
-        const auto before = uselocale(plain);
-        valid_ = regcomp(&compiled_, text.c_str(), REG_EXTENDED | REG_NOSUB) == 0;
-        uselocale(before);
-        freelocale(plain);
-    }
-    ~Pattern() {
-        if (valid_) regfree(&compiled_);
-    }
-    Pattern(const Pattern&) = delete;
-    Pattern& operator=(const Pattern&) = delete;
-
-    bool matches(const std::string& text) const {
-        regmatch_t whole{0, static_cast<regoff_t>(text.size())};  // it may hold zeros
-        return valid_ && regexec(&compiled_, text.data(), 0, &whole, REG_STARTEND) == 0;
-    }
-
-  private:
-    regex_t compiled_{};
-    bool valid_ = false;
-};
-
 bool matches_pattern(const std::string& text, const std::string& pattern) {
-    static thread_local std::map<std::string, Pattern> compiled;
-    return text.size() <= kMaxMatchedBytes &&
-           compiled.try_emplace(pattern, pattern).first->second.matches(text);
+    static thread_local std::map<std::string, std::regex> compiled;
+    auto found = compiled.find(pattern);
+    if (found == compiled.end()) found = compiled.emplace(pattern, std::regex(pattern)).first;
+    return text.size() <= kMaxMatchedBytes && std::regex_search(text, found->second);
 }
 
 const json* unknown_keyword(const json& schema) {

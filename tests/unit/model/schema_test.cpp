@@ -59,7 +59,6 @@ TEST(CheckSchema, EnumConstPatternAnyOf_AreChecked) {
     EXPECT_EQ(fault(R"({"enum":["a","b"]})", R"("c")"), R"(/: is "c", not one of ["a","b"])");
     EXPECT_EQ(fault(R"({"const":1})", "2"), "/: is not 1");
     EXPECT_EQ(fault(R"({"pattern":"^[A-Z]$"})", R"("ab")"), "/: \"ab\" does not match ^[A-Z]$");
-    EXPECT_EQ(fault(R"({"pattern":"^[a-z]$"})", R"("a\u0000")"), R"(/: "a\u0000" does not match ^[a-z]$)");
     EXPECT_EQ(fault(R"({"anyOf":[{"type":"string"},{"type":"null"}]})", "null"), "");
     EXPECT_EQ(fault(R"({"anyOf":[{"type":"string"},{"type":"null"}]})", "1"),
               "/: fits none of the forms allowed here");
