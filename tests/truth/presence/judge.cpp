@@ -104,7 +104,10 @@ std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem&
     const bool knows_why = setting_.says_state &&
                            (view.heard(really.said_at) ||
                             (!judged && std::min(now, view.connected_at() + kPromised) < truth.stored_until));
-    if (!knows_why) return {};
+    // A will behind an earlier session's description is that board's first one for a view that believes it.
+    const bool believes_other =
+        truth.vain_at > really.since && (!view.heard(truth.vain_at) || view.connected_at() > truth.vain_at);
+    if (!knows_why || believes_other) return {};
     const bool in_conflict = seen.reason == "conflict" && really.reason == StateReason::kNone;
     if (seen.reason != to_text(really.reason) && !in_conflict)
         return "says " + seen.state + " " + seen.reason;

@@ -107,8 +107,10 @@ void Play::promptly(SimAgent& agent, const std::function<void()>& happens) {
         std::count_if(agents.begin(), agents.end(), [](const SimAgent* one) { return one->claims(); }) == 1;
     const bool certain = setting_.in_order && setting_.says_state && alone && agent.is_heard() &&
                          truths_[number].said.announced;
+    // Else it asks for 1.3 s whether the later session lives.
+    const bool is_later = certain && truths_[number].session == agent.session();
     happens();
-    if (!certain || dice_.chance(0.5)) return;
+    if (!certain || dice_.chance(0.5) || !is_later) return;
     pass(kPromised + 1ms);
     compare_now(number);
 }

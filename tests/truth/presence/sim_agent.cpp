@@ -87,7 +87,7 @@ void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really what{true, state, asip::model::reason_of_word(state), now, now};
     say(what);
     in_vain.reset();
-    early.reset();
+    if (early && early->what.state != state) early.reset();
     last_will = now;
     wills.push_back(now);
     const bool again = before.announced && before.state == state;
@@ -120,6 +120,7 @@ void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::
 
 void BoardTruth::describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now) {
     if (stored) stored_until = std::min(stored_until, now);
+    if (stored) vain_at = now;
     if (stored || in_vain)
         in_vain = {what, in_vain ? in_vain->at : now, now + std::chrono::seconds(lease_seconds)};
     words.push_back({word_of(what), described_at});

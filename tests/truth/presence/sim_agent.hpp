@@ -47,6 +47,7 @@ struct BoardTruth {
         Really really(Time now) const;
     };
     std::optional<Stored> in_vain;
+    Time vain_at{};  ///< last, also where its agent is gone since
     /// What a later session said, where an earlier one spoke as that lease ended, until it speaks again:
     /// messages take a while, so the lease is not over in each view at the same moment.
     std::optional<Stored> early;
