@@ -5,25 +5,10 @@
 #include <optional>
 #include <set>
 
-#include "asip/bus/registry/answer.hpp"
+#include "asip/bus/registry/longest.hpp"
 #include "cli/ask/board_source.hpp"
 
 namespace asip::cli {
-namespace {
-
-/// For how long the value was known until `to`: of several registries, each of which keeps values for itself,
-/// the answer counts for which this is the longest.
-std::chrono::milliseconds known_time(const bus::Answer& answer, text::WallTime to) {
-    std::chrono::milliseconds known{};
-    for (std::size_t i = 0; i < answer.values.size(); ++i) {
-        const auto end = i + 1 < answer.values.size() ? answer.values[i + 1].at : to;
-        if (answer.values[i].known && end > answer.values[i].at) known += end - answer.values[i].at;
-    }
-    return known;
-}
-
-}  // namespace
-
 Outcome<std::vector<bus::HistoryItem>> BoardSource::history(bus::Query query, std::size_t count,
                                                             text::WallTime since) {
     query.find = bus::Find::kHistory;
@@ -65,8 +50,8 @@ Outcome<bus::Answer> BoardSource::values(bus::Query query) {
             auto& kept = (*best)->kept;
             for (auto& one : answer->kept)
                 if (std::find(kept.begin(), kept.end(), one) == kept.end()) kept.push_back(std::move(one));
-        } else if (!best ||
-                   (answer && (!*best || known_time(*answer, query.to) > known_time(**best, query.to)))) {
+        } else if (!best || (answer && (!*best || bus::known_time(*answer, query.to) >
+                                                      bus::known_time(**best, query.to)))) {
             best = std::move(answer);
             kept_by = each;
         }
