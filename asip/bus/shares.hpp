@@ -61,7 +61,7 @@ class Shares {
 /// topic replaces an older one. Nothing of other boards waits. Pure.
 class BoardShares {
   public:
-    static constexpr int kPart = 10;  // where the machine is busy, a program has little more than this
+    static constexpr int kPart = 4;
     static constexpr Duration kBurst = std::chrono::milliseconds(100);
     static constexpr std::size_t kMaxBytes = std::size_t{512} << 10;  ///< that wait of a board, with topics
     static constexpr std::size_t kAround = 128;                       ///< bytes of a message, beside its own
