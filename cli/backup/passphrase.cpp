@@ -37,19 +37,23 @@ class Unseen {
 };
 
 /// A longer one is not read to its end.
-std::string first_line(std::istream& in, char other_end = '\n') {
+std::string first_line(std::istream& in, char* ended_by = nullptr) {
     std::string line;
-    for (char c = 0; line.size() <= kMaxPassphrase && in.get(c) && c != '\n' && c != other_end;)
+    char c = 0;
+    while (line.size() <= kMaxPassphrase && in.get(c) && c != '\n' &&
+           (ended_by == nullptr || c != kEndOfText))
         line += c;
+    if (ended_by != nullptr) *ended_by = c;
     return line;
 }
 
 Outcome<std::string> typed_line(const std::string& prompt, const Environment& environment) {
     environment.err << prompt << std::flush;
     const Unseen unseen;
-    auto line = first_line(environment.in, kEndOfText);
+    char ended_by = 0;
+    auto line = first_line(environment.in, &ended_by);
     environment.err << '\n' << std::flush;
-    if (line.empty()) return interrupted();
+    if (line.empty() || ended_by == kEndOfText) return interrupted();
     return line;
 }
 

@@ -44,13 +44,15 @@ class Restore {
         const auto machine = BackupMachine::open(options_.paths);
         if (!machine) return tl::unexpected(machine.error());
         if (auto done = open(); !done) return done;
-        if (!options_.dashboards) {
-            if (auto done = plan(*machine); !done) return done;
-            const auto agreed = agree(*machine);
-            if (!agreed) return tl::unexpected(agreed.error());
-            if (!*agreed) return {};
-            if (auto done = write(*machine); !done) return done;
-            if (auto done = take_up(); !done) return done;
+        if (auto done = plan(*machine); !done) return done;
+        const auto agreed = agree(*machine);
+        if (!agreed) return tl::unexpected(agreed.error());
+        if (!*agreed) return {};
+        if (!to_write_.empty()) {
+            auto done = write(*machine);
+            if (done) done = take_up();
+            if (!done) order(Order::kStart);
+            if (!done) return done;
         }
         const auto done = put_dashboards();
         report_.finish();
@@ -58,6 +60,16 @@ class Restore {
     }
 
   private:
+    /// Stops registry and gateway, or starts those that it stopped.
+    enum class Order { kStop, kStart };
+    void order(Order what) {
+        if (!of_machine()) return;
+        if (what == Order::kStop)
+            for (const char* unit : {"asip-registry", "asip-gateway"})
+                if (is_active(unit)) running_.emplace_back(unit);
+        if (!running_.empty()) order_units(what == Order::kStop ? "stop" : "start", running_, report_);
+    }
+
     bool of_machine() const { return ::geteuid() == 0 && options_.paths.etc == BackupPaths().etc; }
 
     Outcome<void> open() {
@@ -108,22 +120,29 @@ class Restore {
     /// Says it.
     Outcome<void> plan(const BackupMachine& machine) {
         for (const auto& item : list_.items) {
-            if (item.place == Place::kDashboard) continue;
+            if (item.place == Place::kDashboard) {
+                report_.did("dashboard", item.path + ": goes to the bus");
+                dashboards_ = true;
+            }
+            if (item.place == Place::kDashboard || options_.dashboards) continue;
             const auto what = compare(machine, item);
             if (!what) return tl::unexpected(what.error());
             if (*what == What::kNew || *what == What::kDiffers) to_write_.push_back(&item);
             if (*what == What::kSame) continue;
             report_.did(kWhatWords.at(static_cast<std::size_t>(*what)),
-                        machine.name_of(item) + (*what == What::kNewer ? ": stays as it is here" : ""));
+                        machine.name_of(item) + (*what == What::kNewer ? ": stays as it is here"
+                                                 : *what == What::kDiffers && item.is_database()
+                                                     ? ": the one here is replaced"
+                                                     : ""));
         }
         return {};
     }
 
     Outcome<bool> agree(const BackupMachine& machine) {
         if (options_.dry_run) return false;
-        if (to_write_.empty()) return true;
+        if (to_write_.empty() && !dashboards_) return true;
         for (const char* users : {"bus/bus.json", "tokens"}) {
-            if (!machine.has(Place::kEtc) || options_.overwrite) break;
+            if (!machine.has(Place::kEtc) || options_.overwrite || options_.dashboards) break;
             const auto there = machine.look({Place::kEtc, users});
             if (!there) return tl::unexpected(there.error());
             if (*there)
@@ -144,7 +163,7 @@ class Restore {
 
     /// Databases first: one that is in use ends it before anything was written.
     Outcome<void> write(const BackupMachine& machine) {
-        if (of_machine()) order_units("stop", {"asip-registry", "asip-gateway"}, report_);
+        order(Order::kStop);
         for (const bool database : {true, false}) {
             for (const auto* item : to_write_) {
                 if (item->is_database() != database) continue;
@@ -160,12 +179,14 @@ class Restore {
     /// The services and the broker of this machine read what there is now.
     Outcome<void> take_up() {
         const auto folder_path = fs::path(options_.paths.etc) / "bus";
+        bool broker = false;
         if (fs::exists(folder_path / "bus.json")) {
             const auto folder = SecureFolder::open(folder_path);
             if (!folder) return tl::unexpected(folder.error());
             const auto bus = folder->bus();
             if (!bus) return tl::unexpected(bus.error());
-            if (is_system_broker(folder->path(), *bus))
+            broker = is_system_broker(folder->path(), *bus);
+            if (of_machine() && broker)
                 if (auto done = close_open_listeners(*bus, report_); !done) return done;
             if (of_machine()) become_default(*folder, *bus, report_);
             if (!list_.about.starts_with("made on " + program::host_name() + " "))
@@ -176,8 +197,10 @@ class Restore {
             report_.next("start the broker, the registry, the gateway and the agents again");
             return {};
         }
-        if (auto done = restart_services(true, {"registry", "gateway"}, report_); !done) return done;
-        order_units("try-restart", {"asip-agent@*", "asip-boards"}, report_);
+        if (broker)
+            if (auto done = restart_services(true, {}, report_); !done) return done;
+        order(Order::kStart);
+        order_units("try-restart", {"asip-agent@*", "asip-boards", "asip-cables"}, report_);
         return {};
     }
 
@@ -240,6 +263,8 @@ class Restore {
     bool sealed_ = false;
     BackupList list_;
     std::vector<const BackupItem*> to_write_;
+    bool dashboards_ = false;
+    std::vector<std::string> running_;
 };
 
 Run declare_restore(Declaration& verb) {
@@ -266,7 +291,7 @@ Verb restore_verb() {
         "restore", "Bring back what asipctl backup kept, here or on a new machine",
         "Says of each file whether it is new or differs, asks, writes, and starts the services again. Labels "
         "and "
-        "links that\nwere changed here later stay as they are. A damaged file restores nothing; nothing is "
+        "links that\nwere changed here later stay as they are. A damaged file restores nothing; no file is "
         "removed.\n"
         "Examples:\n"
         "  asipctl restore bus.backup\n"

@@ -195,6 +195,11 @@ Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& 
     return {};
 }
 
+bool is_active(const std::string& unit) {
+    const auto status = run_and_wait({"systemctl", "is-active", "--quiet", unit});
+    return status && *status == 0;
+}
+
 void order_units(const std::string& verb, const Names& units, SecureReport& report) {
     Names call{"systemctl", verb};
     call.insert(call.end(), units.begin(), units.end());
