@@ -42,7 +42,8 @@ Bridge::Bridge(BridgeOptions options, model::ModelSet models, Random random)
 
 // --- the board's side
 
-void Bridge::link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out) {
+void Bridge::link_up(session::LinkTraits traits, model::LinkInfo link, Time now, Effects& out) {
+    traits.perhaps_another_board = options_.lent;
     describer_.link_opened(std::move(link));
     // An open port does not say yet which board is behind it.
     if (found_ || !options_.name.empty()) unreached_.clear();

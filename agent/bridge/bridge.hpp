@@ -75,7 +75,7 @@ class Bridge {
     Bridge(BridgeOptions options, model::ModelSet models, Random random);
 
     // --- the board's side
-    void link_up(const session::LinkTraits& traits, model::LinkInfo link, Time now, Effects& out);
+    void link_up(session::LinkTraits traits, model::LinkInfo link, Time now, Effects& out);
     void link_down(const std::string& why, Time now, Effects& out);
     void receive(std::string_view bytes, Time now, Effects& out);
     /// The link cannot be opened: the description gives `reason` until it is.

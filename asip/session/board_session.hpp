@@ -64,6 +64,7 @@ struct LinkTraits {
     unsigned baud = 0;  ///< the line's rate now; 0 where there is none (TCP)
     /// The port's DTR line just restarted the board: nothing is written before the banner or 2.5 s.
     bool restarting = false;
+    bool perhaps_another_board = false;  ///< nothing that was set before is set again
 };
 
 /// Where the sender gives none.

@@ -42,6 +42,7 @@ void Machine::link_up(const LinkTraits& traits, Time now, Actions& out) {
     rates_.forget_bad();
     leaving_.reset();
     renewals_.clear();
+    if (traits.perhaps_another_board) settings_ = {};
     restore_ = known_;
     search(traits.restarting ? now + kBootTime : now, now, out);
 }
@@ -192,6 +193,7 @@ Expected<RequestId, Refusal> Machine::submit(const protocol::Request& parsed, co
     request.is_answer = wanted.is_answer;
     request.alone = parsed.service != '#' && identity_.find_service(parsed.service) == nullptr;
     const RequestId id = request.id;
+    if (wanted.urgent) will_execute(parsed.line);
     queue_.waiting().push(std::move(request));
     if (std::holds_alternative<Ready>(state_)) on_time(std::get<Ready>(state_), now, out);
     return id;
@@ -247,12 +249,13 @@ void Machine::report(std::vector<RequestEnd>& ended, Actions& out) {
                 identity_.pin_modes[static_cast<std::size_t>(mode->pin)] =
                     static_cast<protocol::PinMode>(mode->mode);
         }
+        const bool in_doubt = end.ending == Ending::kDoubt || end.ending == Ending::kTimeout;
+        if (in_doubt && !end.request.restores) settings_.in_doubt(end.request.line);
         if (end.ending == Ending::kBoardError) settings_.refused(end.request.line);
         if (end.request.tag() == 'A') {
             note_period(end);
             note_renewed(end.request.service());
         }
-        const bool in_doubt = end.ending == Ending::kDoubt || end.ending == Ending::kTimeout;
         if (end.request.id == 0 && in_doubt && SettingsMemory::is_setting(end.request.line))
             restore_again_ = true;
         if (end.request.id == 0) continue;

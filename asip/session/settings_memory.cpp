@@ -83,6 +83,10 @@ void SettingsMemory::mode_executed(const ModeRequest& mode, std::string_view lin
     modes_[mode.pin] = std::string(line);
 }
 
+void SettingsMemory::in_doubt(std::string_view line) {
+    if (const auto pin = parse_pin(line)) levels_.erase(pin->pin);
+}
+
 void SettingsMemory::refused(std::string_view line) {
     const auto request = protocol::parse_request(line);
     if (!request) return;

@@ -30,6 +30,8 @@ class SettingsMemory {
     /// `#,R` forgets everything: its sender wanted a fresh board. `keeps_level`: an output that
     /// is made one once more stays at its level; otherwise it is low then.
     void executed(std::string_view line, bool keeps_level);
+    /// It may have been executed: the level of its pin is not known, and is not set again.
+    void in_doubt(std::string_view line);
     /// A request that was taken for executed and then refused.
     void refused(std::string_view line);
 

@@ -71,14 +71,26 @@ TEST_F(RelayBoard, DutyBehindALevel_TheModeIsRestoredAndNoDuty) {
     EXPECT_THAT(restart(bench), ElementsAre("I,P,2,5"));
 }
 
-TEST_F(RelayBoard, CommandInDoubt_TheLevelThatWasProvenIsRestored) {
+TEST_F(RelayBoard, CommandInDoubt_NoLevelIsRestored) {
+    for (const char* command : {"I,d,2,0", "I,d,2,1"}) {
+        set({"I,P,2,3", "I,d,2,1"});
+        bench.board.mute = true;
+        const auto id = bench.request(command);
+        bench.board.mute = false;
+        const auto lines = restart(bench);
+        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt);
+        EXPECT_THAT(lines, ElementsAre("I,P,2,3")) << command;
+    }
+}
+
+TEST_F(RelayBoard, PerhapsAnotherBoardIsPluggedIn_NothingIsSetThere) {
     set({"I,P,2,3", "I,d,2,1"});
-    bench.board.mute = true;
-    const auto id = bench.request("I,d,2,0");
-    bench.board.mute = false;
-    const auto lines = restart(bench);
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt);
-    EXPECT_THAT(lines, ElementsAre("I,d,2,1", "I,P,2,3", "I,d,2,1"));
+    bench.unplug();
+    bench.board.executed.clear();
+    bench.plug({.baud = 57600, .perhaps_another_board = true});
+    EXPECT_TRUE(bench.ready_within(10s));
+    bench.pass(1s);
+    EXPECT_THAT(bench.board.executed, Not(Contains(testing::HasSubstr(",2,"))));
 }
 
 TEST_F(RelayBoard, ClientRestartsIt_NoLevelIsRestored) {
