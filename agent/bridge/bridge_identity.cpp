@@ -29,8 +29,10 @@ std::string Bridge::letters() const {
 
 std::string Bridge::stored_name() const {
     const auto& stored = session().identity().stored_name;
-    return stored.empty() || !options_.lent ? stored
-                                            : model::suggest_name(std::string(link::kLentPrefix) + stored);
+    if (stored.empty() || !options_.lent) return stored;
+    // A pupil's place is no name that a board may bring along.
+    const bool pupils = stored.starts_with(link::kPupilPlace);
+    return model::suggest_name(std::string(link::kLentPrefix).append(pupils ? "0-" : "").append(stored));
 }
 
 std::string Bridge::name_of_port() const {

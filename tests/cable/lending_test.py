@@ -229,6 +229,11 @@ class TenCables(CableTest):
             self.bus.online("lent-rover", 60)
             back.close()
             eventually(lambda: self.bus.board("lent-rover")["state"] == "lost", "lost")
+        # That of a pupil's place is none which a board may bring along.
+        self.assertEqual(self.bus.asipctl("send", cables[7].name, "--raw", "#,I,student-3").returncode, 0)
+        cables[7].close()
+        pretender = self.lend("board7")
+        eventually(lambda: pretender.name == "lent-0-student-3", "a name that is no pupil's", 60)
 
 
 class Rights(CableTest):
