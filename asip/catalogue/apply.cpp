@@ -185,7 +185,7 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     const bool gone_otherwise =
         !there && !model::is_there(b.reported) && *reported != b.reported && (live || published);
     // It was there again behind all that is known of it, and the broker has forgotten the description that
-    // said so: its lease is over, and nobody knows since when.
+    // said so: its lease is over, and when it ended is not known.
     const bool was_back = there && b.says_state && !live && published && !model::is_there(b.effective) &&
                           *published > std::max(b.said_at, b.since);
     const bool again = !live && published && *published <= b.said_at + kApart && *reported == b.reported;

@@ -122,7 +122,7 @@ void get_board_values_stream(Call& call) {
 
 namespace {
 
-/// Of several registries, each of which keeps values for itself, the one that knew for the longest counts.
+/// Each registry keeps values for itself: the one that knew for the longest counts.
 struct LongestKept {
     http::Reply reply;
     text::WallTime to;

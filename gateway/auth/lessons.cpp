@@ -137,7 +137,7 @@ Lessons::Joined Lessons::join(std::string_view code, const std::string& address,
     return result;
 }
 
-// Of all lessons the first that none has: what is kept under the name of a board serves the next lesson, too.
+// The first number that no lesson has: what is kept under the name of a board serves the next lesson, too.
 std::string Lessons::fresh_board() const {
     const auto first = std::string(link::kLentPrefix).append(link::kPupilPlace);
     for (std::size_t number = 1;; ++number)

@@ -228,7 +228,7 @@ class Boards {
     // with a stop may have come and gone while nothing was heard.
     const goneOtherwise = !there && !isThereWord(board.reported) && word !== board.reported && (!retained || published !== undefined);
     // It was there again behind all that is known of it, and the broker has forgotten the description that said so: its lease is over, and
-    // nobody knows since when.
+    // when it ended is not known.
     const wasBack = there && board.saysState && retained && !isThereWord(board.effective) && published > Math.max(board.saidAt, board.since);
     const again = retained && published <= board.saidAt + APART && word === board.reported;
     if ((!board.saysState && !again) || (!there && isThereWord(board.reported)) || goneOtherwise || wasBack) {

@@ -231,7 +231,7 @@ class Catalogue:
         # came with a stop may have come and gone while nothing was heard.
         gone_otherwise = not there and entry.reported not in THERE and word != entry.reported and (not retained or published is not None)
         # It was there again behind all that is known of it, and the broker has forgotten the description that said so: its lease is over, and
-        # nobody knows since when.
+        # when it ended is not known.
         was_back = (there and entry.says_state and retained and published is not None and entry.effective not in THERE
                     and published > max(entry.said_at, entry.since))
         again = retained and published is not None and published <= entry.said_at + _APART and word == entry.reported

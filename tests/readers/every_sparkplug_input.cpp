@@ -52,7 +52,7 @@ std::uint64_t tried = 0;
 
 bool is_right(const std::string& bytes) {
     ++tried;
-    // Of its size exactly: a sanitizer sees what is read behind it.
+    // A copy of exactly its size: a sanitizer sees what is read behind it.
     const auto exact = std::make_unique<char[]>(bytes.size());
     std::copy(bytes.begin(), bytes.end(), exact.get());
     const std::string_view input(exact.get(), bytes.size());
