@@ -47,8 +47,10 @@ Application::Application(ProgramOptions options)
       soon_(io_),
       shares_(bus::Shares::processor_time,
               [this] {
-                  client_->give_way();  // a value leaves to the browser before the next message is handled
-                  turn();
+                  if (handles_)
+                      waits_ = true;
+                  else
+                      turn();
               }),
       boards_(
           shares_, [this](const mqtt::Message& received) { handle(received); },
@@ -102,6 +104,15 @@ void Application::turn() {
     });
 }
 
+// What a message brings to a browser leaves before the next message is read.
+template <class Handle>
+void Application::then_run(Handle handle) {
+    handles_ = true;
+    handle();
+    handles_ = false;
+    if (std::exchange(waits_, false) && shares_.run()) turn();
+}
+
 Gateway::Port Application::port() {
     Gateway::Port port;
     port.calls = caller::port_of(*asker_);
@@ -150,7 +161,7 @@ mqtt::Client::Handlers Application::handlers() {
         log::warning("connection lost; what is known is still shown", {{"why", failure.text}});
     };
     result.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) { connect_failed(failure); };
-    result.on_message = [this](const mqtt::Message& received) { message(received); };
+    result.on_message = [this](const mqtt::Message& received) { then_run([&] { message(received); }); };
     add_refusals(result);
     return result;
 }
@@ -167,7 +178,9 @@ std::unique_ptr<mqtt::Client> Application::connection_for_answers(const mqtt::Op
                                                                   mqtt::Client::Handlers handlers) {
     auto options = like;
     options.client_id += name;
-    handlers.on_message = [this](const mqtt::Message& received) { gateway_->answer(received); };
+    handlers.on_message = [this](const mqtt::Message& received) {
+        then_run([&] { gateway_->answer(received); });
+    };
     add_refusals(handlers);
     return std::make_unique<mqtt::Client>(io_, std::move(options), std::move(handlers));
 }

@@ -31,6 +31,8 @@ class Application {
   private:
     Gateway::Port port();
     void turn();
+    template <class Handle>
+    void then_run(Handle handle);
     mqtt::Client::Handlers handlers();
     std::vector<ExportStanding> exports_stand() const;
     void add_refusals(mqtt::Client::Handlers& to) const;
@@ -55,6 +57,7 @@ class Application {
     // what boards publish, nor those to stops behind any.
     std::unique_ptr<mqtt::Client> asker_, stopper_;
     bus::Shares shares_;
+    bool handles_ = false, waits_ = false;  // a message; jobs that came with it
     bus::BoardShares boards_;
     std::unique_ptr<Gateway> gateway_;
     std::vector<std::unique_ptr<Exports>> exports_;

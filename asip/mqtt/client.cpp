@@ -40,9 +40,6 @@ class Client::Impl final : public ConnectionEvents, public std::enable_shared_fr
     void perform_now() { perform(false); }
     void stop(Duration limit, std::function<void()> done);
     bool check(std::function<void()> answered);
-    void give_way() {
-        if (connection_) connection_->give_way();
-    }
     void close();
 
   private:
@@ -308,10 +305,6 @@ void Client::unsubscribe(const std::string& filter) {
 }
 bool Client::check(std::function<void()> answered) {
     return impl_->check(std::move(answered));
-}
-
-void Client::give_way() {
-    impl_->give_way();
 }
 PublishResult Client::publish(Message message, Priority priority) {
     const auto result = impl_->core().publish(std::move(message), priority, Clock::now(), impl_->actions());

@@ -141,9 +141,6 @@ class Client {
     /// connection ends before. False: not connected, or the check before has no answer yet.
     bool check(std::function<void()> answered);
 
-    /// From a handler: other work of the program has its turn before the next message is read.
-    void give_way();
-
     /// Publishes, or queues in order; of waiting retained messages the newest of a topic stays. Works before
     /// start() and without a connection. `priority` decides what a full queue drops first; only
     /// Priority::kUrgent changes the order. A message with expiry_seconds that is not retained is dropped and

@@ -165,8 +165,7 @@ int Connection::write_out() {
 
 void Connection::read_all() {
     const auto until = Clock::now() + kTurn;
-    gives_way_ = false;
-    for (int i = 0; phase_ != Phase::kDown && !gives_way_ && (i < kLeastReads || Clock::now() < until); ++i) {
+    for (int i = 0; phase_ != Phase::kDown && (i < kLeastReads || Clock::now() < until); ++i) {
         const auto before = packets_seen_;
         const int error = mosquitto_loop_read(mosquitto_.get(), 1);
         if (error != MOSQ_ERR_SUCCESS) {

@@ -63,8 +63,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
     /// Unacknowledged QoS 1 messages that the broker allows (MQTT 5.0, 3.2.2.3.3). libmosquitto holds back
     /// more.
     std::size_t receive_maximum() const { return receive_maximum_; }
-    /// What is not read yet is left for the next turn of the io_context.
-    void give_way() { gives_way_ = true; }
     /// Bytes wait to be read, so this program is slow.
     bool has_unread() const;
 
@@ -132,7 +130,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool serving_ = false;
     bool comes_back_ = false;  // for what TLS has read
     bool closing_ = false;     ///< what the broker still sends is thrown away
-    bool gives_way_ = false;
     unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more
     int connack_code_ = 0;
     std::uint8_t max_qos_ = 2;

@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <boost/asio/post.hpp>
-#include <thread>
-
 #include "tests/integration/mqtt/recorder.hpp"
 #include "tests/integration/mqtt/scripted_broker.hpp"
 #include "tests/support/bus_probe.hpp"
@@ -66,26 +63,6 @@ TEST(PacketLimit, LargerMessage_IsNotDeliveredAndTheNextOneIs) {
     ASSERT_TRUE(bus.received("in", "small"));
     EXPECT_EQ(bus.messages.size(), 1u);
     EXPECT_TRUE(bus.losses.empty());
-}
-
-TEST(Client, GivesWay_OtherWorkHasItsTurnBeforeTheNextMessageThatHasArrived) {
-    MosquittoBroker broker;
-    Recorder bus(options_for(broker));
-    std::vector<std::string> order;
-    bus.at_message = [&](const mqtt::Message& message) {
-        if (order.empty()) std::this_thread::sleep_for(500ms);  // the others arrive meanwhile
-        order.push_back(message.payload);
-        if (message.payload != "1") return;
-        bus.client->give_way();
-        boost::asio::post(bus.io, [&] { order.push_back("work"); });
-    };
-    bus.client->subscribe("in", {.qos = 1});
-    ASSERT_TRUE(bus.connect());
-    ASSERT_TRUE(bus.until([&] { return bus.client->subscribed(); }));
-    for (const char* each : {"1", "2", "3"})
-        bus.client->publish(make_message("in", each));
-    ASSERT_TRUE(bus.until([&] { return order.size() == 4; }));
-    EXPECT_THAT(order, testing::ElementsAre("1", "work", "2", "3"));
 }
 
 // The acknowledgement and the message are two small packets, of which the broker keeps back the second.
