@@ -88,10 +88,12 @@ class Running final : public WebSocket, public std::enable_shared_from_this<Runn
     }
 
   private:
+    // What comes behind our close frame is passed over until the client's own: a socket that is closed with
+    // bytes unread is reset, and the client may never see why it ended.
     void read() {
         stream_.async_read(in_, [self = shared_from_this()](const beast::error_code& error, std::size_t) {
-            if (error || !self->open_) return self->end();
-            self->later([](Running& here) { here.received(); });
+            if (error) return self->end();
+            if (self->open_) self->later([](Running& here) { here.received(); });
         });
     }
 

@@ -189,7 +189,7 @@ Socket::Socket(std::uint16_t port, const Headers& headers, const std::string& ta
     status_ = read_head(wire_, kDeadline).status;
 }
 
-void Socket::frame(unsigned char first, const std::string& payload, bool masked) {
+bool Socket::frame(unsigned char first, const std::string& payload, bool masked) {
     std::string bytes(1, static_cast<char>(first));
     const auto mask = static_cast<char>(masked ? 0x80 : 0);
     if (payload.size() < 126) {
@@ -202,7 +202,7 @@ void Socket::frame(unsigned char first, const std::string& payload, bool masked)
     if (masked) bytes += std::string("\1\2\3\4");
     for (std::size_t i = 0; i < payload.size(); ++i)
         bytes += static_cast<char>(masked ? payload[i] ^ "\1\2\3\4"[i % 4] : payload[i]);
-    wire_.send(bytes);
+    return wire_.send(bytes);
 }
 
 std::string Socket::message(std::chrono::milliseconds limit) {

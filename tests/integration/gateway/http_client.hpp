@@ -92,8 +92,8 @@ class Socket {
 
     int status() const { return status_; }
     void send(const std::string& text) { frame(0x81, text); }
-    /// `first` is the first byte: FIN and operation code.
-    void frame(unsigned char first, const std::string& payload, bool masked = true);
+    /// `first` is the first byte: FIN and operation code. False: the other side closed.
+    bool frame(unsigned char first, const std::string& payload, bool masked = true);
     /// The next message's text; empty: none came, or the connection was closed.
     std::string message(std::chrono::milliseconds limit = kDeadline);
     nlohmann::json json(std::chrono::milliseconds limit = kDeadline) {

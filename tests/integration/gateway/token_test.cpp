@@ -202,6 +202,22 @@ TEST_F(GatewayTokens, Revoked_ItsOpenStreamsEndWithinASecond) {
     EXPECT_FALSE(kept.wire().closed(std::chrono::milliseconds(300)));
 }
 
+TEST_F(GatewayTokens, RevokedInTheMiddleOfAMessage_WhatItsClientStillSendsIsPassedOverUntilItClosesToo) {
+    const auto viewer = make("viewer", "hall");
+    RunningGateway gateway(broker_.address(), {"--tokens", file_});
+    ASSERT_TRUE(gateway.ready());
+    Socket socket(gateway.port(), {{"Sec-WebSocket-Protocol", "asip.bearer." + viewer}});
+    ASSERT_EQ(socket.status(), 101);
+    ASSERT_TRUE(socket.wire().send(std::string("\x81\x82\1\2\3\4z", 7))) << "a message of two letters";
+    take_out("hall");
+    ASSERT_EQ(socket.close_code(), 1008);
+    ASSERT_TRUE(socket.wire().send("z"));
+    for (int i = 0; i < 200; ++i)  // more than the buffers of both sides hold
+        ASSERT_TRUE(socket.frame(0x82, std::string(60'000, 'x'))) << i;
+    EXPECT_TRUE(socket.frame(0x88, std::string("\x03\xe8", 2)));
+    EXPECT_TRUE(socket.wire().closed());
+}
+
 TEST_F(GatewayTokens, Expires_ItsOpenStreamsEnd) {
     const auto token = make("viewer", "brief", {"--until", "3s"});
     RunningGateway gateway(broker_.address(), {"--tokens", file_});
