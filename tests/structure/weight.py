@@ -6,7 +6,8 @@
 
 A line is a line of a committed file. The product is what users run or compile against; examples, benchmarks, packaging and documentation
 are not in it. A word of the documentation is what stands between blanks in one of its pages. An option is what may stand on the command
-line of a program, except for help, version and configuration file.
+line of a program, except for help, version and configuration file. features.txt has the files of the features that came after the first
+weighing: they have rows of their own, and "the house" is what the rest weighs.
 """
 import re
 import subprocess
@@ -23,16 +24,51 @@ OPTION = re.compile(r"^  (?:-\w,)?--([a-z][\w-]*)", re.MULTILINE)
 OF_ALL = {"help", "help-all", "version", "config"}
 
 
-def lines(root):
-    """{(room, language): lines}: the rooms are the folders of the product, those beside it, and `tests`."""
+def pattern(text):
+    """A pattern of features.txt, with * and {a,b}, as a regular expression."""
+    return re.sub(r"\\\{(.*?)\\\}", lambda each: f"({each[1].replace(',', '|')})", re.escape(text).replace(r"\*", ".*"))
+
+
+def features(names):
+    """{file: feature}; a pattern that no file has is told: it is old, or the tree is."""
     found = {}
-    for name in subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True, check=True).stdout.split("\0"):
+    for line in (Path(__file__).parent / "features.txt").read_text(encoding="utf-8").splitlines()[2:]:
+        feature, *patterns = line.split()
+        for each in patterns:
+            own = [name for name in names if re.fullmatch(pattern(each), name)]
+            if not own:
+                print(f"features.txt: no file is {each}", file=sys.stderr)
+            found.update(dict.fromkeys(own, feature))
+    return found
+
+
+def lines(root):
+    """{(room, language): lines} and {(feature, "product" or "tests"): lines}: the rooms are the folders of the product, those beside it, and
+    `tests`."""
+    found, later = {}, {}
+    names = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True, check=True).stdout.split("\0")
+    owner = features(names)
+    for name in names:
         folder = "tests" if TESTS.match(name) else "" if "/examples/" in name else name.split("/")[0]
         language = next((each for each, ends in LANGUAGES.items() if Path(name).suffix in ends), None)
         if language and folder in PRODUCT + ASIDE + ("tests",):
             count = (Path(root) / name).read_bytes().count(b"\n")
             found[folder, language] = found.get((folder, language), 0) + count
-    return found
+            if name in owner:
+                where = owner[name], "tests" if folder == "tests" else "product"
+                later[where] = later.get(where, 0) + count
+    return found, later
+
+
+def show_features(found, later):
+    """The features that came later, and what the house weighs without them."""
+    print(f"\n{'came later':14}{'product':>12}{'tests':>12}")
+    for feature in dict.fromkeys(each for each, _ in later):
+        print(f"{feature:14}" + "".join(f"{later.get((feature, kind), 0):12,}" for kind in ("product", "tests")))
+    house = {kind: sum(count for (folder, _), count in found.items() if folder in folders)
+             - sum(count for (_, each), count in later.items() if each == kind)
+             for kind, folders in (("product", PRODUCT), ("tests", ("tests",)))}
+    print(f"{'the house':14}{house['product']:12,}{house['tests']:12,}\n")
 
 
 def row(name, found, folders):
@@ -41,13 +77,14 @@ def row(name, found, folders):
 
 
 def main():
-    found = lines(sys.argv[1])
+    found, later = lines(sys.argv[1])
     print(f"{'':14}" + "".join(f"{each:>12}" for each in (*LANGUAGES, "all")))
     for folder in PRODUCT:
         row(folder, found, [folder])
     row("product", found, PRODUCT)
     row("tests", found, ["tests"])
     row("beside", found, ASIDE)
+    show_features(found, later)
     root = Path(sys.argv[1])
     pages = [*(root / "docs").glob("*.md"), *(root / name for name in PAGES)]
     print(f"{'documentation':14}{sum(len(page.read_text(encoding='utf-8').split()) for page in pages):12,} words")
