@@ -19,6 +19,7 @@ using property::How;
 
 constexpr std::string_view kIo = "io";
 constexpr std::string_view kMode = "mode";
+constexpr std::string_view kWrite = "write";
 constexpr const char* kLevels = "levels";
 constexpr const char* kDigital = "digital";
 constexpr std::size_t kMaxQuotas = 1024;
@@ -61,6 +62,19 @@ void BoardValues::on_finished(const session::Finished& end, Time now) {
     const auto ended = requests_.extract(request);
     if (end.ending == Ending::kNotSent || end.ending == Ending::kBoardError) return;
     apply(ended.mapped(), end.ending == Ending::kTimeout || end.ending == Ending::kDoubt, now);
+}
+
+bool BoardValues::low_is_on(std::string_view line) const {
+    const auto request = read(line);
+    if (!request || request->service != kIo || request->values.command->name != kWrite) return false;
+    const auto& values = request->values.values;
+    return values.size() == 2 && values[1] == json(0) &&
+           std::any_of(
+               known_.properties().begin(), known_.properties().end(), [&values](const auto& property) {
+                   return property.service == kIo && property.write && property.write->command == kWrite &&
+                          property.write->arguments.front() == values[0].template get<double>() &&
+                          property.choices.at(1).second == 0;
+               });
 }
 
 std::vector<std::string> BoardValues::set_by(session::RequestId id) const {

@@ -61,6 +61,8 @@ class BoardValues {
     const property::KnownValues& known() const { return known_; }
     /// Counts changes of more than a value's time.
     std::uint64_t changes() const { return changes_; }
+    /// Whether the request sets a pin low that is on while it is low.
+    bool low_is_on(std::string_view line) const;
     /// The properties that a request under way sets.
     std::vector<std::string> set_by(session::RequestId id) const;
 

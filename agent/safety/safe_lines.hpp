@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -31,8 +32,9 @@ class SafeLines {
     std::size_t size() const { return pending_.size(); }
 
     /// Sends what is not under way, if there is a board. `session`: a BoardSession, or what it is made of.
-    template <class Session>
-    void send(Session& session, Time now, session::Actions& actions);
+    /// `wire`: a line as the board gets it.
+    template <class Session, class Wire = std::identity>
+    void send(Session& session, Time now, session::Actions& actions, Wire wire = {});
     /// True: the request was one of ours. `done`: filled in where that settled it.
     bool on_finished(const session::Finished& end, std::vector<Done>& done);
     void clear();
@@ -49,12 +51,13 @@ class SafeLines {
     std::unordered_map<session::RequestId, std::string> requests_;
 };
 
-template <class Session>
-void SafeLines::send(Session& session, Time now, session::Actions& actions) {
+template <class Session, class Wire>
+void SafeLines::send(Session& session, Time now, session::Actions& actions, Wire wire) {
     if (!session.accepts_requests()) return;
     for (auto& [line, state] : pending_) {
         if (state.request != 0) continue;
-        const auto id = session.submit(line, {.deadline = now + kAttempt, .urgent = true}, now, actions);
+        const auto id =
+            session.submit(wire(line), {.deadline = now + kAttempt, .urgent = true}, now, actions);
         if (!id) return;
         state.request = *id;
         requests_.emplace(*id, line);

@@ -64,10 +64,11 @@ void Safety::on_finished(const session::Finished& end, Time now, Effects& out) {
 }
 
 void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
-    if (line.executed) values_.executed(line.line, now);
+    const auto sent = wire(line.line);
+    if (line.executed) values_.executed(sent, now);
     if (const auto hold = expired_.find(line.line); hold != expired_.end()) {
         report(hold->second,
-               "not renewed within " + milliseconds(hold->second.length) + "; " + line.line +
+               "not renewed within " + milliseconds(hold->second.length) + "; " + sent +
                    (line.executed ? " was executed" : " was refused by the board: " + line.text),
                out);
         expired_.erase(hold);
@@ -75,7 +76,7 @@ void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
     for (OpenStop& stop : stops_) {
         if (stop.open.erase(line.line) == 0) continue;
         if (line.executed) {
-            if (line.line != kQuestion) stop.executed.push_back(line.line);
+            if (line.line != kQuestion) stop.executed.push_back(sent);
         } else if (!stop.error) {
             stop.error = line;
         }
@@ -97,7 +98,7 @@ void Safety::report(const Holds::Hold& hold, const std::string& text, Effects& o
 
 void Safety::board_restarted(Effects& out) {
     for (const auto& hold : holds_.take_all()) {
-        board_.session.will_execute(hold.safe);
+        board_.session.will_execute(wire(hold.safe));
         report(hold, "the board restarted; it has no holds any more", out);
     }
     for (const auto& [safe, hold] : expired_)
@@ -111,13 +112,21 @@ void Safety::board_restarted(Effects& out) {
 
 void Safety::make_safe(const std::string& line) {
     lines_.add(line);
-    board_.session.will_execute(line);
+    board_.session.will_execute(wire(line));
+}
+
+std::string Safety::wire(const std::string& safe) const {
+    return values_.low_is_on(safe) ? safe.substr(0, safe.size() - 1) + "1" : safe;
+}
+
+void Safety::send(Time now, session::Actions& actions) {
+    lines_.send(board_.session, now, actions, [this](const std::string& safe) { return wire(safe); });
 }
 
 void Safety::board_gone(Effects& out) {
     for (const auto& hold : holds_.take_all()) {
         make_safe(hold.safe);
-        report(hold, "the board is not there; " + hold.safe + " is sent as soon as it is back", out);
+        report(hold, "the board is not there; " + wire(hold.safe) + " is sent as soon as it is back", out);
     }
 }
 
@@ -157,7 +166,7 @@ void Safety::on_stop(const Stop& message, Time now, session::Actions& actions, E
     if (lines.empty()) lines.emplace_back(kQuestion);
     for (const auto& line : lines)
         make_safe(line);
-    lines_.send(board_.session, now, actions);
+    send(now, actions);
     stop.refused = message.waiting;
     stop.open.insert(lines.begin(), lines.end());
     if (stops_.size() >= kMaxStops) return answer(stop, false, now, out);

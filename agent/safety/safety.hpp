@@ -64,7 +64,7 @@ class Safety {
 
     /// Ends holds and stops whose time is over.
     void tick(Time now, Effects& out);
-    void send(Time now, session::Actions& actions) { lines_.send(board_.session, now, actions); }
+    void send(Time now, session::Actions& actions);
     std::optional<Time> next_deadline() const;
 
   private:
@@ -80,6 +80,8 @@ class Safety {
         Time deadline;
     };
 
+    /// A safe form as the board gets it: where low means on, high is safe.
+    std::string wire(const std::string& safe) const;
     void make_safe(const std::string& line);
     void done(const SafeLines::Done& line, Time now, Effects& out);
     void report(const Holds::Hold& hold, const std::string& text, Effects& out);

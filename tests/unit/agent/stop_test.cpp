@@ -66,6 +66,24 @@ TEST_F(StoppedBoard, Stop_UndoesWhatWasSwitchedOnWhoeverDidIt) {
     EXPECT_THAT(executed(), testing::UnorderedElementsAre("M,S", "I,d,13,0", "I,a,3,0", "I,d,12,0"));
 }
 
+TEST_F(StoppedBoard, PinThatIsOnWhileItIsLow_IsSetHigh) {
+    bench.hear("asip/uno1/io/in", R"({"mode":[2,"output"]})");
+    bench.hear("asip/uno1/io/in", R"({"write":[2,1]})");
+    bench.hear("asip/uno1/io/in", R"({"mode":[3,"output"]})");
+    bench.hear("asip/uno1/io/in", R"({"write":[3,0],"hold_ms":400})");
+    bench.hear("asip/uno1/in",
+               R"({"meanings":{"io/2":{"class":"light","inverted":true},"io/3":{"inverted":true}}})");
+    bench.labels_kept();
+    bench.pass(1s);
+    bench.board.executed.clear();
+    EXPECT_EQ(stop()["answer"]["executed"], json::parse(R"(["I,d,2,1","I,d,3,1","M,S"])"));
+    EXPECT_THAT(executed(), testing::UnorderedElementsAre("M,S", "I,d,2,1", "I,d,3,1"));
+    bench.hear("asip/uno1/io/in", R"({"write":[3,0],"hold_ms":400})");
+    bench.board.executed.clear();
+    bench.pass(1s);
+    EXPECT_THAT(executed(), ElementsAre("I,d,3,1"));
+}
+
 TEST_F(StoppedBoard, RefusedByTheBoard_IsNotUndone) {
     bench.board.replies["I,d,99,1"] = "~I,d,3{INVALID_PIN}";
     bench.ask("asip/uno1/io/in", {{"write", {99, 1}}});
