@@ -121,15 +121,16 @@ class Service extends Part {
     set_text(this.waiting, t("no-value-yet") + why);
   }
 
-  /// Forms are there for users who may send commands, and go when the right to it ends.
+  /// Forms are there for users who may send commands, and go when the right to it ends. What is entered in them stays while they are the same.
   show_commands() {
     const wanted = status.may_command && this.model !== undefined && this.simple !== undefined;
-    if (wanted === this.has_commands) return;
-    this.has_commands = wanted;
     const names = wanted ? command_order(this.model) : [];
-    this.forms = new Map(names.map((name) => [name, document.createElement("asip-command").begin(this.board, { ...this.service, elements: this.elements }, this.model, name)]));
     const has_control = (name) => this.simple.some((each) => each.write?.[0] === name);
     const rare = names.filter((name) => this.pins || has_control(name) || place_of(this.model, name) === "advanced");
+    const key = JSON.stringify([names, rare, this.elements, this.simple?.length > 0]);
+    if (key === this.commands_key) return;
+    this.commands_key = key;
+    this.forms = new Map(names.map((name) => [name, document.createElement("asip-command").begin(this.board, { ...this.service, elements: this.elements }, this.model, name)]));
     const forms = (wanted_names) => wanted_names.map((name) => this.forms.get(name));
     const usual = names.filter((name) => !rare.includes(name));
     // Where there is a control, rare commands stand below it; those of a sensor below its values. They are moved
@@ -191,13 +192,11 @@ class Service extends Part {
   /// What can be set: those that one control says, and as text how others stand that commands set.
   show_set(settable, values, changed) {
     const simple = settable.filter((each) => is_simple(each) && (this.pins || !each.advanced));
-    const key = JSON.stringify([simple, this.elements, status.may_command]);
+    const key = JSON.stringify([simple, status.may_command]);
     if (key !== this.simple_key) {
       this.simple_key = key;
       this.simple = simple;
-      this.setters = new Map(simple.map((each) => [each.id, document.createElement("asip-widget").sets(this.board, each, { use: status.may_command })]));
-      this.set_box.replaceChildren(...this.setters.values());
-      this.has_commands = undefined;
+      this.make_setters(simple);
       changed = values;
     }
     for (const [id, setter] of this.setters) {
@@ -208,6 +207,19 @@ class Service extends Part {
     set_text(this.known, others.map((each) => `${each.name}: ${value_text(each, values.get(each.id).value)}`).join(", "));
     this.show_commands();
     this.show_controls();
+  }
+
+  /// A control that says the same as before stays: a person may be moving it.
+  make_setters(simple) {
+    const known = this.setters;
+    this.setters = new Map(simple.map((each) => {
+      const key = JSON.stringify([each, status.may_command]);
+      const setter = known?.get(each.id);
+      return [each.id, setter?.key === key ? setter : Object.assign(document.createElement("asip-widget").sets(this.board, each, { use: status.may_command }), { key })];
+    }));
+    const setters = [...this.setters.values()];
+    for (const each of [...this.set_box.children]) if (!setters.includes(each)) each.remove();
+    setters.forEach((each, at) => { if (this.set_box.children[at] !== each) this.set_box.insertBefore(each, this.set_box.children[at] ?? null); });
   }
 
   /// {state, reason} of its board.
