@@ -50,10 +50,16 @@ Rule form_of(std::string_view text) {
 
 /// How many numbers these requests of published services have (docs/services.md).
 std::optional<std::size_t> numbers_of(char service, char tag) {
-    if (service == 'M' && (tag == 'm' || tag == 'M')) return 2;
-    if (service == 'I' && (tag == 'd' || tag == 'P' || tag == 'a')) return 2;
-    if (service == 'M' && tag == 's') return 1;
     if (tag == 'A') return 1;
+    struct Form {
+        char service;
+        std::string_view tags;
+        std::size_t numbers;
+    };
+    for (const auto& form :
+         {Form{'I', "dPa", 2}, Form{'M', "mMac", 2}, Form{'M', "rR", 3}, Form{'M', "s", 1}, Form{'N', "B", 2},
+          Form{'N', "C", 5}, Form{'N', "S", 1}, Form{'S', "W", 2}, Form{'T', "P", 2}})
+        if (form.service == service && form.tags.find(tag) != form.tags.npos) return form.numbers;
     return std::nullopt;
 }
 
