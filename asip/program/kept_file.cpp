@@ -44,8 +44,8 @@ Expected<void> keep_file(const fs::path& path, std::string_view text) {
     auto unfinished = path;
     unfinished += ".new";
     {
-        const Descriptor file(
-            ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+        ::unlink(unfinished.c_str());  // what a killed program left, or another user planted
+        const Descriptor file(::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
         if (!file.valid() || !file.write(text) || !file.sync()) return failed(unfinished);
     }
     if (::rename(unfinished.c_str(), path.c_str()) != 0 || !sync_folder(folder)) return failed(path);

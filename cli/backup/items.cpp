@@ -17,7 +17,7 @@ namespace {
 using Levels = std::vector<std::string_view>;
 
 constexpr std::array<std::string_view, 4> kPlaceWords{"etc", "mosquitto", "state", "dashboard"};
-constexpr std::size_t kMaxItems = 50'000, kMaxLevels = 4, kMaxNameBytes = 200;
+constexpr std::size_t kMaxLevels = 4, kMaxNameBytes = 200;
 constexpr mode_t kModesKept = 0644, kEverybodyReads = 004;
 constexpr std::string_view kJsonEnding = ".json";
 
@@ -57,8 +57,8 @@ bool valid_in_state(const Levels& levels) {
 }  // namespace
 
 bool BackupItem::is_secret() const {
-    return place == Place::kEtc &&
-           (path.starts_with("bus/") || path.starts_with("credentials/") || (mode & kEverybodyReads) == 0);
+    return place == Place::kEtc && (closed || path.starts_with("bus/") || path.starts_with("credentials/") ||
+                                    (mode & kEverybodyReads) == 0);
 }
 
 bool BackupItem::is_database() const {

@@ -27,6 +27,7 @@ struct BackupItem {
     std::int64_t changed = 0;  ///< nanoseconds since 1970
     std::uint64_t size = 0;
     std::uint64_t at = 0;  ///< where it begins in a backup that is read
+    bool closed = false;   ///< in a folder that the other users may not enter; no list says so
 
     /// Keys, users, and what the other users of the machine may not read either.
     bool is_secret() const;
@@ -36,7 +37,7 @@ struct BackupItem {
     bool valid() const;
 };
 
-inline constexpr std::size_t kMaxListBytes = std::size_t{16} << 20;
+inline constexpr std::size_t kMaxListBytes = std::size_t{16} << 20, kMaxItems = 50'000;
 inline constexpr std::size_t kMaxFileBytes = std::size_t{1} << 20;  ///< of all but databases
 
 /// A line about it, such as where and when it was made; one for each item, in the order of their contents;

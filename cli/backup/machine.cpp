@@ -41,6 +41,34 @@ tl::unexpected<Failure> unable_to(const std::string& what, const std::string& na
                                               (errno == EACCES ? " (root may: sudo)" : ""));
 }
 
+bool in_closed_folder(const std::string& name) {
+    struct stat status{};
+    for (auto slash = name.rfind('/'); slash != std::string::npos && slash > 0;
+         slash = name.rfind('/', slash - 1))
+        if (::stat(name.substr(0, slash).c_str(), &status) != 0 || (status.st_mode & S_IXOTH) == 0)
+            return true;
+    return false;
+}
+
+/// Calls `found` for each file; what is removed meanwhile is not there.
+Outcome<void> each_file(const std::string& folder, int levels,
+                        const std::function<void(const std::string& name, const struct stat&)>& found) {
+    std::error_code error;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+        const auto name = it->path().string();
+        struct stat status{};
+        if (::lstat(name.c_str(), &status) != 0) continue;
+        if (!S_ISDIR(status.st_mode)) {
+            found(name, status);
+        } else if (levels > 0) {
+            if (auto done = each_file(name, levels - 1, found); !done) return done;
+        }
+    }
+    if (!error || error == std::errc::no_such_file_or_directory) return {};
+    errno = error.value();
+    return unable_to("read", folder);
+}
+
 }  // namespace
 
 AsUser::AsUser(const Owner& owner) {
@@ -137,11 +165,12 @@ Outcome<std::optional<struct stat>> BackupMachine::look(const BackupItem& item) 
     return status;
 }
 
-Outcome<std::string> BackupMachine::read(const BackupItem& item) const {
+Outcome<std::optional<std::string>> BackupMachine::read(const BackupItem& item) const {
     const AsUser as(user_for(item));
     const auto name = name_of(item);
     const Descriptor file(::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     struct stat status{};
+    if (!file.valid() && errno == ENOENT) return std::nullopt;
     if (!file.valid() || ::fstat(file.number(), &status) != 0) return unable_to("read", name);
     if (const auto good = check(status, item); !good) return tl::unexpected(good.error());
     std::string text(kMaxFileBytes + 1, '\0');
@@ -149,7 +178,6 @@ Outcome<std::string> BackupMachine::read(const BackupItem& item) const {
     for (ssize_t count = 1; count > 0 && done < text.size(); done += static_cast<std::size_t>(count))
         if (count = ::read(file.number(), text.data() + done, text.size() - done); count < 0)
             return unable_to("read", name);
-    if (done > kMaxFileBytes) return failure(program::kExitFailure, name + " is above 1 MiB");
     text.resize(done);
     return text;
 }
@@ -181,22 +209,17 @@ Outcome<std::vector<BackupItem>> BackupMachine::list(
         if (!has(place)) continue;
         const AsUser as(place == Place::kState ? owner_of({place, ""}) : Owner{});
         const auto& top = paths_.at(static_cast<std::size_t>(place));
-        std::error_code error;
-        for (fs::recursive_directory_iterator it(top, error), end; !error && it != end; it.increment(error)) {
-            BackupItem item{place, it->path().string().substr(top.size() + 1)};
-            struct stat status{};
-            if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
-            if (::lstat(it->path().c_str(), &status) != 0 || S_ISDIR(status.st_mode)) continue;
+        const auto found = [&](const std::string& name, const struct stat& status) {
+            BackupItem item{place, name.substr(top.size() + 1)};
             item.mode = status.st_mode & 0644;
             item.changed =
                 std::max<std::int64_t>(0, status.st_mtim.tv_sec * kNanoseconds + status.st_mtim.tv_nsec);
-            if (!item.valid()) continue;
+            item.closed = in_closed_folder(name);
+            if (!item.valid()) return;
             const auto plain = look(item);
             plain ? items.push_back(std::move(item)) : left_out(plain.error().text);
-        }
-        if (error)
-            return failure(program::kExitFailure,
-                           "cannot read " + top + ": " + error.message() + " (root may: sudo)");
+        };
+        if (const auto done = each_file(top, kMaxDepth, found); !done) return tl::unexpected(done.error());
     }
     std::sort(items.begin(), items.end(), [](const auto& a, const auto& b) {
         return std::tie(a.place, a.path) < std::tie(b.place, b.path);

@@ -52,12 +52,15 @@ class BackupMachine {
     Outcome<std::vector<BackupItem>> list(const std::function<void(const std::string& why)>& left_out) const;
     /// Nothing: there is none. Fails where it is something else than a file of its owner.
     Outcome<std::optional<struct stat>> look(const BackupItem& item) const;
-    Outcome<std::string> read(const BackupItem& item) const;
+    /// Of a file above kMaxFileBytes, one byte more than that. Nothing: there is none.
+    Outcome<std::optional<std::string>> read(const BackupItem& item) const;
     /// Whole or not at all, with mode and time of the item; folders are made.
     Outcome<void> write(const BackupItem& item, const std::string& text) const;
 
     /// A database as it is at one moment, in a file that has no name any more.
     Outcome<program::Descriptor> copy_database(const BackupItem& item) const;
+    /// Whether the one here began before that of the backup ended, and goes on behind it, or cannot be read.
+    bool goes_on_here(const BackupItem& item) const;
     /// In place of all that is in it, whole or not at all. Fails where another program has it open.
     Outcome<void> restore_database(const BackupItem& item, const program::Descriptor& text) const;
 

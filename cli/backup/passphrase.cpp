@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMinPassphrase = 8, kMaxPassphrase = 1024;
 constexpr char kEndOfText = '\x03';
 
-/// What is typed_line is not shown. Ctrl-C ends the line, so that the terminal is as it was whatever happens.
+/// What is typed is not shown. Ctrl-C ends the line, so that the terminal is as it was whatever happens.
 class Unseen {
   public:
     Unseen() : changed_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
@@ -48,8 +48,8 @@ std::string first_line(std::istream& in, char* ended_by = nullptr) {
 }
 
 Outcome<std::string> typed_line(const std::string& prompt, const Environment& environment) {
+    const Unseen unseen;  // what was typed before it is lost
     environment.err << prompt << std::flush;
-    const Unseen unseen;
     char ended_by = 0;
     auto line = first_line(environment.in, &ended_by);
     environment.err << '\n' << std::flush;

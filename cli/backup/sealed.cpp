@@ -104,6 +104,13 @@ Outcome<void> seal(const program::Descriptor& out, const Passphrase& passphrase,
     return {};
 }
 
+program::Descriptor nameless_file() {
+    std::string name = "/var/tmp/asip-XXXXXX";
+    program::Descriptor file(::mkostemp(name.data(), O_CLOEXEC));  // 0600
+    if (file.valid()) ::unlink(name.c_str());
+    return file;
+}
+
 bool each_part(const program::Descriptor& file, std::uint64_t at, std::uint64_t bytes, const Sink& use) {
     std::string part;
     for (ssize_t count = 0; bytes > 0;

@@ -26,6 +26,8 @@ using Sink = std::function<bool(std::string_view bytes)>;
 Outcome<void> seal(const program::Descriptor& out, const Passphrase& passphrase,
                    const std::function<Outcome<void>(const Sink& sink)>& produce);
 
+/// On a disk, and gone when it is closed. Where there is no room: none.
+program::Descriptor nameless_file();
 /// Gives so many bytes of a file from there to `use`, in parts. False: there are fewer, or `use` failed.
 bool each_part(const program::Descriptor& file, std::uint64_t at, std::uint64_t bytes, const Sink& use);
 /// Copies the text of the file to `out`, which is of use only if this does not fail. True: it was sealed with

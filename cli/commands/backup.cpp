@@ -64,26 +64,51 @@ class Backup {
 
   private:
     Outcome<void> read_files(const BackupMachine& machine) {
-        auto items = machine.list([this](const std::string& why) { environment_.note("left out: " + why); });
+        const auto left_out = [this](const std::string& why) { environment_.note("left out: " + why); };
+        auto items = machine.list(left_out);
         if (!items) return tl::unexpected(items.error());
         std::size_t secrets = 0;
         for (auto& item : *items) {
             if (options_.without_secrets && item.is_secret()) {
                 ++secrets;
-            } else if (item.is_database()) {
-                auto copy = machine.copy_database(item);
-                if (!copy) return tl::unexpected(copy.error());
-                item.size = static_cast<std::uint64_t>(::lseek(copy->number(), 0, SEEK_END));
-                add(std::move(item), {"", std::move(*copy)});
-            } else {
-                auto text = machine.read(item);
-                if (!text) return tl::unexpected(text.error());
-                item.size = text->size();
-                add(std::move(item), {std::move(*text)});
+                continue;
             }
+            auto why = add_file(machine, item);
+            if (!why) return tl::unexpected(why.error());
+            if (!why->empty()) left_out(machine.name_of(item) + *why);
         }
-        if (secrets > 0) environment_.note("left out: " + counted(secrets, "file") + " with keys and users");
+        if (secrets > 0) left_out(counted(secrets, "file") + " with keys and users");
         return {};
+    }
+
+    /// Else why it is left out.
+    Outcome<std::string> add_file(const BackupMachine& machine, BackupItem& item) {
+        const std::string gone = " was removed meanwhile";
+        if (item.is_database()) {
+            const auto copy = machine.copy_database(item);
+            const auto there = copy ? std::nullopt : std::optional(machine.look(item));
+            if (there && *there && !**there) return gone;
+            if (!copy) return tl::unexpected(copy.error());
+            item.size = static_cast<std::uint64_t>(::lseek(copy->number(), 0, SEEK_END));
+            item.changed =
+                std::chrono::duration_cast<std::chrono::nanoseconds>(text::wall_now().time_since_epoch())
+                    .count();
+            if (!each_part(*copy, 0, item.size, [this](auto part) { return contents_.write(part); }))
+                return no_room();
+        } else {
+            const auto text = machine.read(item);
+            if (!text) return tl::unexpected(text.error());
+            if (!*text) return gone;
+            if ((*text)->size() > kMaxFileBytes) return " is above 1 MiB";
+            item.size = (*text)->size();
+            if (!contents_.write(**text)) return no_room();
+        }
+        items_.push_back(item);
+        return "";
+    }
+
+    static tl::unexpected<Failure> no_room() {
+        return failure(program::kExitFailure, std::string("no room in /var/tmp: ") + std::strerror(errno));
     }
 
     Outcome<void> read_dashboards() {
@@ -99,32 +124,22 @@ class Backup {
         for (auto& [topic, payload, expiry] : *retained) {
             BackupItem item{Place::kDashboard, topic.substr(above.size())};
             item.size = payload.size();
-            if (item.valid()) add(std::move(item), {std::move(payload)});
+            if (!item.valid()) continue;
+            if (!contents_.write(payload)) return no_room();
+            items_.push_back(std::move(item));
         }
         return {};
-    }
-
-    /// What an item has: its text, or that of a file.
-    struct Content {
-        std::string text;
-        program::Descriptor file{};
-    };
-    void add(BackupItem item, Content content) {
-        items_.push_back(std::move(item));
-        contents_.push_back(std::move(content));
     }
 
     Outcome<void> produce(const Sink& sink) {
         const auto text = to_text("made on " + program::host_name() + " at " +
                                       text::iso_time(text::wall_now()) + " by asipctl " ASIP_VERSION,
                                   items_);
-        if (text.size() > kMaxListBytes) return failure(program::kExitFailure, "these are too many files");
-        sink(text);
-        for (std::size_t i = 0; i < items_.size(); ++i) {
-            const auto& [own, file] = contents_[i];
-            if (file.valid() ? !each_part(file, 0, items_[i].size, sink) : !sink(own))
-                return failure(program::kExitFailure, items_[i].path + " cannot be read to its end");
-        }
+        if (text.size() > kMaxListBytes || items_.size() > kMaxItems)
+            return failure(program::kExitFailure,
+                           "these are too many files: at most " + std::to_string(kMaxItems) + " are kept");
+        const auto bytes = static_cast<std::uint64_t>(::lseek(contents_.number(), 0, SEEK_END));
+        if (!sink(text) || !each_part(contents_, 0, bytes, sink)) return no_room();
         return {};
     }
 
@@ -148,7 +163,7 @@ class Backup {
     const BackupOptions& options_;
     Environment& environment_;
     std::vector<BackupItem> items_;
-    std::vector<Content> contents_;
+    program::Descriptor contents_ = nameless_file();  // in their order
 };
 
 Run declare_backup(Declaration& verb) {

@@ -51,7 +51,7 @@ class Restore {
         if (!to_write_.empty()) {
             auto done = write(*machine);
             if (done) done = take_up();
-            if (!done) order(Order::kStart);
+            if (!done) start_services();
             if (!done) return done;
         }
         const auto done = put_dashboards();
@@ -60,22 +60,13 @@ class Restore {
     }
 
   private:
-    /// Stops registry and gateway, or starts those that it stopped.
-    enum class Order { kStop, kStart };
-    void order(Order what) {
-        if (!of_machine()) return;
-        if (what == Order::kStop)
-            for (const char* unit : {"asip-registry", "asip-gateway"})
-                if (is_active(unit)) running_.emplace_back(unit);
-        if (!running_.empty()) order_units(what == Order::kStop ? "stop" : "start", running_, report_);
+    void start_services() {
+        if (!running_.empty()) order_units("start", running_, report_);
     }
 
     bool of_machine() const { return ::geteuid() == 0 && options_.paths.etc == BackupPaths().etc; }
 
     Outcome<void> open() {
-        std::string name = "/var/tmp/asip-XXXXXX";
-        text_ = program::Descriptor(::mkostemp(name.data(), O_CLOEXEC));
-        ::unlink(name.c_str());
         const auto sealed = unseal(
             options_.file, [this] { return read_passphrase(options_.passphrase_file, false, environment_); },
             text_);
@@ -107,10 +98,11 @@ class Restore {
         const auto there = machine.look(item);
         if (!there) return tl::unexpected(there.error());
         if (!*there) return What::kNew;
-        if (item.is_database()) return What::kDiffers;
+        if (item.is_database())
+            return !options_.overwrite && machine.goes_on_here(item) ? What::kNewer : What::kDiffers;
         const auto text = machine.read(item);
         if (!text) return tl::unexpected(text.error());
-        if (*text == text_of(item) && ((*there)->st_mode & 0777) == item.mode) return What::kSame;
+        if (*text && **text == text_of(item) && ((*there)->st_mode & 0777) == item.mode) return What::kSame;
         const auto changed =
             (*there)->st_mtim.tv_sec * std::int64_t{1'000'000'000} + (*there)->st_mtim.tv_nsec;
         // What agents keep of their boards.
@@ -130,10 +122,11 @@ class Restore {
             if (*what == What::kNew || *what == What::kDiffers) to_write_.push_back(&item);
             if (*what == What::kSame) continue;
             report_.did(kWhatWords.at(static_cast<std::size_t>(*what)),
-                        machine.name_of(item) + (*what == What::kNewer ? ": stays as it is here"
-                                                 : *what == What::kDiffers && item.is_database()
-                                                     ? ": the one here is replaced"
-                                                     : ""));
+                        machine.name_of(item) + (*what == What::kNewer ? ": stays as it is here" : "") +
+                            (!item.is_database()       ? ""
+                             : *what == What::kNewer   ? " (--overwrite: it is replaced)"
+                             : *what == What::kDiffers ? ": the one here is replaced"
+                                                       : ""));
         }
         return {};
     }
@@ -163,7 +156,8 @@ class Restore {
 
     /// Databases first: one that is in use ends it before anything was written.
     Outcome<void> write(const BackupMachine& machine) {
-        order(Order::kStop);
+        if (of_machine()) running_ = running_services();
+        if (!running_.empty()) order_units("stop", running_, report_);
         for (const bool database : {true, false}) {
             for (const auto* item : to_write_) {
                 if (item->is_database() != database) continue;
@@ -199,8 +193,7 @@ class Restore {
         }
         if (broker)
             if (auto done = restart_services(true, {}, report_); !done) return done;
-        order(Order::kStart);
-        order_units("try-restart", {"asip-agent@*", "asip-boards", "asip-cables"}, report_);
+        start_services();
         return {};
     }
 
@@ -259,12 +252,12 @@ class Restore {
     const RestoreOptions& options_;
     Environment& environment_;
     SecureReport report_;
-    program::Descriptor text_;  // a file without a name
+    program::Descriptor text_ = nameless_file();
     bool sealed_ = false;
     BackupList list_;
     std::vector<const BackupItem*> to_write_;
     bool dashboards_ = false;
-    std::vector<std::string> running_;
+    Names running_;  // units that this one stops
 };
 
 Run declare_restore(Declaration& verb) {
@@ -274,7 +267,8 @@ Run declare_restore(Declaration& verb) {
                 "Its first line is the passphrase (-: standard input); default: it is asked for");
     verb.flag("--dry-run", options->dry_run, "Only say what would be written");
     verb.flag("--yes", options->yes, "Write without a question, for scripts");
-    verb.flag("--overwrite", options->overwrite, "Also where this machine has users, and other dashboards");
+    verb.flag("--overwrite", options->overwrite,
+              "Also where this machine has users, a history that goes on, and other dashboards");
     verb.flag("--dashboards", options->dashboards, "These alone, when the broker runs");
     declare_paths(verb, options->paths);
     verb.output(options->output, {Output::kText}, {"action", "what", "file", "command"});

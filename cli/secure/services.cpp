@@ -6,8 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <sstream>
 
 #include "asip/mqtt/options.hpp"
 #include "asip/program/credentials.hpp"
@@ -195,9 +198,19 @@ Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& 
     return {};
 }
 
-bool is_active(const std::string& unit) {
-    const auto status = run_and_wait({"systemctl", "is-active", "--quiet", unit});
-    return status && *status == 0;
+Names running_services() {
+    Names units;
+    auto* list = ::popen(
+        "systemctl list-units --plain --no-legend --state=active,activating,deactivating,reloading "
+        "asip-registry.service asip-gateway.service 'asip-agent@*.service' asip-boards.service "
+        "asip-cables.service 2>/dev/null",
+        "re");
+    if (list == nullptr) return units;
+    std::array<char, 4096> line{};
+    while (std::fgets(line.data(), line.size(), list) != nullptr)
+        if (std::string unit; std::istringstream(line.data()) >> unit) units.push_back(unit);
+    ::pclose(list);
+    return units;
 }
 
 void order_units(const std::string& verb, const Names& units, SecureReport& report) {

@@ -40,8 +40,8 @@ Outcome<Names> refresh_services(const SecureFolder& folder, const SecuredBus& bu
 /// users. Where no systemd runs, the commands are reported.
 Outcome<void> restart_services(bool broker, const Names& changed, SecureReport& report);
 
-/// By systemd, if that runs.
-bool is_active(const std::string& unit);
+/// The units of all services and agents that systemd runs, or tries to.
+Names running_services();
 
 /// `systemctl VERB UNITS`; where no systemd runs, that command is reported.
 void order_units(const std::string& verb, const Names& units, SecureReport& report);

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """asipctl backup and restore. The day of an operator, from an empty system: a secured bus, a backup, another machine, the board with its label,
 its link, its dashboard and a week of values (docs/run-as-services.md). And what an attacker may try, by a file or on the machine."""
+import itertools
 import math
 import os
 import pathlib
+import pty
 import pwd
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import urllib.request
@@ -164,9 +167,10 @@ class OperatorsDay(unittest.TestCase):
         old = machine.exchange()
         shutil.rmtree(bus.work / "retained")
         # On the new machine a registry already ran.
-        shutil.copy(old / "state-asip/history.db", bus.work / "state/asip/history.db")
+        now = int(time.time() * 1000)
+        write_kept(bus.work / "state/asip/history.values.db", "desk", "distance/0", [(now + MINUTE, now + 5 * MINUTE)], lambda _: 1)
         said = self.ok(machine.restore())
-        self.assertIn("history.db", said)
+        self.assertRegex(said, r"differs +\S*history.values.db: the one here is replaced")
         self.assertIn("--dashboards", said, "there is no broker yet")
         after = machine.files()
         self.assertEqual({name for name in before if "history" not in name and "broker/" not in name}, {name for name in after if "history" not in name and "broker/" not in name})
@@ -188,8 +192,8 @@ class OperatorsDay(unittest.TestCase):
         self.assertEqual(self.values(), week)
 
 
-class Attacks(unittest.TestCase):
-    """Folders as a machine has them, with no program that runs."""
+class Folders(unittest.TestCase):
+    """As a machine has them, with no program that runs."""
 
     def setUp(self):
         work = pathlib.Path(tempfile.mkdtemp(prefix="asip-backup-"))
@@ -211,6 +215,8 @@ class Attacks(unittest.TestCase):
         self.assertNotEqual(done.returncode, 0)
         self.assertIn(why, done.stderr.decode())
 
+
+class Attacks(Folders):
     def test_DamagedFile_RestoresNothing(self):
         self.made()
         whole = self.machine.file.read_bytes()
@@ -277,6 +283,40 @@ class Attacks(unittest.TestCase):
         self.assertEqual(files["state/asip/links/lamp/door.json"], b"{}\n")
         self.assertEqual(sum(text == b"mine" for text in files.values()), 5)
 
+    def test_HistoryThatGoesOnHere_StaysUnlessItIsSaid(self):
+        self.made()
+        file = self.machine.work / "state/asip/history.values.db"
+        file.unlink()
+        later = int(time.time() * 1000) + DAY
+        write_kept(file, "desk", "distance/0", [(later - 3 * DAY, later)], lambda _: 1)
+        before = file.read_bytes()
+        done = self.machine.restore("--overwrite", "--dry-run")
+        self.assertRegex(done.stdout.decode(), r"differs +\S*history.values.db: the one here is replaced")
+        (self.machine.work / "etc/tokens").unlink()
+        done = self.machine.restore()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout.decode(), r"newer +\S*history.values.db: stays")
+        self.assertEqual(file.read_bytes(), before)
+        self.assertEqual(self.machine.restore("--overwrite").returncode, 0)
+        self.assertNotEqual(file.read_bytes(), before)
+
+    def test_PlantedPipes_HoldNothingUp(self):
+        self.made()
+        state = self.machine.work / "state/asip"
+        for place in ("labels/desk.json.new", "labels/desk.json", "history.values.db", "history.values.db-journal", "history.values.db-wal"):
+            with self.subTest(place=place):
+                self.machine.exchange()
+                (state / "labels").mkdir(mode=0o700)
+                os.mkfifo(state / place, 0o600)
+                done = self.machine.restore()
+                self.assertEqual(done.returncode != 0, not place.endswith(".new"), done.stderr)
+                if place != "labels/desk.json.new":
+                    self.assertIn(b"no plain file", done.stderr)
+        self.machine.exchange()
+        write_kept(state / "history.values.db", "desk", "distance/0", [(DAY, 2 * DAY)], lambda at: at % 7)
+        os.mkfifo(state / "history.values.db-journal", 0o600)
+        self.refused(self.machine.backup("--no-dashboards"), "no plain file")
+
     def test_PlantedLinks_LeadNowhere(self):
         self.made()
         owner = pwd.getpwnam("nobody").pw_uid if os.geteuid() == 0 else os.geteuid()
@@ -312,10 +352,126 @@ class Attacks(unittest.TestCase):
         self.made()
         before = self.machine.file.read_bytes()
         self.refused(self.machine.backup("--no-dashboards", text=b"short\n"), "8 to 1024 bytes")
-        self.machine.write("etc/large", "x" * (1 << 20) + "x", 0o644)
-        self.refused(self.machine.backup("--no-dashboards"), "1 MiB")
+        shutil.rmtree(self.machine.work / "state/asip")
+        self.machine.write("state/asip/history.db", "no database")
+        self.refused(self.machine.backup("--no-dashboards"), "not a database")
         self.assertEqual(self.machine.file.read_bytes(), before)
         self.assertEqual(list(self.machine.work.glob("bus.backup.*")), [])
+
+    def test_LargeFile_IsLeftOutWithALine(self):
+        self.machine.write("etc/large", "x" * (1 << 20) + "x", 0o644)
+        self.machine.write("etc/less", "x" * (1 << 20), 0o644)
+        self.assertRegex(self.made().stderr.decode(), r"left out: \S*/etc/large is above 1 MiB")
+        before = self.machine.files()
+        self.machine.exchange()
+        self.assertEqual(self.machine.restore().returncode, 0)
+        self.assertEqual(before.keys() - self.machine.files().keys(), {"etc/large"})
+
+    def test_FilesThatComeAndGo_FailNothing(self):
+        stop = threading.Event()
+
+        def change():
+            for number in itertools.count():
+                if stop.is_set():
+                    return
+                shutil.rmtree(self.machine.work / f"etc/of-{number % 9}", ignore_errors=True)
+                for each in range(20):
+                    self.machine.write(f"etc/of-{number % 9}/{each}", "x", 0o644)
+
+        changes = threading.Thread(target=change)
+        changes.start()
+        try:
+            for _ in range(15):
+                self.made()
+        finally:
+            stop.set()
+            changes.join()
+
+    def test_OpenFileInAClosedFolder_IsASecret(self):
+        self.machine.write("etc/private/open", "mine", 0o644)
+        done = asipctl("backup", self.machine.file, "--no-secrets", "--no-dashboards", *self.machine.options())
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(b"left out: 2 files with keys and users", done.stderr)
+        self.assertNotIn(b"private/open", self.machine.file.read_bytes())
+
+
+class Terminal:
+    """asipctl, with a person before it."""
+
+    def __init__(self, *words):
+        self.shown = b""
+        self.process, self.end = pty.fork()
+        if self.process == 0:
+            os.execv(BIN / "asipctl", ["asipctl", *map(str, words)])
+
+    def read(self):
+        try:
+            part = os.read(self.end, 4096)
+        except OSError:  # it has ended
+            part = b""
+        self.shown += part
+        return part
+
+    def answers(self, question, text):
+        while question not in self.shown:
+            assert self.read(), self.shown
+        os.write(self.end, text)
+
+    def status(self):
+        while self.read():
+            pass
+        os.close(self.end)
+        return os.waitstatus_to_exitcode(os.waitpid(self.process, 0)[1])
+
+
+class ByHand(Folders):
+    def test_TypedPassphrase_IsNotShownAndOpensTheBackup(self):
+        typed = (b"Passphrase: ", PASSPHRASE), (b"The same again: ", PASSPHRASE)
+        backup = Terminal("backup", self.machine.file, "--no-dashboards", *self.machine.options())
+        for question, text in typed:
+            backup.answers(question, text)
+        self.assertEqual(backup.status(), 0, backup.shown)
+        before = self.machine.files()
+        self.machine.exchange()
+        for answer, files in ((b"n\n", {}), (b"y\n", before)):
+            restore = Terminal("restore", self.machine.file, *self.machine.options())
+            restore.answers(*typed[0])
+            restore.answers(b"Continue? [y/N]", answer)
+            self.assertEqual(restore.status(), 0, restore.shown)
+            self.assertNotIn(PASSPHRASE.strip(), backup.shown + restore.shown)
+            self.assertEqual(self.machine.files().keys(), set(files))
+
+    def test_TwoPassphrases_OrCtrlC_MakeNothing(self):
+        for first, second in ((b"correct horse\n", b"correct house\n"), (b"correct\x03", None)):
+            backup = Terminal("backup", self.machine.file, "--no-dashboards", *self.machine.options())
+            backup.answers(b"Passphrase: ", first)
+            if second:
+                backup.answers(b"The same again: ", second)
+            self.assertNotEqual(backup.status(), 0, backup.shown)
+            self.assertFalse(self.machine.file.exists())
+
+    def test_ServicesAndAgents_AreStoppedWhileItWrites(self):
+        """In folders of a machine of its own. A test has no systemd: one that only says what it was asked shows that the right units are asked."""
+        root = ("unshare", "--map-root-user", "--mount")
+        if subprocess.run([*root, "true"], check=False).returncode != 0:
+            self.skipTest("this system lets nobody make a namespace")
+        self.made()
+        work = self.machine.work
+        label = "/var/lib/asip/labels/desk.json"
+        systemctl = self.machine.write("bin/systemctl", f"""#!/bin/sh
+            case $1 in list-units) printf '%s\\n' 'asip-registry.service loaded active running' 'asip-agent@usb-1.service loaded activating auto-restart';;
+            *) echo "$*" $(ls {label} 2>/dev/null) >> {work}/asked;; esac\n""", 0o755)
+        (work / "machine/etc").mkdir(parents=True)
+        done = subprocess.run([*root, "sh", "-ec", f"""
+            mount -t tmpfs run /run; mkdir -p /run/systemd/system
+            mount -t tmpfs lib /var/lib; mkdir -m 750 /var/lib/asip
+            mount --rbind /etc {work}/machine/etc; mount -t tmpfs etc /etc
+            ln -s {work}/machine/etc/* /etc/; rm -f /etc/asip /etc/mosquitto; mkdir -p /etc/asip /etc/mosquitto/conf.d
+            HOME={work} PATH={systemctl.parent}:$PATH {BIN}/asipctl restore {self.machine.file} --passphrase-file - --yes
+            test -e {label}"""], input=PASSPHRASE, capture_output=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        units = "asip-registry.service asip-agent@usb-1.service"
+        self.assertEqual((work / "asked").read_text().splitlines(), [f"stop {units}", f"start {units} {label}"])
 
 
 if __name__ == "__main__":

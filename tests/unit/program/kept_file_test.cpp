@@ -55,8 +55,16 @@ TEST(KeptFile, LinkInThePlaceOfTheNewFile_IsNotFollowed) {
     const test::TempDir folder;
     const auto other = folder.write("other", "untouched");
     fs::create_symlink(other, folder.file("desk.json.new"));
-    EXPECT_FALSE(keep_file(folder.file("desk.json"), "whole"));
+    ASSERT_TRUE(keep_file(folder.file("desk.json"), "whole"));
+    EXPECT_EQ(text_of(folder.file("desk.json")), "whole");
     EXPECT_EQ(text_of(other), "untouched");
+}
+
+TEST(KeptFile, PipeInThePlaceOfTheNewFile_HoldsNothingUp) {
+    const test::TempDir folder;
+    ASSERT_EQ(::mkfifo(folder.file("desk.json.new").c_str(), 0600), 0);
+    ASSERT_TRUE(keep_file(folder.file("desk.json"), "whole"));
+    EXPECT_EQ(text_of(folder.file("desk.json")), "whole");
 }
 
 TEST(KeptFile, FolderThatCannotBe_IsNamed) {
