@@ -76,7 +76,7 @@ void Cable::tell(CableKind kind, std::string_view payload) {
 }
 
 void Cable::replaced() {
-    tell(CableKind::kEnd, "its page has connected it again");
+    tell(CableKind::kTaken, "another board was connected in its place");
     if (!port_) return;
     port_->close();
     programs_ = 0;

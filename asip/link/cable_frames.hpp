@@ -22,6 +22,7 @@ enum class CableKind : char {
     kName = 'N',     ///< to the page: the board is on the bus under this name
     kAlive = 'A',    ///< gateway to page: nothing; the way is there
     kEnd = 'E',      ///< nothing follows; why, for a person
+    kTaken = 'T',    ///< agent to gateway: the same, since another cable has its place
 };
 
 struct CableMessage {

@@ -11,6 +11,7 @@ using link::CableKind;
 constexpr std::size_t kOneMessage = std::size_t{16} * 1024;
 constexpr std::uint16_t kEnded = 1000;
 constexpr std::uint16_t kNotAllowed = 1008;
+constexpr std::uint16_t kTaken = 4001;  // its page connects no more: each would end the other for ever
 constexpr const char* kUnplugged = "the board was unplugged from the computer that lent it";
 
 }  // namespace
@@ -37,6 +38,7 @@ CableChannel::~CableChannel() {
 void CableChannel::from_agent(const link::CableMessage& message) {
     if (code_ != 0) return;
     if (message.kind == CableKind::kEnd) return end(message.payload, kEnded);
+    if (message.kind == CableKind::kTaken) return end(message.payload, kTaken);
     if (message.kind == CableKind::kName) dependencies_.named(message.payload);
     put(message.kind, message.payload);
     if (waiting_ > kMaxWaiting) end("the browser that lent it takes no bytes", kEnded);

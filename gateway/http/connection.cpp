@@ -154,6 +154,7 @@ void Connection::handle() {
     reader_.reset();
     count_input(in_.size() + read_bytes_);
     request_->peer = peer_;
+    if (peer_.secure && transport_.tls() == nullptr) return lead_to_tls();
     keep_alive_ = request_->keep_alive;
     head_only_ = request_->method == "HEAD";
     old_client_ = request_->http_1_0;
@@ -182,6 +183,23 @@ bool Connection::serve() {
     // Not before: a WebSocket takes the socket over, and must find no read under way.
     if (phase_ == Phase::kHandling || phase_ == Phase::kStreaming) read();
     return step_ != nullptr;
+}
+
+// Not for ever: a browser would go on where the gateway has no TLS any more.
+void Connection::lead_to_tls() {
+    constexpr std::string_view kOfAddresses =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.-:[]";
+    const auto host = request_->header("host");
+    const bool looks = request_->method == "GET" || request_->method == "HEAD";
+    if (!looks || host.empty() || host.find_first_not_of(kOfAddresses) != host.npos ||
+        !request_->target.starts_with('/'))
+        return refuse(400, "this address wants https:");
+    Response response;
+    response.status = 307;
+    response.headers = {{"Location", "https://" + std::string(host) + request_->target}};
+    head_only_ = false;
+    std::string head = head_text(response, false, false);
+    write(std::move(head), std::move(response), false);
 }
 
 void Connection::refuse(int status, std::string_view text) {

@@ -62,6 +62,9 @@ class Connection final : public Responder, public std::enable_shared_from_this<C
     enum class Phase { kHandshake, kReading, kHandling, kWriting, kStreaming, kWebSocket, kClosed };
 
     void shakes_hands(bool now);
+    void handshake(boost::asio::ssl::context& tls);
+    /// What was asked without TLS is at `https:`.
+    void lead_to_tls();
     void read();
     void received(const boost::system::error_code& error, std::size_t bytes);
     void feed();

@@ -181,6 +181,7 @@ std::string_view reason_phrase(int status) {
                                                              {204, "No Content"},
                                                              {303, "See Other"},
                                                              {304, "Not Modified"},
+                                                             {307, "Temporary Redirect"},
                                                              {308, "Permanent Redirect"},
                                                              {400, "Bad Request"},
                                                              {401, "Unauthorized"},

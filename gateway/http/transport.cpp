@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/http/transport.hpp"
 
+#include <sys/socket.h>
+
 #include <boost/asio/bind_executor.hpp>
 #include <utility>
 
@@ -38,7 +40,22 @@ void Connection::start(asio::ssl::context* tls) {
         return close();
     }
     shakes_hands(true);
-    transport_.use_tls(*tls);
+    transport_.socket().async_wait(Transport::Socket::wait_read, [self = shared_from_this(), tls](
+                                                                     const boost::system::error_code& error) {
+        if (self->closed()) return;
+        if (error) return self->close();
+        char first = 0;
+        ::recv(self->transport_.socket().native_handle(), &first, 1, MSG_PEEK | MSG_DONTWAIT);
+        if (first < 'A' || first > 'Z') return self->handshake(*tls);
+        // The method of a request: this browser was given http:, and not https:.
+        self->shakes_hands(false);
+        self->phase_ = Phase::kReading;
+        self->read();
+    });
+}
+
+void Connection::handshake(asio::ssl::context& tls) {
+    transport_.use_tls(tls);
     // A handshake costs a millisecond or two, and comes before any token.
     const TurnExecutor turns(asio::query(transport_.get_executor(), asio::execution::context),
                              shared_->shares, "address " + address_);

@@ -13,7 +13,7 @@ import unittest
 from selenium.webdriver.support.ui import Select
 
 from class_test import Phones, address_of_this_machine
-from rig import ROOT, IMAGES, PageTest, eventually
+from rig import ROOT, IMAGES, Browser, PageTest, can_connect, eventually, free_port
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / folder) for folder in ("box", "cable")]
 from box_test import OLD_NANO, needs_tools  # noqa: E402
@@ -139,6 +139,17 @@ class OneBoard(Cable):
         self.says("The port cannot be used: the board takes no bytes")
         eventually(lambda: self.state() == "lost", "lost", 60)
 
+    def test_GatewayThatLetsItLendNoMore_IsNotAskedForEver(self):
+        self.connect("one")
+        self.is_online()
+        self.bus.end("gateway")
+        self.addCleanup(self.bus.start_gateway)
+        self.addCleanup(self.bus.end, "gateway")
+        self.bus.start("gateway", "asip-gateway", "--http", f"{self.bus.host}:{self.bus.http_port}")
+        self.says("This browser may not lend a board any more.")
+        self.browser.button("Remove", "asip-lend").click()
+        self.assertEqual(self.browser.find("asip-lend li"), [])
+
     def test_PortInOtherHands_IsSaid(self):
         self.connect("none")
         self.says("The port cannot be used: Failed to open serial port.")
@@ -149,6 +160,40 @@ class OneBoard(Cable):
         self.says("This browser cannot open a serial port.")
         self.assertEqual(self.browser.find("asip-lend button"), [])
         self.browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", {"identifier": script["identifier"]})
+
+
+class ByAnotherName(PageTest):
+    boards = ()
+    expected_errors = ("Failed to load resource",)
+
+    @classmethod
+    def make_bus(cls):
+        bus = LendingBus()
+        bus.certificate = [str(bus.work / name) for name in ("http.pem", "http.key")]
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=school.test",
+                        "-out", bus.certificate[0], "-keyout", bus.certificate[1]], check=True, capture_output=True)
+        return bus
+
+    def start(self, name, *options):
+        port = free_port()
+        self.bus.start(name, "asip-gateway", "--http", f"127.0.0.1:{port}", "--cables", str(self.bus.cables), "--host", "school.test", *options)
+        self.addCleanup(self.bus.end, name)
+        eventually(lambda: can_connect(port), name, 60)
+        return f"http://school.test:{port}/#/add"
+
+    def test_PageThatCameByHttp_SaysWhatIsMissing_AndLeadsToHttpsWhereThatIs(self):
+        page = Browser("--host-resolver-rules=MAP school.test 127.0.0.1", "--ignore-certificate-errors")
+        self.addCleanup(page.close)
+        says = lambda text: eventually(lambda: text in page.text("asip-lend"), text, 60)
+        page.driver.get(self.start("plain"))
+        says("Browsers open serial ports only on pages that came by HTTPS.")
+        self.assertEqual(page.find("asip-lend button"), [])
+        cert, key = self.bus.certificate
+        address = self.start("tls", "--http-cert", cert, "--http-key", key)
+        page.driver.get(address)
+        says("Connect the board in this computer")
+        self.assertEqual(page.driver.current_url, address.replace("http:", "https:"))
+        self.assertTrue(page.run("return isSecureContext && navigator.serial !== undefined"))
 
 
 class FromTheBox(Cable):
@@ -205,6 +250,20 @@ class Away(Cable):
             self.is_online()
             self.says(f"On the bus: {BOARD}")
 
+    def test_CommandThatThePortHasNotTaken_EndsWithTheCable(self):
+        self.connect("one")
+        self.is_online()
+        self.assertEqual(self.bus.asipctl("send", f"{BOARD}/servo", "write", "0", "90").returncode, 0)
+        eventually(lambda: self.bus.part("one/servo").startswith("90"), "the servo turns", 60)
+        self.browser.run("window.stalled = new Promise((done) => { window.go_on = done; })")
+        self.assertNotEqual(self.bus.asipctl("send", f"{BOARD}/servo", "write", "0", "33").returncode, 0)
+        self.bus.end("gateway")
+        eventually(lambda: self.browser.text("asip-link") != "live", "the page has no connection", 60)
+        self.browser.run("window.stalled = undefined; go_on()")
+        self.bus.start_gateway()
+        self.is_online()  # the board has read all that came before
+        self.assertTrue(self.bus.part("one/servo").startswith("90"), self.bus.part("one/servo"))
+
     def test_NetworkGoneForTenSeconds_NoCommandOfThatTimeReachesTheBoard(self):
         way = Way(self.bus.http_port)
         self.addCleanup(way.close)
@@ -244,8 +303,7 @@ class School(LendingBus):
     gateway_options = ("--anonymous", "class")
 
 
-class TenPupils(Cable):
-    simulated = tuple({"name": f"board{i}", "image": SERVICES, "parts": [EYE, {"kind": "led", "name": f"light{i}", "pin": 13}]} for i in range(1, 11))
+class Lesson(Cable):
     expected_errors = (*Cable.expected_errors, "status of 401", "status of 404", "response code: 401")
 
     @classmethod
@@ -270,6 +328,28 @@ class TenPupils(Cable):
         eventually(lambda: laptop.run("return document.querySelector('nav').hidden") or laptop.text("asip-link") == "live", "the way in", 60)
         laptop.shown("input.class-code", seconds=60).send_keys(code)
         laptop.button("Join").click()
+
+
+class TwoBoardsOfAPupil(Lesson):
+    simulated = tuple({"name": name, "image": SERVICES, "parts": [EYE]} for name in ("one", "two"))
+
+    def test_TheSecondHasThePlace_AndTheFirstSaysSo(self):
+        code = self.open_lesson()
+        laptops = Phones(1, "about:blank")
+        self.addCleanup(laptops.close)
+        laptop = laptops[0]
+        self.join(laptop, code)
+        eventually(lambda: laptop.text("asip-pupil").startswith("You are student-1."), "the pupil is in", 60)
+        self.press("one", laptop)
+        self.says("On the bus: lent-student-1", browser=laptop)
+        self.press("two", laptop)
+        self.says("Not connected: another board was connected in its place. Remove", browser=laptop)
+        self.says("On the bus: lent-student-1", browser=laptop)
+        eventually(lambda: self.bus.board("lent-student-1")["state"] == "online", "online", 60)
+
+
+class TenPupils(Lesson):
+    simulated = tuple({"name": f"board{i}", "image": SERVICES, "parts": [EYE, {"kind": "led", "name": f"light{i}", "pin": 13}]} for i in range(1, 11))
 
     def test_TenPupils_LendTenBoards_UntilTheLessonEnds(self):
         code = self.open_lesson()

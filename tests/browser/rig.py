@@ -28,11 +28,11 @@ CHROMIUM_OPTIONS = """--headless --no-sandbox --disable-gpu --disable-quic --no-
 
 
 class Browser:
-    def __init__(self):
+    def __init__(self, *more_options):
         self.profile = tempfile.mkdtemp(prefix="asip-chromium-")
         options = webdriver.ChromeOptions()
         options.binary_location = "/usr/bin/chromium"
-        for option in CHROMIUM_OPTIONS:
+        for option in (*CHROMIUM_OPTIONS, *more_options):
             options.add_argument(option)
         options.add_argument(f"--user-data-dir={self.profile}")
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})

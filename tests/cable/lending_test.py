@@ -315,6 +315,15 @@ class Pupils(CableTest):
                 self.lend("one", cookie=cookie)
             self.assertEqual(refused.exception.status_code, 401)
 
+    def test_SecondCableOfAPupil_EndsTheFirstForGood(self):
+        cookie = self.join(self.open_lesson(), 1)
+        first = self.lend("one", cookie=cookie)
+        eventually(lambda: first.name, "its name", 60)
+        second = self.lend("two", cookie=cookie)
+        eventually(lambda: first.closed, "the end of the first", 60)
+        self.assertEqual((first.why, first.closed), ("another board was connected in its place", 4001))
+        eventually(lambda: second.name == "lent-student-1", "the second", 60)
+
     def test_NextLesson_HasTheSameNames_WhateverTheBoardIsCalled(self):
         lesson = self.open_lesson()
         first = self.lend("one", cookie=self.join(lesson, 1))

@@ -55,7 +55,11 @@ FAKE_SERIAL = """
     get writable() {
       if (!this.#socket || this.#gone) return null;
       return this.#writable ??= new WritableStream({
-        write: (bytes) => { this.#socket?.send(bytes); },
+        // A test lets it wait by a promise in window.stalled; abort() ends that, as in Chromium.
+        write: async (bytes, controller) => {
+          await Promise.race([window.stalled, new Promise((done) => controller.signal.addEventListener("abort", done))]);
+          if (!controller.signal.aborted) this.#socket?.send(bytes);
+        },
         close: () => { this.#writable = undefined; },
         abort: () => { this.#writable = undefined; },
       });

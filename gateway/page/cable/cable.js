@@ -14,7 +14,7 @@ const kSilentMs = 5000; // the gateway says something every second
 const kCheckMs = 1000;
 const kConnectMs = 10_000; // more, until there is a connection
 const kMaxWaiting = 262_144; // bytes, in either direction, as in the gateway
-const kNotAllowed = 1008; // closed by the gateway for good
+const kForGood = [1008, 4001]; // closed by the gateway: not allowed, or another cable has its place
 
 const texts = await fetch(new URL(`languages/${document.documentElement.lang}.json`, import.meta.url)).then((response) => response.json());
 /// As t(), of the table of this folder.
@@ -70,33 +70,39 @@ class Cable {
         this.show("cable.asking");
       });
     };
-    socket.onmessage = ({ data }) => { if (this.socket === socket) this.received(data); };
+    socket.onmessage = ({ data }) => { if (this.socket === socket) this.received(data, socket); };
     socket.onclose = ({ code }) => { if (this.socket === socket) this.leave(code); };
   }
 
   /// What comes behind a silence was sent long ago: no board executes a command that late.
-  received(data) {
+  received(data, socket) {
     if (!this.check()) return undefined;
     this.heard = Date.now();
     this.waiting += data.byteLength;
     if (this.waiting > kMaxWaiting) return this.fail(new Error(say("cable.slow")));
     return this.then(async () => {
-      await this.take(String.fromCharCode(new Uint8Array(data, 0, 1)[0]), new Uint8Array(data, 1));
+      const kind = String.fromCharCode(new Uint8Array(data, 0, 1)[0]);
+      if (this.socket === socket || kind === "E") await this.take(kind, new Uint8Array(data, 1));
       this.waiting -= data.byteLength;
     });
   }
 
-  /// The connection counts for nothing from now on. Without a network its own end would come minutes later.
+  /// The connection counts for nothing from now on. Without a network its own end would come minutes later. What the port has not
+  /// taken yet is dropped: no board executes a command when its cable has ended.
   leave(code) {
     this.socket?.close();
     this.socket = undefined;
+    this.aborted = this.writer?.abort().catch(() => undefined);
     this.then(async () => {
       await this.close();
-      if (this.over || code === kNotAllowed) return this.end();
+      if (this.over || kForGood.includes(code)) return this.end();
       if (!this.why) this.show("cable.again");
       await later(this.pause);
       this.pause = Math.min(2 * this.pause, kAgainMaxMs);
-      return this.over ? this.end() : this.connect();
+      if (this.over) return this.end();
+      if (await may_lend()) return this.connect();
+      this.show("cable.not-allowed");
+      return this.end();
     });
   }
 
@@ -145,6 +151,7 @@ class Cable {
   /// All that was written leaves first.
   async close() {
     this.reads = false;
+    await this.aborted;
     await this.reader?.cancel().catch(() => undefined);
     await this.reading;
     await this.port.writable?.getWriter().close().catch(() => undefined);
@@ -152,10 +159,13 @@ class Cable {
   }
 
   async write(payload) {
-    const writer = this.port.writable?.getWriter();
+    const writer = this.writer = this.port.writable?.getWriter();
     try {
       await writer?.write(payload);
+    } catch (error) {
+      if (this.socket) throw error; // else leave() ended it
     } finally {
+      this.writer = undefined;
       writer?.releaseLock();
     }
   }
@@ -221,7 +231,8 @@ class Lend extends Part {
   }
 
   draw() {
-    this.hidden = status.you.lend !== true;
+    this.what.hidden = status.you.lend !== true;
+    this.hidden = this.what.hidden && cables.size === 0;
     const able = navigator.serial !== undefined;
     if (!this.what.firstChild)
       this.what.append(...able
@@ -260,6 +271,12 @@ class Lend extends Part {
     cables.delete(cable);
     this.draw();
   }
+}
+
+/// False: the gateway says that this browser may not; a gateway that says nothing is asked again later.
+async function may_lend() {
+  await status.refresh();
+  return status.now ? status.you.lend === true : !status.refused;
 }
 
 /// What it was lent by before closes the port first.

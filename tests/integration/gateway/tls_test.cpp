@@ -60,13 +60,26 @@ TEST_F(GatewayTls, Chain_IsAcceptedByWhoeverTrustsTheRoot) {
     EXPECT_EQ(curl(gateway.port(), {"--cacert", file("root.pem"), "--tls-max", "1.2"}).status, 0);
 }
 
-TEST_F(GatewayTls, PlainHttp_IsClosedAndTheNextIsServed) {
+TEST_F(GatewayTls, PlainHttp_IsLedToHttps_AndTheNextIsServed) {
     RunningGateway gateway(broker_.address(),
                            {"--http-cert", file("chain.pem"), "--http-key", file("server.key"), "--config",
                             settings_file("header-time = 1s\n")});
     Wire plain(gateway.port());
-    plain.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    plain.send("GET /join?a=1 HTTP/1.1\r\nHost: school.example:8443\r\n\r\n");
+    const auto head = plain.read_until("\r\n\r\n");
+    EXPECT_THAT(head, testing::StartsWith("HTTP/1.1 307 "));
+    EXPECT_THAT(head, testing::HasSubstr("Location: https://school.example:8443/join?a=1\r\n"));
     EXPECT_TRUE(plain.closed());
+    for (const char* wrong : {"POST /api/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n",
+                              "GET / HTTP/1.1\r\nHost: a@b\r\n\r\n", "GET / HTTP/1.0\r\n\r\n"}) {
+        Wire other(gateway.port());
+        other.send(wrong);
+        EXPECT_THAT(other.read_until("\r\n\r\n"), testing::StartsWith("HTTP/1.1 400 ")) << wrong;
+        EXPECT_TRUE(other.closed());
+    }
+    Wire neither(gateway.port());
+    neither.send("hello\r\n\r\n");
+    EXPECT_TRUE(neither.closed());
     Wire silent(gateway.port());
     EXPECT_TRUE(silent.closed(std::chrono::seconds(5))) << "a handshake that does not begin";
     EXPECT_EQ(curl(gateway.port(), {"--cacert", file("root.pem")}).status, 0);
