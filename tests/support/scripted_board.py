@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A board that is a few lines of text: with pins and, unless it is told otherwise, a distance sensor."""
+"""A board that is a few lines of text: with pins and a distance sensor."""
 
 import contextlib
 import socket
@@ -13,10 +13,10 @@ class ScriptedBoard:
     ANSWERS = {
         "#,?": "@#,?,0,4,ATmega328P,6,Script", "#,X": "@#,X,2,{E:1,I:1}", "#,I": "@#,I,",
         "I,M": "@I,M,6,{4:1,4:2,4:4,4:8,4:10,3:1}", "I,m": "@I,m,1,{5:0}", "I,p": "@I,p,6,{1,1,1,1,1,7}", "I,c": "@I,c,6,{1,1,1,1,1,3}",
+        "#,N": "@#,N,2,{I:ASIP core IO,D:Distance}", "#,S": "@#,S,6,{I,I,I,I,I,D}",
     }
 
-    def __init__(self, distance=True):
-        self.distance = distance
+    def __init__(self):
         self.server = socket.create_server(("127.0.0.1", 0))
         self.port = self.server.getsockname()[1]
         self.socket = None
@@ -25,10 +25,6 @@ class ScriptedBoard:
     def answer(self, line):
         if line.startswith("#,E,"):
             return "@" + line
-        if line == "#,N":
-            return "@#,N,2,{I:ASIP core IO,D:Distance}" if self.distance else "@#,N,1,{I:ASIP core IO}"
-        if line == "#,S":
-            return "@#,S,6,{I,I,I,I,I,D}" if self.distance else "@#,S,6,{I,I,I,I,I,I}"
         if line in self.ANSWERS:
             return self.ANSWERS[line]
         return f"~#,{line[2:3]},2{{UNKNOWN_REQUEST}}" if line.startswith("#") else None
