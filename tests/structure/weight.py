@@ -44,7 +44,7 @@ def features(names):
 
 def lines(root):
     """{(room, language): lines} and {(feature, "product" or "tests"): lines}: the rooms are the folders of the product, those beside it, and
-    `tests`."""
+    `tests`; of pages, {(feature, "words"): words}."""
     found, later = {}, {}
     names = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True, check=True).stdout.split("\0")
     owner = features(names)
@@ -57,18 +57,23 @@ def lines(root):
             if name in owner:
                 where = owner[name], "tests" if folder == "tests" else "product"
                 later[where] = later.get(where, 0) + count
+        elif name in owner and name.endswith(".md"):
+            where = owner[name], "words"
+            later[where] = later.get(where, 0) + len((Path(root) / name).read_text(encoding="utf-8").split())
     return found, later
 
 
-def show_features(found, later):
+def show_features(found, later, words):
     """The features that came later, and what the house weighs without them."""
-    print(f"\n{'came later':14}{'product':>12}{'tests':>12}")
+    kinds = "product", "tests", "words"
+    print(f"\n{'came later':14}" + "".join(f"{kind:>12}" for kind in kinds))
     for feature in dict.fromkeys(each for each, _ in later):
-        print(f"{feature:14}" + "".join(f"{later.get((feature, kind), 0):12,}" for kind in ("product", "tests")))
+        print(f"{feature:14}" + "".join(f"{later.get((feature, kind), 0):12,}" for kind in kinds))
     house = {kind: sum(count for (folder, _), count in found.items() if folder in folders)
-             - sum(count for (_, each), count in later.items() if each == kind)
-             for kind, folders in (("product", PRODUCT), ("tests", ("tests",)))}
-    print(f"{'the house':14}{house['product']:12,}{house['tests']:12,}\n")
+             for kind, folders in (("product", PRODUCT), ("tests", ("tests",)))} | {"words": words}
+    for (_, kind), count in later.items():
+        house[kind] -= count
+    print(f"{'the house':14}" + "".join(f"{house[kind]:12,}" for kind in kinds) + "\n")
 
 
 def row(name, found, folders):
@@ -84,10 +89,11 @@ def main():
     row("product", found, PRODUCT)
     row("tests", found, ["tests"])
     row("beside", found, ASIDE)
-    show_features(found, later)
     root = Path(sys.argv[1])
     pages = [*(root / "docs").glob("*.md"), *(root / name for name in PAGES)]
-    print(f"{'documentation':14}{sum(len(page.read_text(encoding='utf-8').split()) for page in pages):12,} words")
+    words = sum(len(page.read_text(encoding="utf-8").split()) for page in pages)
+    print(f"{'documentation':14}{words:12,} words")
+    show_features(found, later, words)
     for program in PROGRAMS if len(sys.argv) > 2 else ():
         told = [subprocess.run([Path(sys.argv[2]) / program, each], capture_output=True, text=True, check=False).stdout
                 for each in ("--help", "--help-all")]
