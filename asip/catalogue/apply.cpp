@@ -121,17 +121,14 @@ std::optional<Refusal> Catalogue::Impl::description(const Announcement& a, Time 
 
 // The state that a description holds. An agent publishes it before the same on `$state`: so a retained
 // `$state` that says something else of a board that was there is newer, and the word of the broker, unless
-// the description is the younger one. A board that was there behind what is known of it is gone anew.
+// the description is the younger one. The board was there behind what was known of it, and is gone anew.
 void Catalogue::Impl::take_said_state(Board& b, const DescriptionMembers& members, const Announcement& a,
                                       bool new_session, Time now) {
     const Time said_at = published(a, b.lease_seconds, now).value_or(now);
-    const auto is_behind = [&](Time time) {
-        return a.expiry_seconds && time != Time{} && said_at > time + kApart;
-    };
+    const bool younger = a.expiry_seconds && b.said_at != Time{} && said_at > b.said_at + kApart;
     const bool word = a.retained && b.epoch_gone == epoch_ && !model::is_there(b.reported) &&
                       members.state->state != b.reported;
-    if (word && !is_behind(b.said_at)) {
-        if (!is_behind(b.reported_since)) return;
+    if (word && !younger) {
         b.reported_since = Time{};
         return say(b, {b.reported, model::reason_of_word(b.reported)}, b.said_at, now);
     }

@@ -138,10 +138,16 @@ void Catalogue::Impl::resume(Time now) {
     for (std::uint32_t slot = 0; slot < slots_; ++slot) {
         Board& b = board(slot);
         if (!b.in_use) continue;
+        const auto set = wheel_.due(slot);
+        if (!model::is_there(b.effective)) {
+            if (!set || *set < now + options_.grace) wheel_.set(slot, now + options_.grace, now);
+            continue;
+        }
         const Duration grace = std::min<Duration>(options_.grace, std::chrono::seconds(b.lease_seconds));
-        if (model::is_there(b.effective)) b.deadline = std::max(b.deadline, now + grace);
-        const Time due = model::is_there(b.effective) ? b.deadline : now + options_.grace;
-        if (const auto set = wheel_.due(slot); !set || *set < due) wheel_.set(slot, due, now);
+        // The lease of a board of which a word alone was heard was a guess.
+        if (!b.described && !b.names_only) b.deadline = now;
+        b.deadline = std::max(b.deadline, now + grace);
+        if (set != b.deadline) wheel_.set(slot, b.deadline, now);
     }
 }
 

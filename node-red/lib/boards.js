@@ -56,16 +56,15 @@ class Board {
   }
 
   // An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
-  // board that was there is newer, and the word of the broker, unless the description is the younger one. A board that was there behind
-  // what is known of it is gone anew.
+  // board that was there is newer, and the word of the broker, unless the description is the younger one. The board was there behind
+  // what was known of it, and is gone anew.
   takeSaidState(retained, published, newSession, epoch, now) {
     const said = this.description.state;
     this.saysState = said !== undefined;
     if (!this.saysState) return;
     const word = retained && this.epochGone === epoch && !isThereWord(this.reported) && said.is !== this.reported;
-    const isBehind = (time) => time !== -Infinity && published > time + APART;
-    if (word && !isBehind(this.saidAt)) {
-      if (!isBehind(this.reportedSince)) return;
+    const isYounger = this.saidAt !== -Infinity && published > this.saidAt + APART;
+    if (word && !isYounger) {
       this.reportedSince = -Infinity;
       this.say(this.reported, REASON_OF_WORD[this.reported] ?? '', this.saidAt, now);
       return;
@@ -175,7 +174,8 @@ class Boards {
     this.heard = true;
     this.epoch += 1;
     for (const board of this.all.values()) {
-      if (isThereWord(board.effective)) board.deadline = Math.max(board.deadline, now + Math.min(GRACE, board.lease));
+      // The lease of a board of which a word alone was heard is a guess.
+      if (isThereWord(board.effective)) board.deadline = Math.max(board.described ? board.deadline : -Infinity, now + Math.min(GRACE, board.lease));
       else board.keptUntil = now + GRACE;
     }
   }

@@ -48,7 +48,8 @@ class Catalogue:
         self._epoch += 1
         for entry in self.boards.values():
             if entry.effective in THERE:
-                entry.deadline = max(entry.deadline, now + min(_GRACE, entry.lease))
+                # The lease of a board of which a word alone was heard is a guess.
+                entry.deadline = max(entry.deadline if entry.described else NEVER, now + min(_GRACE, entry.lease))
             else:
                 entry.kept_until = now + _GRACE
 
@@ -176,17 +177,16 @@ class Catalogue:
 
     def _take_said_state(self, entry: Entry, retained: bool, published: float, new_session: bool, now: float) -> None:
         """An agent publishes the state in its description before the same on `$state`: so a retained `$state` that says something else of a
-        board that was there is newer, and the word of the broker, unless the description is the younger one. A board that was there behind
-        what is known of it is gone anew."""
+        board that was there is newer, and the word of the broker, unless the description is the younger one. The board was there behind
+        what was known of it, and is gone anew."""
         said = entry.description.get("state")
         entry.says_state = said is not None
         if said is None:
             return
         word = retained and entry.epoch_gone == self._epoch and entry.reported not in THERE and said["is"] != entry.reported
         if word and not published > entry.said_at + _APART > NEVER:
-            if published > entry.reported_since + _APART > NEVER:
-                entry.reported_since = NEVER
-                self._say(entry, entry.reported, _REASON_OF_WORD.get(entry.reported, ""), entry.said_at, now)
+            entry.reported_since = NEVER
+            self._say(entry, entry.reported, _REASON_OF_WORD.get(entry.reported, ""), entry.said_at, now)
             return
         said_at = entry.said_at = now if published == NEVER else published
         if new_session:  # it came into its state when it says, though the one before it had been in the same
