@@ -31,10 +31,7 @@ class History : Play {
         }
         compare();
         // Behind all else, so that the seeds of earlier failures play the same histories.
-        // What agents that leave the state to `$state` say is of no session.
-        const auto ends = [&](double chance) {
-            return end_.failure.empty() && setting_.says_state && dice_.chance(chance);
-        };
+        const auto ends = [&](double chance) { return end_.failure.empty() && dice_.chance(chance); };
         if (ends(0.2)) contest();
         if (ends(0.1)) miss();
         ++end_.counts.histories;

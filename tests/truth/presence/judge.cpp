@@ -58,7 +58,7 @@ std::string Judge::told(const View& view, const std::string& board, const BoardT
 // a later session whose lease is over.
 std::vector<Really> Judge::possible(const View& view, const BoardTruth& truth, Time now) const {
     std::vector<Really> possible{truth.really(now)};
-    if (truth.early) possible.push_back(truth.early->really(now));
+    if (truth.at_end) possible.push_back(truth.at_end->really(now));
     if (!truth.in_vain) return possible;
     const Time at = truth.in_vain->at;
     if (view.heard(at) && view.connected_at() < at) return possible;
@@ -99,11 +99,14 @@ std::string Judge::differs(const View& view, const std::optional<asip::bus::Boar
 std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem& seen, const Really& really,
                                    const BoardTruth& truth, Time now) const {
     const bool judged = really.reason == StateReason::kExpired;
+    // A will is no news of a board that a view knew as lost, where it was away as the board was there.
+    const bool heard = view.heard(really.said_at) &&
+                       (really.reason != StateReason::kAgentGone || view.heard(truth.there_at));
     // The broker has the word of the state alone where an agent is gone for longer than a lease, or where
     // another overwrote its description before it ended.
-    const bool knows_why = setting_.says_state &&
-                           (view.heard(really.said_at) ||
-                            (!judged && std::min(now, view.connected_at() + kPromised) < truth.stored_until));
+    const bool knows_why =
+        setting_.says_state &&
+        (heard || (!judged && std::min(now, view.connected_at() + kPromised) < truth.stored_until));
     // A will behind an earlier session's description is that board's first one for a view that believes it.
     const bool believes_other =
         truth.vain_at > really.since && (!view.heard(truth.vain_at) || view.connected_at() > truth.vain_at);

@@ -87,7 +87,7 @@ void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really what{true, state, asip::model::reason_of_word(state), now, now};
     say(what);
     in_vain.reset();
-    if (early && early->what.state != state) early.reset();
+    if (at_end && at_end->what.state != state) at_end->what = what;
     last_will = now;
     wills.push_back(now);
     const bool again = before.announced && before.state == state;
@@ -105,9 +105,10 @@ bool BoardTruth::counts(const std::string& by, Time now) const {
 void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::Client over,
                           int lease_seconds, bool stored, Time now) {
     const bool just_back = asip::model::is_there(what.state) && !asip::model::is_there(said.state) &&
-                           now < described_at + kReordered;
-    if (early && now > early->lease_end + kReordered) early.reset();
-    if (by < session && now < lease_end + kReordered) early = {said, now, lease_end};
+                           now < std::max(described_at, last_will) + kReordered;
+    if (at_end && now > at_end->lease_end + kReordered) at_end.reset();
+    if (by < session && now < lease_end + kReordered) at_end = {said, now, lease_end};
+    if (asip::model::is_there(what.state)) there_at = now;
     session = by;
     lease_end = now + std::chrono::seconds(lease_seconds);
     described_by = over;
@@ -123,7 +124,9 @@ void BoardTruth::describe_in_vain(const Really& what, int lease_seconds, bool st
     if (stored) vain_at = now;
     if (stored || in_vain)
         in_vain = {what, in_vain ? in_vain->at : now, now + std::chrono::seconds(lease_seconds)};
-    words.push_back({word_of(what), described_at});
+    const bool ends = now > lease_end - kReordered;
+    if (ends) at_end = {what, now, now + std::chrono::seconds(lease_seconds)};
+    words.push_back({word_of(what), ends ? std::nullopt : std::optional(described_at)});
 }
 
 SimAgent::SimAgent(SimBroker& broker, Dice& dice, std::string board, BoardTruth& truth, int lease_seconds,

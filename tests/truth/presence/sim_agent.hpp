@@ -29,6 +29,7 @@ class SimAgent;
 struct BoardTruth {
     Really said;          ///< the last words, of an agent or of the broker in its place
     Time lease_end{};     ///< of them
+    Time there_at{};      ///< when the board was last said to be there
     std::string session;  ///< of them: the later one, while its lease runs
     Time last_will{};     ///< or another word of no session
     std::vector<Time> wills;
@@ -48,9 +49,9 @@ struct BoardTruth {
     };
     std::optional<Stored> in_vain;
     Time vain_at{};  ///< last, also where its agent is gone since
-    /// What a later session said, where an earlier one spoke as that lease ended, until it speaks again:
-    /// messages take a while, so the lease is not over in each view at the same moment.
-    std::optional<Stored> early;
+    /// What the other one said, where an earlier session spoke as the lease of the later one ended: messages
+    /// take a while, so the lease is not over in each view at the same moment.
+    std::optional<Stored> at_end;
     /// The broker has the description until then, its lease or one of an earlier session behind it.
     Time stored_until{};
     std::vector<const SimAgent*> agents;
