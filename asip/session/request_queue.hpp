@@ -60,9 +60,10 @@ class WaitingRequests {
     /// Takes out what clients wait for and is not urgent.
     std::vector<Request> take_queued();
     void forget_own() { own_.clear(); }
+    /// Returns their number.
     template <class Which>
-    void forget_own(Which&& which) {
-        std::erase_if(own_, which);
+    std::size_t forget_own(Which&& which) {
+        return std::erase_if(own_, which);
     }
 
   private:

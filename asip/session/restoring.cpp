@@ -28,7 +28,10 @@ bool Machine::keeps_level() const {
 void Machine::hold_outputs(bool hold) {
     if (!hold && outputs_ == Outputs::kOwed) restore_again_ = true;
     if (!hold) outputs_ = Outputs::kFree;
-    if (hold && outputs_ == Outputs::kFree) outputs_ = Outputs::kHeld;
+    if (!hold || outputs_ != Outputs::kFree) return;
+    outputs_ = Outputs::kHeld;
+    // Outputs may be among those that were not sent yet.
+    if (queue_.waiting().forget_own([](const Request& own) { return own.restores; }) > 0) restore_settings();
 }
 
 void Machine::will_execute(std::string_view line) {

@@ -119,6 +119,26 @@ TEST_F(RelayBoard, OutputsAreHeld_AreRestoredWhenTheyAreFree) {
     EXPECT_THAT(restart(bench), Contains("I,d,2,1"));
 }
 
+TEST_F(RelayBoard, OutputsAreHeldInTheMidstOfTheRestore_TheRestWaitsUntilTheyAreFree) {
+    for (int pin = 2; pin < 21; ++pin)
+        set({("I,P," + std::to_string(pin) + ",3").c_str(), ("I,d," + std::to_string(pin) + ",1").c_str()});
+    set({"I,P,21,2"});
+    bench.board.executed.clear();
+    bench.hold();
+    bench.say(bench.board.reboot());
+    do
+        bench.release_held();
+    while (bench.session.state() != BoardSession::State::kReady);
+    bench.session.hold_outputs(true);
+    bench.release();
+    bench.pass(10s);
+    EXPECT_THAT(bench.board.executed, Not(Contains("I,P,20,3")));
+    EXPECT_THAT(bench.board.executed, Contains("I,P,21,2")) << "no output";
+    bench.session.hold_outputs(false);
+    bench.pass(3s);
+    EXPECT_THAT(bench.board.executed, Contains("I,P,20,3"));
+}
+
 TEST_F(RelayBoard, OutputsWereHeldWithoutARestart_NothingIsSent) {
     set({"I,P,2,3", "I,d,2,1"});
     bench.board.executed.clear();
