@@ -86,6 +86,7 @@ bool HistoryKeeper::take(const HistoryStore::Outcome& outcome) {
 }
 
 void HistoryKeeper::load(const HistoryStore::Opened& opened) {
+    asio::post(reading_, [this] { read_.reset(); });  // it may hold the file of before
     if (!opened.aside.empty() && handlers_.begun_anew) handlers_.begun_anew(opened.aside, opened.damage);
     if (loaded_) {
         if (opened.made) restore_boards();

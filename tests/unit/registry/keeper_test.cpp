@@ -49,6 +49,26 @@ class Lock {
     sqlite3* database_ = nullptr;
 };
 
+/// The page where the table begins.
+void spoil_clock(const std::string& file) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+    int page = 0;
+    const auto read = [](void* to, int, char** row, char**) {
+        return *static_cast<int*>(to) = std::stoi(*row), 0;
+    };
+    sqlite3_exec(database, "SELECT rootpage FROM sqlite_master WHERE name='clock'", read, &page, nullptr);
+    ASSERT_GT(page, 0);
+    // Behind this change, the keeper reads the page from the file.
+    for (const char* sql : {"UPDATE clock SET wall=wall+1", "PRAGMA wal_checkpoint(TRUNCATE)"})
+        ASSERT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK)
+            << sqlite3_errmsg(database);
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
+        .seekp((page - 1) * 4096)
+        .write(std::string(4096, 'x').data(), 4096);
+    sqlite3_close(database);
+}
+
 class Keeping {
   public:
     explicit Keeping(const std::string& file, Duration start = 0s) : now_(start), keeper_(make(file)) {}
@@ -241,6 +261,20 @@ TEST(HistoryKeeper, FileIsDamagedWhileItIsUsed_BoardsAreKnownInTheNewOne) {
     run.pass(10s);
     ASSERT_THAT(run.log, ElementsAre("aside history.db.damaged"));
     EXPECT_THAT(run.rows(), testing::Contains("late added online"));
+}
+
+// In a table that no question reads.
+TEST(HistoryKeeper, DamageThatTheWriterAloneFinds_QuestionsReadTheNewFile) {
+    Folder folder;
+    Keeping run(folder.file());
+    run.complete();
+    run.added("uno1");
+    EXPECT_THAT(run.rows(), ElementsAre("uno1 added online"));
+    spoil_clock(folder.file());
+    run.added("uno2");
+    ASSERT_TRUE(run.until([&] { return !run.log.empty(); }));
+    EXPECT_THAT(run.log, ElementsAre("aside history.db.damaged"));
+    EXPECT_THAT(run.rows(), ElementsAre("uno2 added online"));
 }
 
 TEST(HistoryKeeper, FileIsTakenAway_ANewOneKnowsTheBoards) {
