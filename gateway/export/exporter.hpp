@@ -125,11 +125,13 @@ class Exporter final : public BoardExport {
         std::set<std::string> wanted;                 // topics
         std::vector<std::string> boards;              // to be looked at
         std::set<std::string> listed;                 // these, and those that were
+        std::set<std::string> adopted;                // those of them that were there
     };
 
     void begin_scan(Time now);
     void finish_scan();
     void look_through(Time now);
+    void forget_others(const std::set<std::string>& adopted);
     void adopt(const std::string& name, Time now);
     void show_all(Time now);
     void begin_to_show();

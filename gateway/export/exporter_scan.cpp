@@ -80,7 +80,7 @@ void Exporter::finish_scan() {
 
 /// Boards first, those that came meanwhile among them; then what is left of all that was retained.
 void Exporter::look_through(Time now) {
-    auto& [found, next, places, sessions, wanted, boards, listed] = *scanned_;
+    auto& [found, next, places, sessions, wanted, boards, listed, adopted] = *scanned_;
     if (boards.empty() && !next && options_.enabled)
         for (auto& name : port_.boards())
             if (listed.insert(name).second) boards.push_back(std::move(name));
@@ -91,7 +91,10 @@ void Exporter::look_through(Time now) {
         }
         return port_.again();
     }
-    if (!next) next = found.begin();
+    if (!next) {
+        forget_others(adopted);
+        next = found.begin();
+    }
     for (std::size_t i = 0; i < kTopicsAtOnce && *next != found.end(); ++i, ++*next) {
         const auto& topic = (*next)->first;
         const auto ours = [&](const auto& place) { return dialect().is_ours(found, topic, place); };
@@ -101,11 +104,21 @@ void Exporter::look_through(Time now) {
     *next == found.end() ? show_all(now) : port_.again();
 }
 
+/// What the broker keeps of boards that were not there is cleared: one that comes back is shown anew.
+void Exporter::forget_others(const std::set<std::string>& adopted) {
+    std::erase_if(records_, [&](const auto& each) {
+        const bool forgotten = !adopted.contains(each.first);
+        if (forgotten && each.second.there) --online_;
+        return forgotten;
+    });
+}
+
 /// What the broker keeps of a board that is there. It is found no more, but for the board's document, which
 /// shows whose its other topics are.
 void Exporter::adopt(const std::string& name, Time now) {
     auto present = port_.board(name);
     if (!present) return;
+    scanned_->adopted.insert(name);
     auto& found = scanned_->found;
     auto& record = records_[name];
     bool same = record.session == present->session;
@@ -126,7 +139,7 @@ void Exporter::adopt(const std::string& name, Time now) {
     const auto& properties = record.board->properties;
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         auto& state = record.states[i];
-        auto text = state.sent();
+        auto text = state.newest();
         state.adopt(taken(state_topic(record, i)));
         const bool older = !same && !(text.empty() && state.sent().empty());
         if (older)

@@ -40,6 +40,8 @@ class PacedValue {
     /// The broker keeps an older value than the known one.
     bool is_outdated() const { return waiting_ && !sent_at_; }
     const std::string& sent() const { return sent_; }
+    /// What waits, else what was sent.
+    const std::string& newest() const { return waiting_ ? *waiting_ : sent_; }
 
   private:
     std::string sent_;  // empty: nothing

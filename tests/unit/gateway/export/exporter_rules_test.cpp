@@ -168,6 +168,44 @@ TEST_P(ExporterRules, BoardThatWasForgottenAndIsBack_IsNotShownWithOldValues) {
     EXPECT_EQ(world.retained[distance()], "43");
 }
 
+TEST_P(ExporterRules, ConnectionIsLostBeforeOldValuesAreTakenBack_TheyAreAfterwards) {
+    show_one_board();
+    auto& gateway = world.start();
+    world.pass(5s);
+    ASSERT_EQ(world.retained[distance()], "42");
+    world.kill(gateway);
+    world.forget("uno1");
+    world.put("uno1", exported(1));
+    world.room = 0;
+    world.start();
+    world.pass(3s);
+    ASSERT_EQ(world.retained[distance()], "42");
+    world.restart_broker(true);
+    world.room = 1000;
+    world.pass(5s);
+    for (const std::size_t property : {0, 1})
+        EXPECT_EQ(world.retained[topic_of(property)],
+                  dialect().state_text(world.boards["uno1"].board.properties[property], nullptr));
+}
+
+TEST_P(ExporterRules, BoardIsAwayWhileTheBrokerIsReadBack_AndIsBackBeforeThatIsSaid_IsShownWhole) {
+    show_one_board();
+    world.start();
+    world.pass(5s);
+    const auto document = dialect().document_topic("uno1");
+    ASSERT_TRUE(world.retained.contains(document));
+    world.restart_broker(true);
+    auto board = world.boards.extract("uno1");
+    world.room = 0;
+    world.pass(2s);
+    world.boards.insert(std::move(board));
+    world.changed("uno1");
+    world.room = 1000;
+    world.pass(5s);
+    EXPECT_TRUE(world.retained.contains(document));
+    EXPECT_EQ(world.retained[distance()], "42");
+}
+
 TEST_P(ExporterRules, BoardOfTheSameSession_KeepsItsValues_OverAnyNumberOfStarts) {
     show_one_board();
     auto* gateway = &world.start();
