@@ -108,8 +108,9 @@ Port Application::port() {
         client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
     };
     port.answer = [this](mqtt::Message message) {
-        (answerer_->connected() ? answerer_ : client_)->publish(std::move(message), mqtt::Priority::kReply);
+        answers().publish(std::move(message), mqtt::Priority::kReply);
     };
+    port.takes_answers = [this] { return answers().counters().queued < kMaxUnsent; };
     port.subscribe = [this](std::string filter, bool retained) {
         mqtt::SubscribeOptions subscription;
         subscription.retained = retained;
@@ -229,7 +230,7 @@ void Application::schedule_tick() {
 /// Behind what the connection has to read. While more comes, reading gets kReadingShare times what the last
 /// answer took, so that a flood of costly questions does not pile up in front of others.
 void Application::schedule_turn() {
-    if (!registry_->questions_wait() || answerer_->counters().queued >= kMaxUnsent) return;
+    if (!registry_->questions_wait()) return;
     if (std::exchange(turn_scheduled_, true)) return;
     boost::asio::post(io_, [this] {
         turn_scheduled_ = false;

@@ -33,6 +33,7 @@ class Application {
     mqtt::Options mqtt_options() const;
     mqtt::Client::Handlers handlers();
     std::unique_ptr<mqtt::Client> connection_for_answers();
+    mqtt::Client& answers() { return answerer_->connected() ? *answerer_ : *client_; }
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
     void take(const mqtt::Message& message);

@@ -13,6 +13,8 @@ struct Port {
     std::function<void(mqtt::Message)> publish;
     /// An answer, which must not wait behind what is told of changes. Empty: as publish().
     std::function<void(mqtt::Message)> answer{};
+    /// Few answers wait for the broker; otherwise questions wait here.
+    std::function<bool()> takes_answers = [] { return true; };
     /// `retained`: deliver stored messages, too.
     std::function<void(std::string filter, bool retained)> subscribe;
     std::function<void(const std::string& filter)> unsubscribe;

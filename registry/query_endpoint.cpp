@@ -74,7 +74,8 @@ void QueryEndpoint::request(const mqtt::Message& message, bool to_any, Time now)
 
 void QueryEndpoint::take(Question question) {
     auto& waiting = wants_history(question.request) ? of_history_ : waiting_;
-    const bool now = waiting.empty() && answered_ < kAtOnce && !(&waiting == &of_history_ && reads_history_);
+    const bool now = waiting.empty() && answered_ < kAtOnce &&
+                     !(&waiting == &of_history_ && reads_history_) && takes_answers_();
     if (now) return answer(question);
     const auto asker = asker_of(question.reply.topic);
     const auto left = waiting.push(asker, std::move(question));
@@ -101,6 +102,7 @@ void QueryEndpoint::answer(const Question& question) {
 
 void QueryEndpoint::turn() {
     answered_ = 0;
+    if (!takes_answers_()) return;
     if (!waiting_.empty()) answer(waiting_.pop());
     if (!of_history_.empty() && !reads_history_) answer(of_history_.pop());
 }

@@ -22,9 +22,16 @@ class QueryEndpoint {
     using Publish = std::function<void(mqtt::Message)>;
 
     using MayAnswer = std::function<bool(const std::string& topic)>;
+    using TakesAnswers = std::function<bool()>;
 
-    QueryEndpoint(Queries& queries, Publish publish, MayAnswer may_answer)
-        : queries_(queries), publish_(std::move(publish)), may_answer_(std::move(may_answer)) {}
+    /// While `takes_answers` says no, questions wait.
+    QueryEndpoint(
+        Queries& queries, Publish publish, MayAnswer may_answer,
+        TakesAnswers takes_answers = [] { return true; })
+        : queries_(queries),
+          publish_(std::move(publish)),
+          may_answer_(std::move(may_answer)),
+          takes_answers_(std::move(takes_answers)) {}
 
     /// The broker's limit of a packet; 0: none. bus::kBrokerPacketBytes holds besides.
     void set_max_bytes(std::size_t bytes) {
@@ -41,7 +48,9 @@ class QueryEndpoint {
     void set_forget_topic(std::string topic) { forget_topic_ = std::move(topic); }
     void forget(const mqtt::Message& message);
     /// Call turn() as soon as what came meanwhile is read.
-    bool waits() const { return !waiting_.empty() || (!of_history_.empty() && !reads_history_); }
+    bool waits() const {
+        return (!waiting_.empty() || (!of_history_.empty() && !reads_history_)) && takes_answers_();
+    }
     /// Answers one waiting question, and one of the history.
     void turn();
     void tick(Time now);
@@ -66,6 +75,7 @@ class QueryEndpoint {
     Queries& queries_;
     Publish publish_;
     MayAnswer may_answer_;
+    TakesAnswers takes_answers_;
     std::size_t max_bytes_ = bus::kBrokerPacketBytes;
     std::size_t answered_ = 0;                    // since the last turn
     std::map<std::string, std::size_t> refused_;  // of each asker, since the last tick

@@ -56,7 +56,7 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
               ++statistics_.counts.queries;
               (port_.answer ? port_.answer : port_.publish)(std::move(answer));
           },
-          [this](const std::string& topic) { return may_answer(topic); }) {
+          [this](const std::string& topic) { return may_answer(topic); }, port_.takes_answers) {
     catalogue_.suspend();
     if (values_ != nullptr) choice_.emplace(value_choice(options));
     if (has_user_) endpoint_.set_forget_topic(bus::forget_topic(topics_, id_));

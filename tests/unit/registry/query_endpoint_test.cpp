@@ -77,6 +77,27 @@ TEST(RequestToForget, WhereTheBrokerKnowsUsers_ComesByItsOwnTopicAlone) {
     EXPECT_EQ(catalogue.size(), 0u);
 }
 
+TEST(QueryEndpointTest, BrokerTakesNoAnswers_QuestionsWait_AlsoThroughTicks) {
+    Catalogue catalogue;
+    Queries queries("r1", {catalogue, [] { return instant(at(0s)); }, [] { return 0; }, {}, {}});
+    std::size_t answers = 0;
+    bool takes = true;
+    QueryEndpoint endpoint(
+        queries, [&answers](const mqtt::Message&) { ++answers; }, [](const std::string&) { return true; },
+        [&takes] { return takes; });
+    const mqtt::Message question{.payload = R"({"find":"boards"})", .response_topic = "answers"};
+    endpoint.request(question, false, at(0s));
+    takes = false;
+    endpoint.request(question, false, at(0s));
+    endpoint.tick(at(100ms));
+    EXPECT_FALSE(endpoint.waits());
+    EXPECT_EQ(answers, 1u);
+    takes = true;
+    ASSERT_TRUE(endpoint.waits());
+    endpoint.turn();
+    EXPECT_EQ(answers, 2u);
+}
+
 TEST_F(HistoryQuestion, ToEveryRegistry_IsAnsweredFirstByTheOneThatKeepsAHistory) {
     EXPECT_THAT(ask(true, true).at_once, ElementsAre("kept"));
     const auto without = ask(false, true);
