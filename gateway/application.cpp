@@ -278,7 +278,7 @@ int Application::run() {
     const auto answers = options_.gateway.replies();
     asker_->subscribe(answers.below("+").filter(), replies);
     // Boards know where that is, and can flood it. An acknowledgement of each message would delay an answer.
-    stopper_->subscribe(Commands::urgent(answers).below("+").filter(), {});
+    stopper_->subscribe(answers.urgent().below("+").filter(), {});
     for (const auto& client : {client_.get(), asker_.get(), stopper_.get()})
         client->start();
     server_->start();

@@ -239,7 +239,7 @@ class Bridge {
     Safety safety_;
     ReportPeriods periods_;
     StopLatch latch_;
-    std::optional<Time> resumed_;  // the last resume that was obeyed was sent then, as its sender told
+    std::optional<Resume> resumed_;  // the last one that was obeyed and told when it was sent
     Control control_;
     ClientRequests client_requests_;
     Context context_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bus's side of the bridge: messages and point-to-point clients, and the port while it is lent.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "agent/bridge/bridge.hpp"
@@ -104,7 +105,8 @@ void Bridge::on_message(const Renewal& renewal, Time now, Effects& out) {
 
 bool Bridge::obeys(const Stop& stop) const {
     const auto sent = stop.arrival.told;
-    return !stop.retained && !(sent && resumed_ && *sent < *resumed_);
+    return !stop.retained &&
+           !(sent && resumed_ && same_client(stop, *resumed_) && *sent < *resumed_->arrival.told);
 }
 
 void Bridge::on_message(const Stop& stop, Time now, Effects& out) {
@@ -146,7 +148,10 @@ void Bridge::on_message(const Resume& resume, Time now, Effects& out) {
         reply = bus::Reply::refused(std::string(bus::kRefusedDeadline), "it came too late; send it again");
     else if (resume.envelope.object.value("resume", nlohmann::json()) != nlohmann::json(true))
         reply = bus::Reply::refused(std::string(bus::kRefusedInvalid), "write {\"resume\":true}");
-    if (reply.succeeded() && resume.arrival.told) resumed_ = resume.arrival.told;
+    if (reply.succeeded() && resume.arrival.told) {
+        resumed_ = resume;
+        resumed_->arrival.told = std::min(*resume.arrival.told, now);  // a sender may tell any time
+    }
     const bool resumed = reply.succeeded() && latch_.resume();
     if (resumed) {
         links_.resumed();

@@ -157,6 +157,12 @@ const BusRequest* request_of(const Inbound& inbound) {
         inbound);
 }
 
+bool same_client(const BusRequest& a, const BusRequest& b) {
+    using Topics = bus::ReplyTopics;
+    return a.reply().wanted() && a.reply().by == b.reply().by &&
+           Topics::without_urgent(a.reply().topic) == Topics::without_urgent(b.reply().topic);
+}
+
 bool sent_behind(const Stop& stop, const Inbound& message) {
     const auto* request = request_of(message);
     return request != nullptr && stop.arrival.told && request->arrival.told && !stop.reply().by.empty() &&

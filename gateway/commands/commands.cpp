@@ -50,7 +50,7 @@ Commands::Started Commands::start(Start& start, const Instant& now, Done done) {
     command.by = start.by;
     command.id = key;
     command.replies =
-        (start.answer_first ? urgent(caller_.replies()) : caller_.replies()).below(start.session);
+        (start.answer_first ? caller_.replies().urgent() : caller_.replies()).below(start.session);
     Entry entry{{start.id,
                  start.by,
                  start.target,

@@ -46,7 +46,7 @@ class Commands {
         std::string payload;  ///< JSON object, without `deadline_ms`
         std::chrono::milliseconds deadline{5'000};
         bool urgent = false;  ///< a stop: taken when there are too many others
-        /// The answer comes below urgent(), over another connection.
+        /// The answer comes below ReplyTopics::urgent(), over another connection.
         bool answer_first = false;
         bool renewal = false;  ///< only keeps another command in force
         bool of_many = false;  ///< one of many that are logged together
@@ -60,8 +60,6 @@ class Commands {
 
     /// Answers come below the caller's topics, in a level for each session.
     explicit Commands(caller::Caller& caller) : caller_(caller) {}
-
-    static bus::ReplyTopics urgent(const bus::ReplyTopics& replies) { return replies.beside("urgent"); }
 
     /// kSent or kRepeated: `done` is called once with the answer, for a repeated id that of the first.
     /// Otherwise it is not called, and nothing is remembered.

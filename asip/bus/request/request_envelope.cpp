@@ -19,6 +19,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kServiceBus = "servicebus/";
+constexpr std::string_view kUrgent = "-urgent";
 
 bool can_be_level(std::string_view text) {
     return !text.empty() && std::none_of(text.begin(), text.end(), [](char c) {
@@ -156,10 +157,17 @@ ReplyTopics ReplyTopics::below(std::string_view level) const {
     return made;
 }
 
-ReplyTopics ReplyTopics::beside(std::string_view suffix) const {
+ReplyTopics ReplyTopics::urgent() const {
     ReplyTopics made = *this;
-    made.client_.append("-").append(suffix);
+    made.client_.append(kUrgent);
     return made;
+}
+
+std::string ReplyTopics::without_urgent(std::string topic) {
+    const auto at = topic.find(kUrgent);
+    const auto end = at == std::string::npos ? at : at + kUrgent.size();
+    if (end == topic.size() || (end < topic.size() && topic[end] == '/')) topic.erase(at, kUrgent.size());
+    return topic;
 }
 
 std::string_view ReplyTopics::asked(std::string_view request_topic) const {

@@ -27,8 +27,10 @@ class ReplyTopics {
 
     /// CLIENT becomes CLIENT/`level`.
     ReplyTopics below(std::string_view level) const;
-    /// CLIENT becomes CLIENT-`suffix`.
-    ReplyTopics beside(std::string_view suffix) const;
+    /// CLIENT becomes CLIENT-urgent: for answers that wait behind no others.
+    ReplyTopics urgent() const;
+    /// The topic of the same client that is not urgent.
+    static std::string without_urgent(std::string topic);
 
     /// Subscribe to it before the first request.
     std::string filter() const { return of("+"); }

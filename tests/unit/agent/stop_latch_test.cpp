@@ -137,6 +137,33 @@ TEST_F(Latched, StopAndResume_InBothOrders_TheLaterWordHolds) {
     EXPECT_EQ(power("3")["reason"], "stopped");
 }
 
+// An operator may resume a board, and must not make it deaf for the stops of others, nor for its own later
+// ones.
+TEST_F(Latched, ResumeThatTellsATimeInTheFuture_OrOfAnother_DefeatsNoStop) {
+    const auto clock = [&] {
+        return bench.ask("asip/uno1/in", {{"raw", "#,?"}, {"clock", ""}}, "c")["clock"].get<std::string>();
+    };
+    const auto sent = clock();
+    const auto future = sent.substr(0, 9) + "3999999999999";
+    const auto resume_of = [&](const std::string& by, const std::string& at) {
+        return bench.ask("asip/uno1/in", {{"resume", true}, {"by", by}, {"clock", at}}, "r")["status"];
+    };
+    const auto stop_of_ann = [&](const std::string& at) {
+        return bench.ask(kStopTopic, {{"latch", true}, {"by", "ann"}, {"clock", at}}, "s")["status"];
+    };
+    EXPECT_EQ(resume_of("ann", future), "ok");
+    bench.pass(100ms);
+    EXPECT_EQ(stop_of_ann(clock()), "ok");
+    bench.pass(100ms);
+    EXPECT_EQ(resume_of("mallory", clock()), "ok");
+    EXPECT_EQ(stop_of_ann(sent), "ok");
+    bench.pass(100ms);
+    // By another program, though in her name.
+    bench.hear("asip/uno1/in",
+               json{{"resume", true}, {"by", "ann"}, {"clock", clock()}, {"reply_to", "others"}}.dump());
+    EXPECT_EQ(stop_of_ann(sent), "ok");
+}
+
 TEST_F(Latched, BoardRestartsOrIsReplugged_StaysStopped) {
     stop();
     bench.say(bench.board.reboot());

@@ -53,5 +53,14 @@ TEST(MayAnswerOn, OnlyBelowTheLevelOfTheAnswererInReplyTopics) {
         EXPECT_FALSE(may_answer_on(topic, topics, "uno1")) << topic;
 }
 
+TEST(ReplyTopics, OfUrgentAnswers_AreThoseOfTheSameClient) {
+    const ReplyTopics topics(Topics(), "ann", "gw-1f");
+    const auto urgent = topics.urgent().below("s").to("asip/uno1/$stop");
+    EXPECT_EQ(urgent, "asip/reply/ann/uno1/gw-1f-urgent/s");
+    EXPECT_EQ(ReplyTopics::without_urgent(urgent), topics.below("s").to("asip/uno1/in"));
+    for (const char* other : {"asip/reply/ann/uno1/gw-1f", "asip/reply/ann/uno1/gw-urgently", ""})
+        EXPECT_EQ(ReplyTopics::without_urgent(other), other);
+}
+
 }  // namespace
 }  // namespace asip::bus
