@@ -61,6 +61,7 @@ struct LabelRequest : BusRequest {
 /// On BOARD/$link/USER/CLIENT: USER, as the broker proves it, sets, changes or removes links.
 struct LinkRequest : BusRequest {
     std::string user{};
+    bool stopped = false;  ///< as of a command: it must not make a link, which may act at once
 };
 /// How often a client wants values; ReportPeriods parses it.
 struct DemandMessage {

@@ -53,13 +53,17 @@ class Inbox {
         bytes_ += bytes;
         entries_.push_back({std::move(message), bytes, false});
     }
-    /// The oldest message; a command that a stop has caught says so. Not when empty().
+    /// The oldest message; one that a stop has caught says so where that matters. Not when empty().
     Inbound pop() {
         Entry entry = std::move(entries_.front());
         entries_.pop_front();
         bytes_ -= entry.bytes;
         if (caught_ > 0) --caught_;
-        if (auto* command = std::get_if<Command>(&entry.message)) command->stopped = entry.stopped;
+        std::visit(
+            [&](auto& message) {
+                if constexpr (requires { message.stopped; }) message.stopped = entry.stopped;
+            },
+            entry.message);
         return std::move(entry.message);
     }
     /// A stop catches what waits, except for what its sender sent behind it, as `sent_behind` says: the

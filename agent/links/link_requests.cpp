@@ -65,6 +65,8 @@ bool LinkBook::request(const LinkRequest& request, Time now, Effects& out) {
     if (object.is_object() && object.size() == 1) {
         const auto& what = object.begin().key();
         const auto& value = object.begin().value();
+        if (what == "set" && request.stopped)
+            return refuse(bus::kRefusedStopped, "the board was stopped while it waited; no link was made");
         if (what == "set")
             why = set(request, value, now, out);
         else if (what == "remove" || what == "enable" || what == "disable")

@@ -176,13 +176,17 @@ void BoardAgent::message_received(const mqtt::Message& message) {
     auto inbound = bridge_.read(message, now);
     if (!inbound) return;
     if (auto* stop = std::get_if<Stop>(&*inbound)) {
-        if (bridge_.obeys(*stop))
-            stop->waiting = inbox_.stop([&](const Inbound& other) { return sent_behind(*stop, other); });
+        const auto behind = [&](const Inbound& other) { return sent_behind(*stop, other); };
+        if (bridge_.obeys(*stop)) {
+            stop->waiting = inbox_.stop(behind);
+            link_inbox_.stop(behind);
+        }
         return take(*inbound);
     }
     // What waits came while the board was stopped, if it was.
     if (std::holds_alternative<Resume>(*inbound) && bridge_.is_stopped())
-        inbox_.stop([](const Inbound&) { return false; });
+        for (auto* waiting : {&inbox_, &link_inbox_})
+            waiting->stop([](const Inbound&) { return false; });
     if (const auto* demand = std::get_if<DemandMessage>(&*inbound))
         return demand_shares_.message(
             std::string_view(demand->demander).substr(0, demand->demander.find('/')), message, now);

@@ -46,6 +46,15 @@ TEST(Inbox, Stop_CatchesWhatCameBeforeItAndNothingElse) {
     EXPECT_FALSE(pop(inbox).stopped);
 }
 
+TEST(Inbox, RequestForALinkThatAStopCaught_SaysSo) {
+    Inbox inbox;
+    inbox.push(LinkRequest{});
+    inbox.stop([](const Inbound&) { return false; });
+    inbox.push(LinkRequest{});
+    EXPECT_TRUE(std::get<LinkRequest>(inbox.pop()).stopped);
+    EXPECT_FALSE(std::get<LinkRequest>(inbox.pop()).stopped);
+}
+
 TEST(Inbox, StopBehindWhatItsSenderSentLater_DoesNotCatchThat) {
     const auto sent = [](const std::string& payload, const std::string& by, int seconds) {
         Command made = command(payload);
