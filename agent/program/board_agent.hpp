@@ -85,6 +85,7 @@ class BoardAgent {
     void subscribe_to_commands();
     /// The bus brings all that users say to the board, or no longer does.
     void note_subscribed();
+    void bus_gone();
     void stops_heard(bool heard, const std::string& why);
     void wait_for_stops();
     Expected<void> use_credentials(const std::string& file);

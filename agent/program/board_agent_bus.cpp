@@ -64,6 +64,14 @@ void BoardAgent::note_subscribed() {
     with_bridge([&](Time now, Effects& out) { bridge_.bus_subscribed(now, out); });
 }
 
+/// With what waits of it.
+void BoardAgent::bus_gone() {
+    announced_ = false;
+    demand_shares_.disconnected();
+    bridge_.bus_disconnected();
+    note_online();
+}
+
 void BoardAgent::stops_heard(bool heard, const std::string& why) {
     if (ended()) return;
     if (!heard) why_no_stops_ = why;
@@ -84,8 +92,7 @@ void BoardAgent::wait_for_stops() {
             log_.warning("stops do not arrive: the board is not online until they do",
                          {{"why", why_no_stops_}});
         if (!announced_) return;
-        bridge_.bus_disconnected();
-        note_online();
+        bus_gone();
         bus_.reset();
         connect_bus();
     });
@@ -144,10 +151,8 @@ mqtt::Client::Handlers BoardAgent::bus_handlers() {
     };
     handlers.on_subscribed = [this] { note_subscribed(); };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) {
-        announced_ = false;
-        bridge_.bus_disconnected();
+        bus_gone();
         arm_timer();
-        note_online();
         bus_failed(failure, true);
         if (failure.after_sending >= mqtt::ClosesWhenDenied::kTimes) reports_.announcing_denied();
     };
