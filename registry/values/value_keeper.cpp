@@ -20,6 +20,19 @@ struct ValueKeeper::Work {
     bus::Answer answer{};
 };
 
+namespace {
+
+constexpr const char* kSlow = "the disk takes long to write; ask again in some seconds";
+
+bus::Answer refused(const std::string& why) {
+    bus::Answer answer;
+    answer.refused = "history-fault";
+    answer.error = "values cannot be read now, and it is tried again: " + why;
+    return answer;
+}
+
+}  // namespace
+
 ValueKeeper::ValueKeeper(boost::asio::io_context& io, ValueFile::Options options, Handlers handlers,
                          Instant now)
     : io_(io), options_(std::move(options)), handlers_(std::move(handlers)), now_(now) {
@@ -117,26 +130,26 @@ void ValueKeeper::tick(Instant now) {
     now_ = now;
     recorder_.tick(now);
     if (busy_ && now.time - began_ >= kStalled) failed("the disk has not answered for some seconds");
+    if (is_slow(now))
+        for (const auto& each : std::exchange(asked_, {}))
+            std::exchange(*each, nullptr)(refused(kSlow));
     if (busy_ || now.time < next_write_) return;
     const bool wanted = rows_ || !recorder_.running() || recorder_.waits() || now.time >= next_mark_;
     if (wanted) write(now);
 }
 
-void ValueKeeper::find(bus::Query query, Instant now, std::function<void(bus::Answer)> found) {
-    const auto refused = [](const std::string& why) {
-        bus::Answer answer;
-        answer.refused = "history-fault";
-        answer.error = "values cannot be read now, and it is tried again: " + why;
-        return answer;
-    };
+void ValueKeeper::find(bus::Query query, Instant now, Found found) {
     if (!fault_.empty()) return found(refused(fault_));
     if (!recorder_.running()) return found(refused("the file is being opened"));
+    if (is_slow(now)) return found(refused(kSlow));
+    const auto asked = asked_.emplace_back(std::make_shared<Found>(std::move(found)));
     auto work = std::make_shared<Work>();
     work->use = [query = std::move(query), present = recorder_.present(now)](ValueFile& file, Work& result) {
         result.answer = file.find(query, present);
     };
-    work->then = [found = std::move(found), refused](const Work& result) {
-        found(result.fault.empty() ? result.answer : refused(result.fault));
+    work->then = [this, asked](const Work& result) {
+        std::erase(asked_, asked);
+        if (*asked) (*asked)(result.fault.empty() ? result.answer : refused(result.fault));
     };
     run(std::move(work));
 }

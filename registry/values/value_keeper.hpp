@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "registry/values/recorder.hpp"
 #include "registry/values/value_file.hpp"
@@ -27,6 +28,8 @@ class ValueKeeper {
     static constexpr Duration kMarkInterval = std::chrono::minutes(5);
     static constexpr Duration kMaxRetry = std::chrono::minutes(1);
     static constexpr Duration kStalled = std::chrono::seconds(5);  ///< a disk that takes longer
+    /// What is asked while the disk takes so long to write is refused.
+    static constexpr Duration kPatience = std::chrono::seconds(1);
 
     ValueKeeper(boost::asio::io_context& io, ValueFile::Options options, Handlers handlers, Instant now);
     /// Writes what waits.
@@ -40,8 +43,9 @@ class ValueKeeper {
     /// Call a few times a second.
     void tick(Instant now);
 
-    /// `found` is called later.
-    void find(bus::Query query, Instant now, std::function<void(bus::Answer)> found);
+    using Found = std::function<void(bus::Answer)>;
+    /// `found` is called at once, or later.
+    void find(bus::Query query, Instant now, Found found);
 
     std::size_t lost() const { return recorder_.dropped() + recorder_.refused() + left_out_; }
     std::size_t kept() const { return recorder_.size(); }
@@ -54,6 +58,7 @@ class ValueKeeper {
     void done(const Work& work);
     void failed(const std::string& why);
     void write(Instant now);
+    bool is_slow(Instant now) const { return busy_ && now.time - began_ >= kPatience; }
 
     boost::asio::io_context& io_;
     const ValueFile::Options options_;
@@ -67,7 +72,8 @@ class ValueKeeper {
     bool busy_ = false;
     Duration retry_ = kWriteInterval;
     Time next_write_{}, next_mark_{}, began_{};
-    boost::asio::thread_pool thread_{1};  // last: ends first
+    std::vector<std::shared_ptr<Found>> asked_;  // and not answered
+    boost::asio::thread_pool thread_{1};         // last: ends first
 };
 
 }  // namespace asip::registry

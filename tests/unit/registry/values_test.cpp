@@ -2,6 +2,8 @@
 // Values that are kept, in simulated time: the recorder, and the file that it is written to.
 #include <gtest/gtest.h>
 
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 #include <fstream>
 #include <set>
 
@@ -9,6 +11,7 @@
 #include "registry/values/recorder.hpp"
 #include "registry/values/value_blocks.hpp"
 #include "registry/values/value_file.hpp"
+#include "registry/values/value_keeper.hpp"
 
 namespace asip::registry {
 namespace {
@@ -470,6 +473,47 @@ TEST(Values, ClockIsSetJustBehindAChange_WhatStaysIsKnown) {
     const auto now = value_at(machine.ask(hours(2), 1000), machine.wall_clock - 60'000);
     ASSERT_TRUE(now);
     EXPECT_EQ(now->mean, 2);
+}
+
+TEST(Values, DiskTakesLong_WhatIsAskedIsRefusedAtOnceAndAnsweredLater) {
+    const HistoryFile kept;
+    boost::asio::io_context io;
+    const auto work = boost::asio::make_work_guard(io);
+    const auto at = [](int milliseconds_) {
+        return Instant{Time(milliseconds(milliseconds_)), wall(kMonday + milliseconds_)};
+    };
+    ValueKeeper keeper(io, {.path = kept.path()}, {}, at(0));
+    io.run_one();  // the file is open
+    keeper.set(kTemperature, 20, at(100));
+    keeper.tick(at(10'000));  // it is written, and as long as the loop does not run nobody says so
+    std::vector<std::string> answers;
+    const auto ask = [&](int milliseconds_) {
+        bus::Query query;
+        query.find = bus::Find::kValues;
+        query.board = kTemperature.board;
+        query.property = kTemperature.property;
+        query.from = wall(kMonday);
+        query.to = wall(kMonday + milliseconds_);
+        query.limit = 10;
+        keeper.find(query, at(milliseconds_),
+                    [&](const bus::Answer& answer) { answers.push_back(answer.error); });
+    };
+    ask(10'100);
+    keeper.tick(at(10'900));
+    EXPECT_EQ(answers.size(), 0u) << "a disk may take a moment";
+    keeper.tick(at(11'000));
+    ASSERT_EQ(answers.size(), 1u);
+    ask(11'100);
+    ASSERT_EQ(answers.size(), 2u);
+    for (const auto& each : answers)
+        EXPECT_NE(each.find("the disk takes long to write; ask again"), std::string::npos) << each;
+    io.run_one();
+    io.run_one();
+    EXPECT_EQ(answers.size(), 2u) << "each has one answer";
+    ask(12'000);
+    io.run_one();
+    ASSERT_EQ(answers.size(), 3u);
+    EXPECT_EQ(answers.back(), "");
 }
 
 TEST(Values, Block_SaysWhatWasPacked_CutAnywhereItEnds) {
