@@ -129,10 +129,12 @@ Expected<DashboardLink> read_link(const Call& call, const Dashboard& dashboard) 
             const auto period = text::parse_duration(value.get<std::string>());
             if (!period) return fail("until: " + period.error());
             link.until = call.now().wall + *period;
+        } else if (name == "until" && value.is_null()) {
+            link.until.reset();
         } else {
-            return fail(
-                "\"" + text::printable(name) +
-                "\": the body has until (a time such as 12h or 30d), control (true or false) and name");
+            return fail("\"" + text::printable(name) +
+                        "\": the body has until (a time such as 12h or 30d, or null), control (true or "
+                        "false) and name");
         }
     }
     if (link.name.empty()) {
@@ -142,6 +144,23 @@ Expected<DashboardLink> read_link(const Call& call, const Dashboard& dashboard) 
     }
     if (dashboard.link(link.name) != nullptr) return fail("name: a link is called " + link.name + " already");
     return link;
+}
+
+/// A tile, and the boards of its dashboard.
+struct Tile {
+    Widget widget;
+    std::vector<std::string> boards;
+};
+/// Or an answer that says why not.
+std::optional<Tile> tile_of(const Call& call) {
+    if (!bus_is_there(call)) return std::nullopt;
+    const auto* kept = dashboard_of(call);
+    if (kept == nullptr) return std::nullopt;
+    const auto dashboard = with_boards(*kept, call.gateway.mirror(), call.now());
+    const auto& id = call.path.find("widget")->second;
+    if (const auto* widget = dashboard.widget(id)) return Tile{*widget, dashboard.boards()};
+    send_problem(call, 404, "this dashboard has no widget \"" + text::printable(id) + "\"");
+    return std::nullopt;
 }
 
 /// A switch or a slider: its command goes to its board.
@@ -214,22 +233,28 @@ void delete_dashboard(Call& call) {
 }
 
 void post_widget(Call& call) {
-    if (!bus_is_there(call)) return;
-    const auto* kept = dashboard_of(call);
-    if (kept == nullptr) return;
-    const auto dashboard = with_boards(*kept, call.gateway.mirror(), call.now());
-    const auto& id = call.path.find("widget")->second;
-    const auto* widget = dashboard.widget(id);
-    if (widget == nullptr)
-        return send_problem(call, 404, "this dashboard has no widget \"" + text::printable(id) + "\"");
-    if (widget->kind == Widget::Kind::kStop) {
+    const auto tile = tile_of(call);
+    if (!tile) return;
+    if (tile->widget.kind == Widget::Kind::kStop) {
         const auto& rights = call.principal.rights;
-        if (rights.may_stop() || rights.control) return stop_boards(call, dashboard.boards());
+        if (rights.may_stop() || rights.control) return stop_boards(call, tile->boards);
         return send_problem(call, 403, "a token that is limited to some services may not stop boards");
     }
-    if (!widget->sends())
+    if (!tile->widget.sends())
         return send_problem(call, 400, "this widget only shows something; it takes no value");
-    use(call, *widget);
+    use(call, tile->widget);
+}
+
+/// A link shows as much of the past as the plot does, and as much before it, by which it can be moved.
+void get_widget_kept(Call& call) {
+    const auto tile = tile_of(call);
+    if (!tile) return;
+    if (tile->widget.kind != Widget::Kind::kPlot) return send_problem(call, 400, "this widget is no plot");
+    const bool all = call.principal.rights.dashboard.empty();
+    if (!all && tile->widget.span.empty())
+        return send_problem(call, 403, "this link shows what is there now; the plot has no span");
+    ask_kept(call, tile->widget.board, tile->widget.property,
+             all ? text::WallTime{} : call.now().wall - 2 * tile->widget.span_time());
 }
 
 void post_link(Call& call) {

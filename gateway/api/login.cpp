@@ -8,7 +8,8 @@ namespace asip::gateway::api {
 namespace {
 
 constexpr std::string_view kPolicy =
-    "default-src 'none'; script-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "default-src 'none'; script-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
 
 http::Response html(int status, const std::string& body) {
     http::Response response;
@@ -77,13 +78,13 @@ void log_in(Gateway& gateway, const http::Request& request, const http::Peer& pe
     if (!session) session = gate.lessons(gateway.now()).rights_of(present, gateway.now());
     const bool other = session && session->name != offered->name;
     if (other && !(way == Way::kOwnPage && is_true(request, "replace"))) {
+        // In the language of the browser by login.js.
         return reply.send(html(409, "<h1>Sign in as " + offered->name +
-                                        "?</h1><p>This browser is signed in as <b>" + session->name +
-                                        "</b>. The address that led here signs it in as <b>" + offered->name +
-                                        "</b>. If you did not ask for that, stay as you are.</p><p><a "
-                                        "href=\"./\">Stay " +
-                                        session->name + "</a></p><p><a id=\"go\" href=\"" + here +
-                                        "&amp;replace=true\">Sign in as " + offered->name + "</a></p>"));
+                                        "?</h1><p id=\"why\">This browser is signed in as " + session->name +
+                                        ".</p><p><a id=\"stay\" href=\"./\" data-name=\"" + session->name +
+                                        "\">Stay " + session->name + "</a></p><p><a id=\"go\" href=\"" +
+                                        here + "&amp;replace=true\" data-name=\"" + offered->name +
+                                        "\">Sign in as " + offered->name + "</a></p>"));
     }
     gate.lessons(gateway.now()).leave(present);
     const auto cookie = gate.logins().redeem(code, now);

@@ -7,7 +7,7 @@ namespace asip::gateway::api {
 /// A dashboard with one widget of each kind.
 inline constexpr std::string_view kDashboardExample = R"json({"title": "Greenhouse", "widgets": [
   {"kind": "value", "title": "Distance", "board": "desk", "property": "distance/0"},
-  {"kind": "plot", "board": "desk", "property": "distance/0", "size": "wide"},
+  {"kind": "plot", "board": "desk", "property": "distance/0", "size": "wide", "span": "day"},
   {"kind": "switch", "title": "Lamp", "board": "lamp", "property": "io/13"},
   {"kind": "slider", "title": "Vent", "board": "desk", "property": "servo/0/angle"},
   {"kind": "lamp", "title": "Button", "board": "desk", "property": "io/2"},
@@ -143,6 +143,7 @@ inline constexpr std::string_view kComponents = R"json({
     "board": {"type": "string", "description": "Of all but stop and text, with property"},
     "labels": {"type": "string", "description": "In place of board: one tile for each board that has them now, such as `class=4b`; its id is ID.BOARD"},
     "text": {"type": "string", "maxLength": 1000, "description": "Of a text"},
+    "span": {"type": "string", "enum": ["hour", "day", "week", "month"], "description": "Of a plot: the time that it shows at first, and the longest that the user of a link sees; missing: the last minute"},
     "property": {"type": "string", "description": "Its id in the list of the board, such as `servo/0/angle`"}}},
   "Dashboard": {"type": "object", "required": ["widgets"], "additionalProperties": false, "properties": {
     "title": {"type": "string", "maxLength": 100},
@@ -155,7 +156,7 @@ inline constexpr std::string_view kComponents = R"json({
       "links": {"type": "array", "items": {"$ref": "#/components/schemas/Link"}}}}}}},
   "WidgetValue": {"type": "object", "description": "Of a stop: an empty object", "properties": {"value": {"$ref": "#/components/schemas/PropertyValue"}}},
   "LinkRequest": {"type": "object", "additionalProperties": false, "properties": {
-    "name": {"type": "string"}, "until": {"type": "string", "description": "How long it is valid: 12h, 365d; missing: 30d. It ends with the token of its maker in any case"},
+    "name": {"type": "string"}, "until": {"type": ["string", "null"], "description": "How long it is valid: 12h, 365d; null: until it is ended; missing: 30d. It ends with the token of its maker in any case"},
     "control": {"type": "boolean", "description": "Its switches, sliders and stops may be used"}}},
   "Link": {"type": "object", "required": ["name", "control"], "properties": {
     "name": {"type": "string"}, "control": {"type": "boolean"}, "until": {"type": "string"}, "by": {"type": "string"},

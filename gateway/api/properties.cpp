@@ -165,26 +165,32 @@ void ask_each_registry(Call& call, const nlohmann::json& query) {
 
 }  // namespace
 
-void get_board_values_kept(Call& call) {
-    const auto* id = call.request.parameter("property");
-    if (id == nullptr || id->empty())
-        return send_problem(call, 400, "property: is missing; an id such as distance/0");
+void ask_kept(Call& call, const std::string& board, const std::string& property, text::WallTime oldest) {
     const auto points = whole_parameter(call, "points", 500, 1, 1000);
     if (!points) return send_problem(call, 400, points.error());
     const auto* from = call.request.parameter("from");
     const auto* to = call.request.parameter("to");
     const auto end = to == nullptr ? call.now().wall : text::parse_iso_time(*to).value_or(text::WallTime{});
-    nlohmann::json query{{"find", "values"},
-                         {"board", call.board()},
-                         {"property", *id},
-                         {"from", from == nullptr ? text::iso_time(end - std::chrono::hours(24)) : *from},
-                         {"to", to == nullptr ? text::iso_time(end) : *to},
-                         {"points", static_cast<std::uint64_t>(*points)}};
+    const auto begin =
+        from == nullptr ? end - std::chrono::hours(24) : text::parse_iso_time(*from).value_or(oldest);
+    nlohmann::json query{
+        {"find", "values"},
+        {"board", board},
+        {"property", property},
+        {"from", from == nullptr || begin < oldest ? text::iso_time(std::max(begin, oldest)) : *from},
+        {"to", to == nullptr ? text::iso_time(end) : *to},
+        {"points", static_cast<std::uint64_t>(*points)}};
     // The registry's words for what is wrong with them.
     if (const auto valid = bus::read_registry_request(query); !valid)
         return send_problem(call, 400, valid.error());
-    if (!asked(call, *id) || !bus_is_there(call)) return;
-    ask_each_registry(call, query);
+    if (bus_is_there(call)) ask_each_registry(call, query);
+}
+
+void get_board_values_kept(Call& call) {
+    const auto* id = call.request.parameter("property");
+    if (id == nullptr || id->empty())
+        return send_problem(call, 400, "property: is missing; an id such as distance/0");
+    if (asked(call, *id)) ask_kept(call, call.board(), *id, {});
 }
 
 }  // namespace asip::gateway::api

@@ -116,12 +116,19 @@ std::vector<Parameter> history_parameters() {
             {"cursor", kText, "Of the page before", ""}};
 }
 
-std::vector<Parameter> kept_parameters() {
-    return {{"property", kText, "Its id", R"("distance/0")"},
-            {"from", kText, "A time; a day before `to` where it is missing", ""},
-            {"to", kText, "A time; now", ""},
-            {"points", R"({"type":"integer","minimum":1,"maximum":1000})", "At most so many", "10"}};
+std::vector<Parameter> kept_parameters(bool property) {
+    std::vector<Parameter> all{
+        {"from", kText, "A time; a day before `to` where it is missing", ""},
+        {"to", kText, "A time; now", ""},
+        {"points", R"({"type":"integer","minimum":1,"maximum":1000})", "At most so many", "10"}};
+    if (property) all.insert(all.begin(), {"property", kText, "Its id", R"("distance/0")"});
+    return all;
 }
+
+const Answer kKeptPoints{
+    200,
+    "Points, the oldest first: [time, mean, min, max], [time, value], or [time, null] where a gap begins",
+    "Page"};
 
 // A row: method, path, id, what it does, what it needs; its parameters, the schema of its body; its answers;
 // the function that serves it.
@@ -135,7 +142,7 @@ std::vector<Route> make_routes() {
         {"GET", "/api/boards/{board}/values", "getBoardValues", "How its properties stand", Need::kRead, {kIds, {"past", R"({"type":"integer","minimum":0,"maximum":600,"default":0})", "So many of the last numbers of each, too", "20"}}, "", {{200, "By id", "PropertyValues"}, kNotFound}, get_board_values},
         {"PUT", "/api/boards/{board}/values", "putBoardValue", "Set one property and wait until the board did", Need::kCommand, {kDeadline}, "PropertyByIdValue", setting_answers(), put_board_values},
         {"GET", "/api/boards/{board}/values/stream", "streamBoardValues", "How its properties stand, then each change, as Server-Sent Events", Need::kRead, {{"max_hz", R"({"type":"number","minimum":0,"maximum":1000})", "The newest values of a service at most so often; 0: each", "20"}}, "", {{200, "A stream without end", "EventStream", "text/event-stream"}, kNotFound, kNotReady, kTooMany}, get_board_values_stream},
-        {"GET", "/api/boards/{board}/values/kept", "getKeptValues", "How a property was: what a registry keeps of its values", Need::kRead, kept_parameters(), "", {{200, "Points, the oldest first: [time, mean, min, max], [time, value], or [time, null] where a gap begins", "Page"}, kNotFound, kNotReady, kTooMany}, get_board_values_kept},
+        {"GET", "/api/boards/{board}/values/kept", "getKeptValues", "How a property was: what a registry keeps of its values", Need::kRead, kept_parameters(true), "", {kKeptPoints, kNotFound, kNotReady, kTooMany}, get_board_values_kept},
         {"GET", "/api/boards/{board}/history", "getBoardHistory", "What a registry keeps of its changes", Need::kRead, history_parameters(), "", {{200, "One page, the newest first", "Page"}, kNotFound, kNotReady, kTooMany}, get_board_history},
         {"GET", "/api/history", "getHistory", "Changes of all boards that a registry keeps", Need::kRead, history_parameters(), "", {{200, "One page, the newest first", "Page"}, kNotFound, kNotReady, kTooMany}, get_history},
         {"GET", "/api/services", "listServices", "Services that match, page by page", Need::kRead, query_parameters(false), "", {{200, "One page", "Page"}, kUnchanged}, get_services},
@@ -159,6 +166,7 @@ std::vector<Route> make_routes() {
         {"PUT", "/api/dashboards/{dashboard}", "putDashboard", "Make a dashboard, or change it: If-Match has the ETag of the version that is changed", Need::kArrange, {}, "Dashboard", {{200, "Changed", "Dashboard"}, {201, "Made", "Dashboard"}, fault(409, "There are as many as may be, or it is being changed"), fault(412, "It was changed or removed meanwhile, or there is one already (If-None-Match: *)"), fault(428, "There is one already: send If-Match"), kNotReady}, put_dashboard},
         {"DELETE", "/api/dashboards/{dashboard}", "deleteDashboard", "Remove a dashboard, and with it its links", Need::kArrange, {}, "", {{204, "Removed", ""}, kNotFound, fault(409, "It is being changed"), fault(412, "It was changed meanwhile (If-Match)"), kNotReady}, delete_dashboard},
         {"POST", "/api/dashboards/{dashboard}/widgets/{widget}", "useWidget", "Set what a switch or a slider controls, or stop the boards of the dashboard", Need::kUse, {}, "WidgetValue", widget_answers(), post_widget},
+        {"GET", "/api/dashboards/{dashboard}/widgets/{widget}/kept", "getWidgetKept", "How the property of a plot was", Need::kShown, kept_parameters(false), "", {kKeptPoints, kNotFound, kNotReady, kTooMany}, get_widget_kept},
         {"POST", "/api/dashboards/{dashboard}/links", "makeLink", "A link that shows its holder this dashboard and nothing else", Need::kArrange, {}, "LinkRequest", {{201, "The link, with its token: it is not shown again", "Link"}, kNotFound, fault(409, "There are as many as may be, or it is being changed"), kNotReady}, post_link},
         {"DELETE", "/api/dashboards/{dashboard}/links/{link}", "deleteLink", "End a link at once", Need::kArrange, {}, "", {{204, "Ended", ""}, kNotFound, fault(409, "It is being changed"), kNotReady}, delete_link},
         {"GET", "/api/lessons", "listLessons", "The lessons that are going on, each with its code", Need::kArrange, {}, "", {{200, "All of them", "Lessons"}}, get_lessons},

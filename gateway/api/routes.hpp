@@ -101,6 +101,7 @@ void get_dashboard(Call& call);
 void put_dashboard(Call& call);
 void delete_dashboard(Call& call);
 void post_widget(Call& call);
+void get_widget_kept(Call& call);
 void get_lessons(Call& call);
 void get_lesson(Call& call);
 void post_lessons(Call& call);
@@ -172,6 +173,9 @@ void send_command(Call& call, const bus::BoardItem& board, const bus::ServiceIte
 /// Sets a property and answers the call when the board did, with what became of it otherwise.
 void set_property(Call& call, const Things::Found& board, const property::Property& property,
                   const nlohmann::json& value);
+/// Answers with how it was from `from` to `to` of the request, as a registry kept it; nothing before
+/// `oldest`.
+void ask_kept(Call& call, const std::string& board, const std::string& property, text::WallTime oldest);
 /// Stops these boards and answers when all have answered.
 void stop_boards(Call& call, const std::vector<std::string>& boards);
 

@@ -11,6 +11,15 @@
 namespace asip::gateway {
 using nlohmann::json;
 
+std::chrono::hours Widget::span_time() const {
+    using std::chrono::days;
+    return span == "hour" ? std::chrono::hours(1)
+                          : std::chrono::hours(days(span == "day"     ? 1
+                                                    : span == "week"  ? 7
+                                                    : span == "month" ? 31
+                                                                      : 0));
+}
+
 const Widget* Dashboard::widget(std::string_view id) const {
     const auto found =
         std::find_if(widgets.begin(), widgets.end(), [&](const auto& each) { return each.id == id; });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -23,7 +24,10 @@ struct Widget {
     std::string board, property;  ///< of a stop and a text empty; `property`: its id
     std::string labels;           ///< in place of `board`: one of each board that has them, as `class=4b`
     std::string text;             ///< of a text
+    std::string span;             ///< of a plot: "hour", "day", "week" or "month"; empty: the last minute
 
+    /// Zero: what a registry keeps is not shown at first.
+    std::chrono::hours span_time() const;
     bool sends() const { return kind == Kind::kSwitch || kind == Kind::kSlider; }
     std::string_view service() const { return property::service_of(property); }
 };

@@ -22,8 +22,9 @@ using nlohmann::json;
 constexpr std::array<std::string_view, 8> kKinds{"value", "plot", "switch", "slider",
                                                  "lamp",  "stop", "gauge",  "text"};
 constexpr std::array<std::string_view, 3> kSizes{"small", "wide", "large"};
-constexpr std::array<std::string_view, 8> kMembers{"id",    "kind",     "title",  "size",
-                                                   "board", "property", "labels", "text"};
+constexpr std::array<std::string_view, 4> kSpans{"hour", "day", "week", "month"};
+constexpr std::array<std::string_view, 9> kMembers{"id",       "kind",   "title", "size", "board",
+                                                   "property", "labels", "text",  "span"};
 constexpr std::size_t kMaxTitle = 100;
 constexpr std::size_t kMaxWord = 256;
 constexpr std::size_t kMaxText = 1000;
@@ -112,6 +113,8 @@ Expected<Widget> read_widget(const json& object, const std::string& place) {
     widget.kind = static_cast<Widget::Kind>(std::find(kKinds.begin(), kKinds.end(), kind) - kKinds.begin());
     widget.title = reader.word("title", kMaxTitle);
     widget.size = reader.choice("size", kSizes);
+    widget.span = reader.choice("span", kSpans);
+    if (!widget.span.empty() && widget.kind != Widget::Kind::kPlot) reader.fault("span is that of a plot");
     if (widget.kind == Widget::Kind::kText) {
         widget.text = reader.needed("text", kMaxText);
     } else if (widget.kind != Widget::Kind::kStop) {
@@ -137,6 +140,7 @@ json widget_json(const Widget& widget) {
     add("property", widget.property);
     add("labels", widget.labels);
     add("text", widget.text);
+    add("span", widget.span);
     return object;
 }
 

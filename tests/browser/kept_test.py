@@ -10,6 +10,8 @@ import unittest
 import urllib.request
 from unittest import mock
 
+from selenium.webdriver.support.ui import Select
+
 import axe_test
 from rig import DESK, Bus, Keys, eventually
 from kept_values import DAY, MINUTE, write_kept
@@ -128,17 +130,37 @@ class Week(Plots):
 
     @mock.patch("axe_test.NEXT", VIEWS)
     def test_Dashboard_HasAPlotOfAWeekAndOnAPhoneInItalian(self):
-        document = {"title": "Week", "widgets": [{"kind": "plot", "size": "wide", "board": "desk", "property": "distance/0"}]}
-        request = urllib.request.Request(f"{self.bus.url}/api/dashboards/week", json.dumps(document).encode(), {"Content-Type": "application/json", "If-None-Match": "*"}, method="PUT")
-        urllib.request.urlopen(request, timeout=20).close()
+        self.ask("PUT", "week", {"title": "Week", "widgets": [{"kind": "plot", "size": "wide", "board": "desk", "property": "distance/0", "span": "week"}]})
         self.addCleanup(lambda: self.browser.run("localStorage.removeItem('asip-language')"))
         self.start()
         self.browser.run("localStorage.setItem('asip-language', 'it')")
         self.start()
         self.go("dashboard/week", "asip-plot canvas")
-        self.show("1 settimana")
-        self.drawn(lambda plot: plot["points"] > 100 and "Il registro first conserva" in plot["note"], "una settimana")
+        self.drawn(lambda plot: plot["pressed"] == "1 settimana" and plot["points"] > 100 and "Il registro first conserva" in plot["note"], "una settimana")
         self.check("kept-dashboard")
+
+    def ask(self, method, path, body):
+        request = urllib.request.Request(f"{self.bus.url}/api/dashboards/{path}", json.dumps(body).encode(), {"Content-Type": "application/json"}, method=method)
+        with urllib.request.urlopen(request, timeout=20) as answer:
+            return json.load(answer)
+
+    def test_TimeOfAPlot_IsKeptWithItsDashboardAndALinkSeesNoMore(self):
+        self.ask("PUT", "hall", {"title": "Hall", "widgets": [{"kind": "plot", "size": "wide", "board": "desk", "property": "distance/0"}]})
+        self.start()
+        self.go("dashboard/hall", "asip-plot canvas")
+        self.drawn(lambda plot: plot["pressed"] == "1 min", "as before")
+        self.browser.button("Edit").click()
+        Select(self.browser.shown(".widget-list select[aria-label^='Time that']")).select_by_visible_text("1 day")
+        self.drawn(lambda plot: plot["pressed"] == "1 day" and plot["points"] > 20, "the day that was chosen")
+        self.start()
+        self.go("dashboard/hall", "asip-plot canvas")
+        self.drawn(lambda plot: plot["pressed"] == "1 day" and plot["drawn"][:80] == "#" * 80, "a day at once")
+        self.browser.screenshot("kept-day")
+        token = self.ask("POST", "hall/links", {"until": None})["token"]
+        self.browser.driver.get(f"{self.bus.url}/kiosk/{token}/")
+        self.browser.shown("asip-plot canvas")
+        self.drawn(lambda plot: plot["pressed"] == "1 day" and plot["points"] > 20, "the same by a link")
+        self.assertEqual([each.get_attribute("textContent") for each in self.browser.find(".plot-tools button[aria-pressed]")], ["10 s", "1 min", "10 min", "1 h", "1 day"])
 
 
 class NothingYet(Plots):

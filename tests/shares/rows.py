@@ -132,6 +132,7 @@ RESOURCES = {
     "GET /api/dashboards/{dashboard}": ("kiosk", "", ""),
     "PUT /api/dashboards/{dashboard}": ("operator", "", BOARD),
     "POST /api/dashboards/{dashboard}/widgets/{widget}": ("kiosk", "", '{"value":90}'),
+    "GET /api/dashboards/{dashboard}/widgets/{widget}/kept": ("kiosk", "?points=1000", ""),
     "POST /api/dashboards/{dashboard}/links": ("operator", "", '{"control":true}'),
     "DELETE /api/dashboards/{dashboard}/links/{link}": ("operator", "", ""),
     "DELETE /api/dashboards/{dashboard}": ("operator", "", ""),

@@ -60,10 +60,28 @@ export function with_unit(value, unit) {
   return number_text(value) + (text === "°" || text === "%" ? "" : "\u00a0") + text;
 }
 
+const known_word = (word) => known_text(`word.${word.toLowerCase()}`);
+
+/// A word of a model in the reader's language, as it stands within a sentence.
+export const word_text = (word) => known_word(word) ?? word;
+
+/// Words of a model in the reader's language, where all of them are known.
+function in_language(text) {
+  const each = text.split(" ").map((word) => (/^\d*$/.test(word) ? word : known_word(word)));
+  return each.includes(undefined) ? undefined : first_up(each.join(" "));
+}
+
 /// "input-pullup" as a person reads it: "Input pullup".
 export function words(name) {
-  return first_up(String(name).replace(/[-_]/g, " "));
+  const text = String(name).replace(/[-_]/g, " ");
+  return in_language(text) ?? first_up(text);
 }
+
+/// A property with its name in the reader's language, unless a person has named it.
+export const named = (property) => ({ ...property, name: in_language(property.name) ?? property.name });
+
+/// What a service is, as its model says.
+export const title_of_service = ({ name, title }) => (title && known_text(`title.${name}`)) ?? title ?? words(name);
 
 export const first_up = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 

@@ -2,6 +2,7 @@
 // What a tab knows of the gateway: subscriptions, commands, requests.
 import { t } from "../core/language.js";
 import { answer_ms } from "../core/link.js";
+import { named } from "../core/text.js";
 import { Hub } from "./hub.js";
 
 export const base = new URL("../", import.meta.url);
@@ -146,4 +147,7 @@ export async function request_with_tag(path, { method = "GET", body, headers = {
 }
 
 export const path_of = (...parts) => "api/" + parts.map(encodeURIComponent).join("/");
+
+/// What can be read and set on a board.
+export const properties_of = async (board) => (await request(path_of("boards", board, "properties"))).properties.map(named);
 export const bus = new Bus();

@@ -2,7 +2,7 @@
 // "Add to dashboard": beside a service and a pin on a board's page, and in the editor of a dashboard.
 import { name_of_title, offers_of } from "../core/dashboard.js";
 import { t } from "../core/language.js";
-import { path_of, request, request_with_tag } from "../net/bus.js";
+import { path_of, properties_of, request, request_with_tag } from "../net/bus.js";
 import { answer_line, field, fresh_id, h, muted, page_of, Part } from "./dom.js";
 import { status } from "./model.js";
 
@@ -11,8 +11,7 @@ let last_dashboard; // added to last, by this tab
 
 /// What of a board can be added; `wanted`: of which properties.
 export async function offers_of_board(board, wanted = () => true) {
-  const { properties } = await request(path_of("boards", board, "properties"));
-  return offers_of(board, properties.filter(wanted));
+  return offers_of(board, (await properties_of(board)).filter(wanted));
 }
 
 /// Adds a widget to a dashboard that may be changed by another user at the same moment; `fresh`: to one that is not there yet.

@@ -5,7 +5,7 @@ import { shown_state } from "../core/firmware.js";
 import { t } from "../core/language.js";
 import { moves } from "../core/properties.js";
 import { duration_text, moment_text, time_of, reason_text, who_text } from "../core/text.js";
-import { bus, path_of, request } from "../net/bus.js";
+import { bus, path_of, properties_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text, small, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
 import "./firmware.js";
@@ -86,7 +86,7 @@ class Board extends Part {
   }
 
   async load_properties() {
-    this.properties = (await request(path_of("boards", this.name, "properties")).catch(() => this)).properties ?? [];
+    this.properties = await properties_of(this.name).catch(() => this.properties ?? []);
     if (this.isConnected) this.show_standing();
   }
 

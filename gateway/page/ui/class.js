@@ -4,7 +4,7 @@ import { blinks, light_of } from "../core/identify.js";
 import { t } from "../core/language.js";
 import { qr_of } from "../core/qr.js";
 import { clock_text, time_of } from "../core/text.js";
-import { base, bus, path_of, request } from "../net/bus.js";
+import { base, bus, path_of, properties_of, request } from "../net/bus.js";
 import { fresh_id, h, Part, set_text, state_mark, svg } from "./dom.js";
 import { boards, status } from "./model.js";
 
@@ -18,7 +18,7 @@ const pause = (ms) => new Promise((done) => { setTimeout(done, ms); });
 
 /// Blinks the light of a board, on a press; returns a sentence.
 async function identify(name) {
-  const [board, { properties = [] }] = await Promise.all([request(path_of("boards", name)), request(path_of("boards", name, "properties"))]);
+  const [board, properties] = await Promise.all([request(path_of("boards", name)), properties_of(name)]);
   const light = light_of(board, properties);
   if (light.refused) return light.refused;
   const { values = {} } = light.output ? await request(path_of("boards", name, "values")) : {};

@@ -7,6 +7,7 @@ import { bus, path_of, request, request_with_tag } from "../net/bus.js";
 import { answer_line, field, fresh_id, h, page_of, Part, set_text, small } from "./dom.js";
 import { boards, status } from "./model.js";
 import { offers_of_board } from "./add_widget.js";
+import { kept_spans, kFirst } from "./plot.js";
 import "./share.js";
 import "./widget.js";
 
@@ -134,8 +135,11 @@ class Dashboard extends Part {
     const title = h("input", { type: "text", maxlength: 60, value: widget.title ?? "", placeholder: name, "aria-label": t("title-name", { name }), autocomplete: "off", onchange: () => set({ title: title.value.trim() }) });
     const size = h("select", { "aria-label": t("size-name", { name }), onchange: () => set({ size: size.value }) }, kSizes.map((each) => h("option", { value: each }, t(`size.${each}`))));
     size.value = widget.size ?? "small";
+    const span = widget.kind === "plot" && h("select", { "aria-label": t("span-name", { name }), onchange: () => set({ span: span.value || undefined }) },
+      [["", kFirst], ...Object.entries(kept_spans)].map(([value, [shown]]) => h("option", { value }, shown)));
+    if (span) span.value = widget.span ?? "";
     const text = widget.kind === "text" && h("textarea", { rows: 2, maxlength: 1000, "aria-label": t("text-name", { name }), onchange: () => set({ text: text.value }) }, widget.text);
-    return h("li", {}, h("span", { class: "muted" }, t(`kind.${widget.kind}`), widget.labels && h("small", {}, ` ${widget.labels}`)), title, text, size,
+    return h("li", {}, h("span", { class: "muted" }, t(`kind.${widget.kind}`), widget.labels && h("small", {}, ` ${widget.labels}`)), title, text, span, size,
       h("button", { "aria-label": t("duplicate-name", { name }), onclick: () => change((all) => all.flatMap((each) => (each.id === widget.id ? [each, { ...each, id: undefined }] : each))) }, t("duplicate")),
       h("button", { "aria-label": t("remove-name", { name }), onclick: () => change((all) => all.filter((each) => each.id !== widget.id)) }, "×"));
   }

@@ -3,21 +3,21 @@
 import { kMonthMs, points_of, points_within, wanted } from "../core/kept.js";
 import { t } from "../core/language.js";
 import { day_text, time_of } from "../core/text.js";
-import { path_of, request } from "../net/bus.js";
+import { request } from "../net/bus.js";
 
 const kPoints = 1000;
 const kAgainMs = 10_000;
-const kHourMs = 3_600_000;
+const kMinuteMs = 60_000;
 
 export class Kept {
-  /// `lines`: a function that gives [{key, name, unit}] of the properties, now.
-  constructor(board, lines) {
-    Object.assign(this, { board, lines, version: 0, again_at: 0 });
+  /// `path` of a property and of what is asked of it. `lines`: a function that gives [{key, name, unit}] of the properties, now. `reach`: how far back it may.
+  constructor(path, lines, reach = kMonthMs) {
+    Object.assign(this, { path, lines, reach, version: 0, again_at: 0 });
   }
 
   ask(property, { from, to }) {
-    const asked = { property, from: new Date(from).toISOString(), to: new Date(to).toISOString(), points: kPoints };
-    return request(`${path_of("boards", this.board, "values", "kept")}?${new URLSearchParams(asked)}`);
+    const asked = { from: new Date(from).toISOString(), to: new Date(to).toISOString(), points: kPoints };
+    return request(this.path(property, asked));
   }
 
   /// Asks for what a picture of this time needs; one thing at a time, and not again at once where that failed.
@@ -45,9 +45,9 @@ export class Kept {
 
   /// Who keeps it, and since when, in words.
   async begin_of(property, now) {
-    const { registry, items } = await this.ask(property, { from: now - kMonthMs, to: now });
+    const { registry, items } = await this.ask(property, { from: now - this.reach, to: now });
     const since = time_of(items?.[0]?.[0]) ?? now;
-    return since > now - kMonthMs + kHourMs ? t("kept-since", { registry, since: day_text(since) }) : t("kept-longer", { registry });
+    return since > now - this.reach + kMinuteMs ? t("kept-since", { registry, since: day_text(since) }) : this.reach === kMonthMs ? t("kept-longer", { registry }) : "";
   }
 
   shown(from, to) {

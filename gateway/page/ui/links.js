@@ -4,7 +4,7 @@ import { alive } from "../core/catalogue.js";
 import { t } from "../core/language.js";
 import { is_source, is_target, rule_of, standing_of, ways_of } from "../core/rule.js";
 import { moment_text, time_of } from "../core/text.js";
-import { path_of, request } from "../net/bus.js";
+import { path_of, properties_of, request } from "../net/bus.js";
 import { answer_line, field, fresh_id, h, muted, Part, set_class, set_text, small } from "./dom.js";
 import { boards, status } from "./model.js";
 
@@ -111,8 +111,8 @@ class Links extends Part {
     this.panel.replaceChildren(muted(t("looking-what")));
     const others = boards.catalogue.by_name().filter((row) => row.name !== this.board && alive(row.state));
     const names = [this.board, ...others.slice(0, kMaxBoards).map((row) => row.name)];
-    const lists = await Promise.all(names.map((name) => request(path_of("boards", name, "properties")).catch(() => ({ properties: [] }))));
-    this.offers = new Map(names.map((name, i) => [name, lists[i].properties]));
+    const lists = await Promise.all(names.map((name) => properties_of(name).catch(() => [])));
+    this.offers = new Map(names.map((name, i) => [name, lists[i]]));
     this.show_form(others.length > kMaxBoards);
   }
 

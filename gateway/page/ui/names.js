@@ -2,7 +2,7 @@
 // What people call a board, its services and its pins, and its labels. The board's agent keeps them.
 import { changed_labels, changed_names, labels_text } from "../core/labels.js";
 import { t } from "../core/language.js";
-import { service_text, words } from "../core/text.js";
+import { service_text, title_of_service } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { answer_line, field, fresh_id, h, Part, tell } from "./dom.js";
 import { status } from "./model.js";
@@ -60,7 +60,7 @@ class Names extends Part {
     this.own = asked(t("name-board"), labels.name ?? "", { maxlength: 63, placeholder: this.board_name });
     const services = description?.services ?? [];
     this.services = new Map(services.map((service) => [service.name,
-      asked(t("name-service", { service: service_text(service.name) }), names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.name === "io" ? t("pins") : service.title ?? words(service.name) })]));
+      asked(t("name-service", { service: service_text(service.name) }), names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.name === "io" ? t("pins") : title_of_service(service) })]));
     this.labels = asked(t("labels-commas"), labels_text(labels), { placeholder: "room=lab, shelf=2" });
   }
 

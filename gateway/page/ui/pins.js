@@ -4,7 +4,7 @@ import { answer_text } from "../core/form.js";
 import { known_text, t } from "../core/language.js";
 import { board_rows, mode_names, pins_of, PinValues, settable_modes } from "../core/pins.js";
 import { is_simple } from "../core/properties.js";
-import { first_up, service_text, words } from "../core/text.js";
+import { first_up, service_text, word_text, words } from "../core/text.js";
 import { offers_of_board } from "./add_widget.js";
 import { bus } from "../net/bus.js";
 import { answer_line, before_picture, field, fresh_id, h, Part, set_class, set_text, small, tell } from "./dom.js";
@@ -87,7 +87,7 @@ class Pins extends Part {
       const [value, level] = floating ? ["", undefined] : [text, known];
       const taken = pin.owner !== "";
       set_text(called, pin.name);
-      set_text(said, taken ? pin.owner : value || short[mode] || "");
+      set_text(said, taken ? word_text(pin.owner) : value || short[mode] || "");
       const idle = pin.number !== this.opened && (pin.owner === "system" || (!taken && !pin.name && !this.values.properties.has(pin.number)));
       set_class(button, `pin${taken ? " taken" : ""}${idle ? " idle" : ""}${pin.number === this.opened ? " open" : ""} ${mode ?? ""}`);
       set_class(light, `light ${level === undefined ? "unknown" : level > 0 ? "on" : "off"}${told ? " told" : ""}`);

@@ -10,7 +10,9 @@ import { draw_steps } from "./kept.js";
 
 const spans = [["10 s", 10_000], ["1 min", 60_000], ["10 min", 600_000]];
 const one = (unit) => new Intl.NumberFormat(locale, { style: "unit", unit, unitDisplay: "long" }).format(1);
-const kept_spans = [["1 h", 3_600_000], [one("day"), 86_400_000], [one("week"), 604_800_000], [one("month"), kMonthMs]];
+/// What a registry keeps, by the names that a widget has for it.
+export const kept_spans = { hour: ["1 h", 3_600_000], day: [one("day"), 86_400_000], week: [one("week"), 604_800_000], month: [one("month"), kMonthMs] };
+export const kFirst = spans[1];
 const kMinSpanMs = 500;
 const kLiveMs = 600_000; // beyond, a registry is asked
 const kColors = 6;
@@ -20,9 +22,9 @@ const bottom = 20;
 
 class Plot extends Part {
   /// Call before it is put into the page. `label` is for people who cannot see it, `file` the name of the CSV. `kept`: a Kept, where
-  /// a registry may have kept it.
-  begin(series, label, file, kept) {
-    Object.assign(this, { live: series, series, label, file, kept });
+  /// a registry may have kept it. `span`: what it shows at first.
+  begin(series, label, file, kept, [, span] = kFirst) {
+    Object.assign(this, { live: series, series, label, file, kept, span });
     return this;
   }
 
@@ -33,13 +35,12 @@ class Plot extends Part {
   }
 
   shown() {
-    this.span = 60_000;
     this.end = undefined; // paused: where the picture ends; else it follows the time
     this.hidden_lines = new Set();
     this.canvas = h("canvas", { role: "img", tabindex: "0", onwheel: (event) => this.wheel(event), onkeydown: (event) => this.key(event),
       onpointerdown: (event) => this.grab(event), onpointermove: (event) => this.point(event), onpointerleave: (event) => { if (event.pointerType === "mouse") this.cursor = undefined; } });
     this.pause_button = h("button", { onclick: () => this.pause(this.end === undefined) }, t("pause"));
-    this.spans = [...spans, ...(this.kept ? kept_spans : [])].map(([text, ms]) => [h("button", { "aria-label": t("show-text", { text }), onclick: () => this.zoom_to(ms) }, text), ms]);
+    this.spans = [...spans, ...Object.values(kept_spans).filter(([, ms]) => ms <= this.longest)].map(([text, ms]) => [h("button", { "aria-label": t("show-text", { text }), onclick: () => this.zoom_to(ms) }, text), ms]);
     this.note = h("p", { class: "muted note", role: "status" });
     this.legend = h("div", { class: "legend" });
     this.append(this.canvas, this.legend, this.note, h("div", { class: "plot-tools", role: "group", "aria-label": t("plot-label", { label: this.label }) },
@@ -94,7 +95,7 @@ class Plot extends Part {
   }
 
   zoom_to(ms, at = 1) {
-    const span = Math.max(kMinSpanMs, Math.min(this.kept ? kMonthMs : kLiveMs, ms));
+    const span = Math.max(kMinSpanMs, Math.min(this.longest, ms));
     if (this.end !== undefined) this.end -= (this.span - span) * (1 - at);
     this.span = span;
     for (const [button, each] of this.spans) button.setAttribute("aria-pressed", each === span);
@@ -136,6 +137,8 @@ class Plot extends Part {
     this.end -= moved * this.span / (this.width - left);
     this.grabbed.x = event.clientX;
   }
+
+  get longest() { return this.kept?.reach ?? kLiveMs; }
 
   /// Whether the picture is of what was kept.
   get far() { return this.kept !== undefined && this.span > kLiveMs; }

@@ -2,7 +2,7 @@
 // A value of each board that is seen in the table. Only of the rows on the screen: each of them is asked of its board.
 import { value_service } from "../core/catalogue.js";
 import { floats, value_text } from "../core/properties.js";
-import { bus, path_of, request } from "../net/bus.js";
+import { bus, properties_of } from "../net/bus.js";
 
 const kHz = 2;
 const kMaxRows = 80;
@@ -10,7 +10,7 @@ const kSettleMs = 250; // rows that pass while the user scrolls are not asked
 
 /// The first property of a board that it measures by itself; of this service, where one is named.
 async function first_sensor(board, service) {
-  const { properties } = await request(path_of("boards", board, "properties")).catch(() => ({ properties: [] }));
+  const properties = await properties_of(board).catch(() => []);
   return properties.find((each) => (service ? each.service === service && each.kind !== "button" && !floats(each) : each.access === "read" && !each.advanced));
 }
 

@@ -6,7 +6,7 @@ import { command_order, place_of, words_of_error } from "../core/form.js";
 import { count_text, t } from "../core/language.js";
 import { elements_of, floats, is_number, is_simple, value_text } from "../core/properties.js";
 import { make_room, numbers_of, Series } from "../core/series.js";
-import { duration_text, moment_text, service_text, time_of, unit_text, with_unit, words } from "../core/text.js";
+import { duration_text, moment_text, service_text, time_of, title_of_service, unit_text, with_unit, word_text, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { offers_of_board } from "./add_widget.js";
 import { before_picture, h, Part, set_text, small } from "./dom.js";
@@ -75,12 +75,12 @@ class Service extends Part {
   }
 
   /// What people call it, else what the board does.
-  title_text() { return this.service.label ?? this.service.title ?? words(this.service.name); }
+  title_text() { return this.service.label ?? title_of_service(this.service); }
 
   subtitle() {
     const { count, model, label, title } = this.service;
-    const parts = label && title ? [title] : [];
-    if (count > 0) parts.push(`${count_text(count)} × ${this.element ?? t("element")}`);
+    const parts = label && title ? [title_of_service(this.service)] : [];
+    if (count > 0) parts.push(`${count_text(count)} × ${this.element ? word_text(this.element) : t("element")}`);
     if (!model) parts.push(t("no-model-describes"));
     return parts.join(", ");
   }
@@ -331,7 +331,7 @@ class Service extends Part {
   add_plot(group) {
     group.plotted = true;
     const label = [this.board, group.name, group.listed && unit_text(group.numbers[0].unit)].filter(Boolean).join(" ");
-    const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"), group.listed && new Kept(this.board, () => group.numbers));
+    const plot = document.createElement("asip-plot").begin(group.series, label, label.replaceAll(" ", "-"), group.listed && new Kept((property, asked) => `${path_of("boards", this.board, "values", "kept")}?${new URLSearchParams({ property, ...asked })}`, () => group.numbers));
     plot.group = group.key;
     const [box, open] = group.place === this.values ? [this.plots, !this.folded] : [group.place, false];
     box.append(h("details", { open }, h("summary", {}, t("plot")), plot));

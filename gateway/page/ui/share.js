@@ -5,7 +5,7 @@ import { moment_text, time_of, who_text } from "../core/text.js";
 import { base, path_of, request } from "../net/bus.js";
 import { answer_line, field, fresh_id, h, muted, Part, small } from "./dom.js";
 
-const periods = [["1h", t("one-hour")], ["1d", t("one-day")], ["7d", t("week")], ["30d", t("30-days")], ["365d", t("year")]];
+const periods = [["1h", t("one-hour")], ["1d", t("one-day")], ["7d", t("week")], ["30d", t("30-days")], ["365d", t("year")], ["", t("until-ended")]];
 
 class Share extends Part {
   begin(name) {
@@ -31,7 +31,7 @@ class Share extends Part {
 
   async make(until, control) {
     try {
-      const link = await request(path_of("dashboards", this.name, "links"), { method: "POST", body: { control, until } });
+      const link = await request(path_of("dashboards", this.name, "links"), { method: "POST", body: { control, until: until || null } });
       const address = new URL(`kiosk/${link.token}/`, base).href;
       const shown = h("input", { type: "text", readonly: true, value: address, "aria-label": t("the-link"), onfocus: () => shown.select() });
       const local = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);

@@ -4,12 +4,12 @@ import { title_of, trouble_of } from "../core/dashboard.js";
 import { t } from "../core/language.js";
 import { is_on, place_in, range_of, value_text } from "../core/properties.js";
 import { Series } from "../core/series.js";
-import { duration_text, time_of, with_unit } from "../core/text.js";
+import { duration_text, named, time_of, with_unit } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { answer_line, h, Part, set_text, small, svg } from "./dom.js";
 import { Kept } from "./kept.js";
 import { status } from "./model.js";
-import "./plot.js";
+import { kept_spans } from "./plot.js";
 
 const kOldMs = 3000;      // beyond, a value says how old it is
 const kSlideMs = 150;     // a moved slider is sent at most so often
@@ -18,7 +18,8 @@ class Widget extends Part {
   /// Call before it is put into the page. `may`: {use, stop}: which controls may be used.
   begin(dashboard, widget, may) {
     Object.assign(this, { widget, may, grip: h("button", { class: "grip", title: t("drag-or") }, "⠿ ", h("span", { class: "hidden" }, t("move"))) });
-    this.ask = (body) => request(path_of("dashboards", dashboard, "widgets", widget.id), { method: "POST", body });
+    this.path = path_of("dashboards", dashboard, "widgets", widget.id);
+    this.ask = (body) => request(this.path, { method: "POST", body });
     return this;
   }
 
@@ -48,7 +49,7 @@ class Widget extends Part {
 
   /// What its property is, as the board lists it; null: the board has no such property.
   describe(property) {
-    this.property = property;
+    this.property = property && named(property);
     if (!this.isConnected) return;
     this.show_title();
     if (this.input) Object.assign(this.input, range_of(property) ?? {});
@@ -72,9 +73,11 @@ class Widget extends Part {
     this.series = new Series();
     this.text = h("span", { class: "big" });
     const title = title_of(this.widget, this.property);
-    // A link shows nothing that was kept.
-    const kept = status.you.dashboard ? undefined : new Kept(this.widget.board, () => [{ ...this.point(), key: this.widget.property }]);
-    this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title, title.replaceAll(" ", "-"), kept));
+    const first = kept_spans[this.widget.span];
+    // A link shows no more of the past than its plot.
+    const kept = status.you.dashboard && !first ? undefined
+      : new Kept((_, asked) => `${this.path}/kept?${new URLSearchParams(asked)}`, () => [{ ...this.point(), key: this.widget.property }], status.you.dashboard ? first[1] : undefined);
+    this.body.append(this.text, document.createElement("asip-plot").begin(this.series, title, title.replaceAll(" ", "-"), kept, first));
   }
 
   make_lamp() { this.body.append((this.light = h("span", { class: "bulb unknown" })), (this.text = h("span", { class: "big" }))); }

@@ -377,6 +377,48 @@ TEST_F(Dashboards_, Links_AreListedWithTheirMakers_AndEndAfterAMonthUnlessTheySa
     EXPECT_EQ(open->channel->close_code(), 1008);
 }
 
+TEST_F(Dashboards_, LinkWithoutAnEnd_LastsUntilItIsEnded) {
+    put("lab", kLab);
+    const auto token = link(R"({"name":"hall","until":null})");
+    EXPECT_FALSE(get("/api/dashboards")->body()["items"][0]["links"][0].contains("until"));
+    pass(10 * 365 * 24h);
+    EXPECT_EQ(get("/kiosk/" + token + "/api/dashboards/lab")->status(), 200);
+    ask("DELETE", "/api/dashboards/lab/links/hall");
+    echo();
+    EXPECT_EQ(get("/kiosk/" + token + "/api/dashboards/lab")->status(), 404);
+}
+
+TEST_F(Dashboards_, PastOfAPlot_IsAskedOfTheRegistry_AndALinkSeesAsMuchAsThePlot) {
+    announce();
+    bus("asip/registry/r1/$state", "online");
+    const auto plot = [](const std::string& id, const std::string& more) {
+        return R"({"kind":"plot","board":"uno1","property":"distance/0","id":")" + id + "\"" + more + "}";
+    };
+    put("lab", R"({"widgets":[)" + plot("week", R"(,"span":"week")") + "," + plot("now", "") +
+                   R"(,{"id":"value","kind":"value","board":"uno1","property":"distance/0"}]})");
+    const auto prefix = "/kiosk/" + link("{}");
+    settle();
+    published_.clear();
+    const auto days_asked = [&](const std::string& target) {
+        const auto answer = get(target);
+        EXPECT_EQ(answer->status(), 0) << answer->detail();
+        const auto query = json::parse(published_.back().payload);
+        EXPECT_EQ(query["board"], "uno1");
+        EXPECT_EQ(query["property"], "distance/0");
+        const auto from = text::parse_iso_time(query["from"].get<std::string>());
+        return std::chrono::round<std::chrono::days>(gateway_->now().wall - *from).count();
+    };
+    const auto month = "?points=100&from=" + text::iso_time(gateway_->now().wall - 31 * 24h);
+    const std::string widgets = "/api/dashboards/lab/widgets/";
+    EXPECT_EQ(days_asked(widgets + "week/kept" + month), 31);
+    EXPECT_EQ(days_asked(widgets + "now/kept"), 1);
+    EXPECT_EQ(days_asked(prefix + widgets + "week/kept" + month), 14) << "the week, and one before";
+    EXPECT_EQ(get(prefix + widgets + "now/kept" + month)->status(), 403);
+    EXPECT_EQ(get(widgets + "value/kept")->status(), 400);
+    EXPECT_EQ(get(widgets + "week/kept?from=x")->status(), 400);
+    EXPECT_EQ(get(widgets + "none/kept")->status(), 404);
+}
+
 TEST_F(Dashboards_, LinksWhoseTimeIsOver_TakeNoRoom) {
     put("lab", kLab);
     const auto make = [this] {

@@ -58,6 +58,12 @@ TEST(Dashboard, Faults_AreNamedWithTheirPlace) {
     EXPECT_THAT(fault_of(with(R"({"kind":"lamp","labels":"-a","property":"io/2"})")), HasSubstr("labels: "));
     EXPECT_THAT(fault_of(with(R"({"kind":"lamp","labels":"a","board":"a","property":"io/2"})")),
                 HasSubstr("exclude each other"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"plot","board":"a","property":"io/2","span":"days"})")),
+                HasSubstr("did you mean \"day\"?"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"plot","board":"a","property":"io/2","span":86400})")),
+                HasSubstr("span must be a text"));
+    EXPECT_THAT(fault_of(with(R"({"kind":"value","board":"a","property":"io/2","span":"day"})")),
+                HasSubstr("span is that of a plot"));
     EXPECT_THAT(fault_of(with(R"({"kind":"text"})")), HasSubstr("text is missing"));
     EXPECT_THAT(fault_of(with(R"({"kind":"text","text":")" + std::string(1001, 'x') + "\"}")),
                 HasSubstr("at most 1000 bytes"));

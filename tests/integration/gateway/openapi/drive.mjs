@@ -90,7 +90,7 @@ async function streams(path, headers = {}) {
 }
 
 const slider = (id, board, servo) => ({ id, kind: "slider", board, property: `servo/${servo}/angle` });
-const lab = { title: "Lab", widgets: [slider("turn", "uno1", 0), slider("away", "lost", 0), slider("frost", "frozen", 0)] };
+const lab = { title: "Lab", widgets: [{ id: "plot", kind: "plot", board: "uno1", property: "distance/0", span: "day" }, slider("turn", "uno1", 0), slider("away", "lost", 0), slider("frost", "frozen", 0)] };
 const cold = { title: "Cold", widgets: [slider("frost", "frozen", 0), { id: "halt", kind: "stop" }] };
 const calm = { title: "Calm", widgets: [slider("turn", "uno1", 0), { id: "halt", kind: "stop" }] };
 const calmed = async () => {
@@ -102,6 +102,7 @@ const calmed = async () => {
 const make = (name, dashboard) => send("PUT", `/api/dashboards/${name}`, { body: dashboard, headers: { "If-Match": "*" } });
 
 const kept = "/api/boards/uno1/values/kept?property=distance/0";
+const widget_kept = "/api/dashboards/lab/widgets/plot/kept";
 const links = "/api/boards/uno1/links";
 const rule = (name) => ({ set: { name, from: "uno1/distance/0", when: "follows", to: "servo/0/angle" } });
 
@@ -189,6 +190,7 @@ const cases = {
       409: () => twice("/api/dashboards/lab/widgets/turn", { value: 10 }, { value: 11 }, "turned"),
       503: post("/api/dashboards/lab/widgets/away", { value: 90 }), 504: post("/api/dashboards/lab/widgets/frost", { value: 90 }),
     },
+    getWidgetKept: { 200: get(widget_kept), 400: get(`${widget_kept}?from=x`), 404: get("/api/dashboards/lab/widgets/none/kept") },
     makeLink: { 201: post("/api/dashboards/lab/links", { name: "hall", until: "1h" }), 404: post("/api/dashboards/none/links") },
     deleteLink: { 204: () => send("DELETE", "/api/dashboards/lab/links/hall"), 404: () => send("DELETE", "/api/dashboards/lab/links/none") },
     deleteDashboard: {
@@ -240,6 +242,7 @@ const cases = {
   stalled: {
     forgetBoard: { 429: () => crowd(() => send("DELETE", "/api/boards/lost")) },
     getKeptValues: { 429: () => crowd(get(kept)) },
+    getWidgetKept: { 429: () => crowd(get(widget_kept)) },
     getBoardHistory: { 429: () => crowd(get("/api/boards/uno1/history")) },
     getHistory: { 429: () => crowd(get("/api/history")) },
     getValue: { 429: () => crowd(get("/api/boards/uno1/services/servo/value?wait=2")) },
@@ -254,6 +257,7 @@ const cases = {
   down: {
     forgetBoard: { 503: () => send("DELETE", "/api/boards/uno1") },
     getKeptValues: { 503: get(kept) },
+    getWidgetKept: { 503: get(widget_kept) },
     getBoardHistory: { 503: get("/api/boards/uno1/history") },
     getHistory: { 503: get("/api/history") },
     getValue: { 503: get("/api/boards/uno1/services/distance/value?wait=1") },
