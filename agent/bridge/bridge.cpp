@@ -117,7 +117,7 @@ void Bridge::send_periods(Time now, Effects& out) {
 
 void Bridge::publish_values(Time now, Effects& out) {
     values_.tick(now);
-    if (announcer_ && announcer_->may_publish() && name_claimed_ && !leaving_)
+    if (announcer_ && announcer_->is_announced() && name_claimed_ && !leaving_)
         values_.publish(announcer_->session(), now, out);
 }
 
@@ -179,7 +179,8 @@ void Bridge::tick(Time now, Effects& out) {
 
 std::optional<Time> Bridge::next_deadline() const {
     auto deadline = board_.session.next_deadline();
-    const auto values = name_claimed_ && may_publish() ? values_.next_deadline() : std::nullopt;
+    const bool announced = name_claimed_ && announcer_ && announcer_->is_announced();
+    const auto values = announced ? values_.next_deadline() : std::nullopt;
     for (const auto& other :
          {values, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
           restarts_.next_deadline(), labels_.next_deadline(), links_.next_deadline(may_publish()),

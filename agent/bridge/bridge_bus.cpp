@@ -59,13 +59,13 @@ void Bridge::bus_connected(Time now, const std::string& client_id, bool expires,
     announcer_->on_connected(now, out, expires);
     start_publishing(out);
     values_.connected(now);
-    publish_values(now, out);
     links_.connected(now);
     run_links(now, out);
 }
 
 void Bridge::bus_subscribed(Time now, Effects& out) {
     if (announcer_ && name_claimed_) announcer_->on_subscribed(now, out);
+    publish_values(now, out);
 }
 
 void Bridge::bus_disconnected() {

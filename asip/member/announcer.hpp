@@ -117,6 +117,8 @@ class Announcer {
     bool established() const { return established_; }
     /// With the bus.
     bool may_publish() const { return established_ && connected_; }
+    /// Its description is ahead of what is published now: readers take what is of the session that it says.
+    bool is_announced() const { return may_publish() && subscribed_; }
     const std::string& session() const { return session_; }
     mqtt::Message will() const;
 

@@ -268,6 +268,17 @@ TEST_F(ValuesOfBoard, BrokerStartedAnew_IsToldBothAgain) {
     EXPECT_THAT(bench.on("asip/uno1/$values"), SizeIs(1));
 }
 
+// Readers that have the documents of a session take others behind the description of theirs.
+TEST(RetainedOfABoard, PropertiesAndValues_ComeBehindTheDescription) {
+    OnlineBench bench;
+    std::vector<std::string> kinds;
+    for (const auto& [message, priority] : bench.published)
+        for (const auto* kind : {"$description", "$properties", "$values"})
+            if (message.topic.ends_with(kind)) kinds.emplace_back(kind);
+    ASSERT_THAT(kinds, testing::IsSupersetOf({"$description", "$properties", "$values"}));
+    EXPECT_EQ(kinds.front(), "$description");
+}
+
 TEST_F(ValuesOfBoard, Documents_CarrySessionAndRisingNumbers) {
     std::uint64_t before = 0;
     for (int i = 0; i < 3; ++i) {
