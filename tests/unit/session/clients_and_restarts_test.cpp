@@ -39,10 +39,9 @@ TEST(BoardSession, DeadlineWhileWaiting_IsNotSentAndNeverWillBe) {
     for (int i = 0; i < 10; ++i)
         ids.push_back(bench.request("S,W,0," + std::to_string(i), {.deadline = bench.now + 300ms}));
     bench.pass(300ms);
-    ASSERT_NE(bench.end_of(ids.back()), nullptr);
-    EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
+    EXPECT_EQ(bench.ending(ids.back()), Ending::kNotSent);
     EXPECT_EQ(bench.end_of(ids.back())->not_sent, NotSent::kDeadline);
-    EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
+    EXPECT_EQ(bench.ending(ids.front()), Ending::kTimeout);
     bench.board.mute = false;
     bench.pass(20s);
     EXPECT_THAT(bench.board.executed, Not(Contains("S,W,0,9")));
@@ -114,9 +113,8 @@ TEST_P(EachGeneration, ErrorOfASettingThatIsRestored_PutsWhatIsInFlightInDoubt) 
     bench.board.mute = false;
     ASSERT_TRUE(bench.ready_within(5s));
     bench.pass(1s);
-    ASSERT_NE(bench.end_of(damaged), nullptr);
-    EXPECT_EQ(bench.end_of(damaged)->ending, Ending::kDoubt);
-    EXPECT_EQ(bench.end_of(bench.request("S,W,0,3"))->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(damaged), Ending::kDoubt);
+    EXPECT_EQ(bench.ending(bench.request("S,W,0,3")), Ending::kExecuted);
 }
 
 struct RestoredDamaged : testing::Test {
@@ -151,8 +149,7 @@ TEST_F(RestoredDamaged, SetOtherwiseMeanwhile_TheLaterSettingStays) {
     const auto later = bench.request("I,P,13,5");
     bench.pass(3s);
     ASSERT_NE(bench.end_of(id), nullptr);
-    ASSERT_NE(bench.end_of(later), nullptr);
-    EXPECT_EQ(bench.end_of(later)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(later), Ending::kExecuted);
     EXPECT_EQ(last_mode(), "I,P,13,5");
 }
 
@@ -220,7 +217,7 @@ TEST(BoardSession, QueuedWhileRestarting_IsExecutedAfterwards) {
     bench.board.mute = false;
     ASSERT_TRUE(bench.ready_within(5s));
     EXPECT_THAT(bench.board.executed, ElementsAre("I,P,13,3", "I,d,13,1"));
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(id), Ending::kExecuted);
 }
 
 TEST_P(EachGeneration, QuietBoard_IsProbedAndStaysReady) {

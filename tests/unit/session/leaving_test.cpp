@@ -32,8 +32,8 @@ TEST(Leaving, RequestUnderWay_EndsFirstAndOnesThatWaitAreNotSent) {
     bench.release();
     EXPECT_EQ(bench.session.state(), State::kDown);
     EXPECT_EQ(bench.board.baud, 57600u);
-    EXPECT_EQ(bench.end_of(requests.front())->ending, Ending::kExecuted);
-    EXPECT_EQ(bench.end_of(requests.back())->ending, Ending::kNotSent);
+    EXPECT_EQ(bench.ending(requests.front()), Ending::kExecuted);
+    EXPECT_EQ(bench.ending(requests.back()), Ending::kNotSent);
 }
 
 TEST(Leaving, BoardThatIsMute_IsLeftInAThirdOfASecond) {
@@ -71,7 +71,7 @@ TEST(Leaving, PortThatComesBack_IsUsedAsBefore) {
     ASSERT_TRUE(bench.start());
     EXPECT_EQ(bench.board.baud, 1'000'000u);
     const auto request = bench.request("I,d,13,1");
-    EXPECT_EQ(bench.end_of(request)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(request), Ending::kExecuted);
 }
 
 }  // namespace

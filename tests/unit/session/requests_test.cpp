@@ -25,8 +25,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, EachGeneration,
 TEST(BoardSession, Request_EndsExecutedWhenItsFenceIsBack) {
     ReadyBench bench;
     const auto id = bench.request("I,d,13,1\n");
-    ASSERT_NE(bench.end_of(id), nullptr);
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(id), Ending::kExecuted);
     EXPECT_THAT(bench.board.executed, ElementsAre("I,d,13,1"));
     EXPECT_EQ(bench.session.bytes_in_flight(), 0u);
 }
@@ -34,8 +33,7 @@ TEST(BoardSession, Request_EndsExecutedWhenItsFenceIsBack) {
 TEST_F(OldBoard, Request_IsProvenByTheInformationRequest) {
     ASSERT_TRUE(bench.start());
     const auto id = bench.request("I,d,13,1");
-    ASSERT_NE(bench.end_of(id), nullptr);
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(id), Ending::kExecuted);
     EXPECT_EQ(bench.board.heard.back(), "#,?");
     EXPECT_THAT(bench.lines, IsEmpty());
 }
@@ -45,8 +43,7 @@ TEST(BoardSession, BoardError_EndsTheRequestAndIsHandedOn) {
     bench.board.replies["S,W,9,90"] = "~S,W,7{INVALID_DEVICE_NUMBER}";
     ASSERT_TRUE(bench.start());
     const auto id = bench.request("S,W,9,90");
-    ASSERT_NE(bench.end_of(id), nullptr);
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.ending(id), Ending::kBoardError);
     EXPECT_EQ(bench.end_of(id)->code, 7);
     EXPECT_EQ(bench.end_of(id)->text, "INVALID_DEVICE_NUMBER");
     EXPECT_THAT(bench.lines, ElementsAre("~S,W,7{INVALID_DEVICE_NUMBER}"));
@@ -71,12 +68,9 @@ TEST_P(EachGeneration, AlikeRequestsAtOnce_EachEndsWithItsOwnOutcome) {
     for (int i = 0; i < 50; ++i) {
         ASSERT_NE(bench.end_of(bad[i]), nullptr);
         ASSERT_NE(bench.end_of(good[i]), nullptr);
-        timeouts += bench.end_of(bad[i])->ending != Ending::kExecuted &&
-                    bench.end_of(bad[i])->ending != Ending::kBoardError;
-        if (bench.end_of(bad[i])->ending == Ending::kExecuted)
-            ADD_FAILURE() << "bad request " << i << " proven";
-        if (bench.end_of(good[i])->ending == Ending::kBoardError)
-            ADD_FAILURE() << "good request " << i << " refused";
+        timeouts += bench.ending(bad[i]) != Ending::kExecuted && bench.ending(bad[i]) != Ending::kBoardError;
+        if (bench.ending(bad[i]) == Ending::kExecuted) ADD_FAILURE() << "bad request " << i << " proven";
+        if (bench.ending(good[i]) == Ending::kBoardError) ADD_FAILURE() << "good request " << i << " refused";
     }
     EXPECT_GE(timeouts, 1);
     EXPECT_EQ(bench.finished.size(), 100u);
@@ -95,8 +89,7 @@ TEST_P(EachGeneration, UnprovenRequestsOfTwoClientsLookAlike_ErrorGoesToItsOwnAl
         bench.release();
         bench.pass(300ms);
         for (const auto good : {first, last}) {
-            ASSERT_NE(bench.end_of(good), nullptr) << i;
-            EXPECT_EQ(bench.end_of(good)->ending, Ending::kUnproven) << i;
+            EXPECT_EQ(bench.ending(good), Ending::kUnproven) << i;
         }
     }
     ASSERT_EQ(bench.owned_lines.size(), 20u);
@@ -169,8 +162,7 @@ TEST_P(EachGeneration, RequestThatWasToFollow_NeverComes_OthersGoOnAtTheDeadline
     bench.pass(100ms);
     EXPECT_EQ(bench.end_of(other), nullptr);
     bench.pass(2s);
-    ASSERT_NE(bench.end_of(other), nullptr);
-    EXPECT_EQ(bench.end_of(other)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(other), Ending::kExecuted);
 }
 
 TEST_P(EachGeneration, FenceLost_RequestIsInDoubtAndTheNextWorks) {
@@ -181,11 +173,9 @@ TEST_P(EachGeneration, FenceLost_RequestIsInDoubtAndTheNextWorks) {
     bench.pass(1s);
     bench.say_line("@I,a,1,{0:1}");
     bench.pass(1s);
-    ASSERT_NE(bench.end_of(lost), nullptr);
-    EXPECT_EQ(bench.end_of(lost)->ending, Ending::kDoubt);
+    EXPECT_EQ(bench.ending(lost), Ending::kDoubt);
     const auto next = bench.request("I,d,13,0");
-    ASSERT_NE(bench.end_of(next), nullptr);
-    EXPECT_EQ(bench.end_of(next)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(next), Ending::kExecuted);
     EXPECT_EQ(bench.count("silent"), 0);
 }
 
@@ -205,9 +195,8 @@ TEST_P(EachGeneration, UnprovenRequests_CostNoFenceEach) {
 TEST_P(EachGeneration, ClientAsksForInformation_GetsTheAnswer) {
     ASSERT_TRUE(bench.start());
     const auto id = bench.request("#,?", {.prove = true, .answer_tag = '?'});
-    ASSERT_NE(bench.end_of(id), nullptr);
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
-    EXPECT_EQ(bench.end_of(id)->answer.text(), "@#,?,0,4,ATmega328P,6,Script");
+    EXPECT_EQ(bench.ending(id), Ending::kExecuted);
+    EXPECT_EQ(bench.answer(id), "@#,?,0,4,ATmega328P,6,Script");
     EXPECT_THAT(bench.lines, ElementsAre("@#,?,0,4,ATmega328P,6,Script"));
 }
 
@@ -215,7 +204,7 @@ TEST(BoardSession, ClientSendsAFence_GetsItsOwnAnswerOnly) {
     ReadyBench bench;
     const auto id = bench.request("#,E,mine");
     EXPECT_THAT(bench.lines, ElementsAre("@#,E,mine"));
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(id), Ending::kExecuted);
 }
 
 TEST(BoardSession, AnswerEvent_ComesWithTheEnd) {
@@ -223,7 +212,7 @@ TEST(BoardSession, AnswerEvent_ComesWithTheEnd) {
     bench.board.replies["D,M"] = "@D,e,2,{42,118}";
     ASSERT_TRUE(bench.start());
     const auto id = bench.request("D,M", {.prove = true, .answer_tag = 'e'});
-    EXPECT_EQ(bench.end_of(id)->answer.text(), "@D,e,2,{42,118}");
+    EXPECT_EQ(bench.answer(id), "@D,e,2,{42,118}");
     EXPECT_THAT(bench.lines, ElementsAre("@D,e,2,{42,118}"));
 }
 
@@ -232,10 +221,10 @@ TEST(BoardSession, ServiceTheBoardDoesNotHave_ErrorWithoutNameIsAttributed) {
     const auto before = bench.request("I,d,13,1");
     const auto id = bench.request("Z,x,1");
     const auto after = bench.request("I,a,3,1");
-    EXPECT_EQ(bench.end_of(before)->ending, Ending::kExecuted);
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kBoardError);
+    EXPECT_EQ(bench.ending(before), Ending::kExecuted);
+    EXPECT_EQ(bench.ending(id), Ending::kBoardError);
     EXPECT_EQ(bench.end_of(id)->code, 1);
-    EXPECT_EQ(bench.end_of(after)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(after), Ending::kExecuted);
 }
 
 TEST(BoardSession, NotARequest_IsRefused) {
@@ -256,9 +245,8 @@ TEST(BoardSession, RequestOfTheLengthThatTheBoardNames_IsSentWithItsChecksum) {
     const auto id = bench.request(longest);
     const auto next = bench.request("I,d,13,1");
     bench.pass(1s);
-    ASSERT_NE(bench.end_of(id), nullptr);
-    EXPECT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
-    EXPECT_EQ(bench.end_of(next)->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(id), Ending::kExecuted);
+    EXPECT_EQ(bench.ending(next), Ending::kExecuted);
     EXPECT_THAT(bench.board.executed, testing::ElementsAre(longest, "I,d,13,1"));
     EXPECT_TRUE(bench.session.checksums());
     EXPECT_EQ(bench.refused(longest + "1"), Refusal::kTooLong);
@@ -290,8 +278,8 @@ TEST(BoardSession, LinkGoes_SentTimesOutAndQueuedIsNotSent) {
     for (int i = 0; i < 10; ++i)
         ids.push_back(bench.request("I,d,13,1"));
     bench.unplug();
-    EXPECT_EQ(bench.end_of(ids.front())->ending, Ending::kTimeout);
-    EXPECT_EQ(bench.end_of(ids.back())->ending, Ending::kNotSent);
+    EXPECT_EQ(bench.ending(ids.front()), Ending::kTimeout);
+    EXPECT_EQ(bench.ending(ids.back()), Ending::kNotSent);
     EXPECT_EQ(bench.finished.size(), 10u);
 }
 
@@ -302,12 +290,11 @@ TEST_F(OldBoard, FenceComesLate_ProvesItsOwnRequestAndNothingNewer) {
     const auto next = bench.request("S,W,0,2");
     bench.pass(1700ms);
     bench.say("@#,?,0,4,ATmega328P,6,Script\r\n");
-    ASSERT_NE(bench.end_of(slow), nullptr);
-    EXPECT_EQ(bench.end_of(slow)->ending, Ending::kExecuted) << "its own answer, late";
+    EXPECT_EQ(bench.ending(slow), Ending::kExecuted) << "its own answer, late";
     EXPECT_EQ(bench.end_of(next), nullptr);
     bench.pass(5s);
     ASSERT_NE(bench.end_of(next), nullptr);
-    EXPECT_NE(bench.end_of(next)->ending, Ending::kExecuted);
+    EXPECT_NE(bench.ending(next), Ending::kExecuted);
 }
 
 TEST_F(OldBoard, FencesTakeTurns) {
@@ -326,9 +313,8 @@ TEST(BoardSession, ErrorThatBelongsToNoRequest_PutsWhatIsInFlightInDoubt) {
         bench.board.replies["S,W,0,1"] = error;
         const auto id = bench.request("S,W,0,1");
         bench.pass(2s);
-        ASSERT_NE(bench.end_of(id), nullptr) << error;
-        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt) << error;
-        EXPECT_EQ(bench.end_of(bench.request("S,W,0,2"))->ending, Ending::kExecuted);
+        EXPECT_EQ(bench.ending(id), Ending::kDoubt) << error;
+        EXPECT_EQ(bench.ending(bench.request("S,W,0,2")), Ending::kExecuted);
     }
 }
 

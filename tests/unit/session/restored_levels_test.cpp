@@ -35,7 +35,7 @@ struct RelayBoard : testing::Test {
     }
     void set(std::initializer_list<const char*> lines) {
         for (const char* line : lines)
-            EXPECT_EQ(bench.end_of(bench.request(line))->ending, Ending::kExecuted) << line;
+            EXPECT_EQ(bench.ending(bench.request(line)), Ending::kExecuted) << line;
     }
     Bench bench;
 };
@@ -78,7 +78,7 @@ TEST_F(RelayBoard, CommandInDoubt_NoLevelIsRestored) {
         const auto id = bench.request(command);
         bench.board.mute = false;
         const auto lines = restart(bench);
-        EXPECT_EQ(bench.end_of(id)->ending, Ending::kDoubt);
+        EXPECT_EQ(bench.ending(id), Ending::kDoubt);
         EXPECT_THAT(lines, ElementsAre("I,P,2,3")) << command;
     }
 }

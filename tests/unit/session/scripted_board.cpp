@@ -81,13 +81,7 @@ std::optional<std::string> ScriptedBoard::refusal(const std::string& line) const
     if (line.size() < 3) return start + "?,2{UNKNOWN_REQUEST}";
     const char tag = line[2] > ' ' && line[2] < 127 ? line[2] : '?';
     if (line[1] != ',' || (line.size() > 3 && line[3] != ',')) return start + tag + ",2{UNKNOWN_REQUEST}";
-    if (line[0] != 'S' || !servo_numbers_twice) return std::nullopt;
-    const std::string_view numbers = std::string_view(line).substr(std::min<std::size_t>(line.size(), 4));
-    const auto comma = numbers.find(',');
-    if (tag == 'W' && comma != 0 && comma != numbers.npos &&
-        numbers.substr(0, comma) == numbers.substr(comma + 1))
-        return std::nullopt;
-    return start + tag + ",11{BAD_ARGUMENT}";
+    return std::nullopt;
 }
 
 std::string ScriptedBoard::answer(const std::string& received, Time) {

@@ -32,8 +32,6 @@ class ScriptedBoard {
     int lose_lines = 0;                    ///< so many lines from now on are lost on their way to it
     int swallow_fences = 0;                ///< so many fences from now on are lost
     bool checksum = false;
-    /// Servo requests are `S,W,N,N`, the same number twice: what the line makes of one is refused.
-    bool servo_numbers_twice = false;
     std::map<std::string, std::string> misreads;  ///< request line to what the line makes of it
     std::map<std::string, int> lost_errors;       ///< request line to the error that does not arrive
     std::map<std::string, std::string> replies;   ///< request line to answer line, before everything else
@@ -106,6 +104,11 @@ class Bench {
     RequestId request(std::string_view line, RequestOptions options = {});
     std::optional<Refusal> refused(std::string_view line);
     const Finished* end_of(RequestId id) const;
+    /// How it ended, and the line of its answer; nothing: it has not.
+    std::optional<Ending> ending(RequestId id) const {
+        return end_of(id) ? std::optional(end_of(id)->ending) : std::nullopt;
+    }
+    std::string answer(RequestId id) const { return end_of(id) ? end_of(id)->answer.text() : std::string(); }
     int count(std::string_view fact) const;
     /// What the board says waits until release().
     void hold() { delivering_ = true; }

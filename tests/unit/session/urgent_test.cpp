@@ -60,7 +60,7 @@ TEST_P(Urgent, WhileAFenceIsOut_IsSentAtOnceAndNotTakenForProven) {
     EXPECT_THAT(bench.board.heard, Not(Contains("I,d,13,0")));
     bench.pass(10s);
     ASSERT_NE(bench.end_of(stop), nullptr);
-    EXPECT_NE(bench.end_of(stop)->ending, Ending::kExecuted);
+    EXPECT_NE(bench.ending(stop), Ending::kExecuted);
 }
 
 TEST_P(Urgent, WhatWaitsIsCancelled_ItIsNeverSentAndUrgentStays) {
@@ -87,8 +87,7 @@ TEST_P(Urgent, WhatWaitsIsCancelled_ItIsNeverSentAndUrgentStays) {
     EXPECT_NE(bench.end_of(urgent), nullptr);
     const auto next = bench.request("I,d,13,1");
     bench.pass(5s);
-    ASSERT_NE(bench.end_of(next), nullptr);
-    EXPECT_EQ(bench.end_of(next)->ending, Ending::kExecuted) << "the next one works";
+    EXPECT_EQ(bench.ending(next), Ending::kExecuted) << "the next one works";
 }
 
 TEST_P(Urgent, TooMany_AreRefused) {

@@ -112,8 +112,7 @@ TEST_P(FullBatches, AnAnswerIsMissing_TheFenceIsSentAllTheSame) {
     bench.pass(100ms);
     EXPECT_GT(fences(), at_once);
     bench.pass(1s);
-    ASSERT_NE(bench.end_of(requests.back()), nullptr);
-    EXPECT_EQ(bench.end_of(requests.back())->ending, Ending::kExecuted);
+    EXPECT_EQ(bench.ending(requests.back()), Ending::kExecuted);
 }
 
 class FullBatchesOnASlowLine : public FullBatches {
@@ -150,7 +149,7 @@ class AlikeRequests : public VerifiedFences {
     void settle() {
         bench.release();
         bench.pass(1s);
-        ASSERT_EQ(bench.end_of(before)->ending, Ending::kExecuted);
+        ASSERT_EQ(bench.ending(before), Ending::kExecuted);
     }
     Ending ending(RequestId id) const { return bench.end_of(id)->ending; }
     std::size_t fences() const {
@@ -238,7 +237,7 @@ TEST_P(VerifiedFences, ManyRequestsOfManyClients_AllAreProven) {
         ids.push_back(bench.request(i % 3 ? "I,d,13,1 " : "S,W,0,90", {.client = ClientId(i % 7)}));
     bench.pass(5s);
     for (const auto id : ids)
-        ASSERT_EQ(bench.end_of(id)->ending, Ending::kExecuted);
+        ASSERT_EQ(bench.ending(id), Ending::kExecuted);
     EXPECT_EQ(bench.session.counters().contradictions, 0u);
 }
 
