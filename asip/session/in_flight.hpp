@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -65,8 +66,6 @@ class InFlight {
     /// Time::max(): none is.
     Time look_at() const;
     void looked();
-    /// Such a value was seen to take longer than its fence.
-    bool comes_behind_fence(const Request& next) const;
 
     /// The fence of some request is back and its value is not.
     bool awaits_values() const { return !awaiting_.empty(); }
@@ -152,7 +151,18 @@ class InFlight {
         Time latest;  // the board has sent its value then
     };
 
-    class Explanation;  // in_flight_digest.cpp
+    template <class Is>
+    bool any_sent(const Is& is) const {
+        return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
+            return std::any_of(batch.items.begin(), batch.items.end(), is);
+        });
+    }
+    template <class Is>
+    bool any_awaiting(const Is& is) const {
+        return std::any_of(awaiting_.begin(), awaiting_.end(),
+                           [&](const Awaiting& one) { return is(one.item); });
+    }
+    class Explanation;
     // By the digest. False: the digest contradicts the batch.
     static bool settle_errors(Batch& batch, const protocol::Event& event);
     Item* find_question(const protocol::Event& event);
@@ -167,7 +177,6 @@ class InFlight {
     void forget_owed(const Batch& batch, Time now);
     void note_owed(const Item& item, Ending ending, Time sent_by);
     bool changes_period(char service) const;
-    void note_slow(const Item& item, bool slow);
     bool settle_owed(const protocol::Event& event, std::uint64_t oldest_taker);
     bool is_late(const protocol::Event& event) const;
     Meaning error_for_value(const protocol::ErrorReply& error);
@@ -178,7 +187,6 @@ class InFlight {
     std::vector<Awaiting> awaiting_;
     std::deque<std::string> lost_tokens_;  // whose answers may still come
     std::vector<Owed> owed_;
-    std::vector<std::pair<char, char>> slow_;  // service and tag of values that come behind the fence
     std::uint64_t next_number_ = 1;
     std::size_t bytes_ = 0;
     bool stood_still_ = false;     // the board may have: a fence is overdue

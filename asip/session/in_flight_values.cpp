@@ -22,41 +22,19 @@ bool InFlight::awaits_value_of(const Request& next) const {
         return !item.ended && !item.has_value && item.request.service() == next.service() &&
                item.request.answer_tag == next.answer_tag;
     };
-    return std::any_of(awaiting_.begin(), awaiting_.end(),
-                       [&](const Awaiting& one) { return waits(one.item); }) ||
-           std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
-               return std::any_of(batch.items.begin(), batch.items.end(), waits);
-           });
-}
-
-bool InFlight::comes_behind_fence(const Request& next) const {
-    const std::pair value(next.service(), next.answer_tag);
-    return std::find(slow_.begin(), slow_.end(), value) != slow_.end();
-}
-
-// Only a hint: it decides when such a request is sent, not what is believed.
-void InFlight::note_slow(const Item& item, bool slow) {
-    if (item.behind_fence) return;
-    const std::pair value(item.request.service(), item.request.answer_tag);
-    std::erase(slow_, value);
-    if (slow) slow_.push_back(value);
+    return any_awaiting(waits) || any_sent(waits);
 }
 
 bool InFlight::changes_period(char service) const {
-    return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
-        return std::any_of(batch.items.begin(), batch.items.end(), [&](const Item& item) {
-            return item.request.tag() == 'A' && item.request.service() == service;
-        });
-    });
+    return any_sent(
+        [&](const Item& item) { return item.request.tag() == 'A' && item.request.service() == service; });
 }
 
 bool InFlight::turns_reports_off(char service) const {
-    return std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
-        return std::any_of(batch.items.begin(), batch.items.end(), [&](const Item& item) {
-            const std::string_view line = item.request.line;
-            return item.request.tag() == 'A' && item.request.service() == service &&
-                   line.substr(std::min(line.size(), std::string_view("D,A,").size())) == "0";
-        });
+    return any_sent([&](const Item& item) {
+        const std::string_view line = item.request.line;
+        return item.request.tag() == 'A' && item.request.service() == service &&
+               line.substr(std::min(line.size(), std::string_view("D,A,").size())) == "0";
     });
 }
 
@@ -66,11 +44,7 @@ bool InFlight::refutes(const protocol::Event& event) const {
         return !item.ended && !item.has_value && request.is_answer && request.answer_tag == event.tag &&
                request.service() == event.service && !request.is_answer(event);
     };
-    return std::any_of(awaiting_.begin(), awaiting_.end(),
-                       [&](const Awaiting& one) { return refuses(one.item); }) ||
-           std::any_of(batches_.begin(), batches_.end(), [&](const Batch& batch) {
-               return std::any_of(batch.items.begin(), batch.items.end(), refuses);
-           });
+    return any_awaiting(refuses) || any_sent(refuses);
 }
 
 void InFlight::end_without_value(Item& item, Time sent_by, std::vector<RequestEnd>& ended) {
@@ -117,8 +91,7 @@ void InFlight::forget_owed(const Batch& batch, Time now) {
 Time InFlight::look_at() const {
     const bool looks =
         std::any_of(owed_.begin(), owed_.end(), [](const Owed& one) { return one.looks > 0; }) ||
-        std::any_of(awaiting_.begin(), awaiting_.end(),
-                    [](const Awaiting& one) { return one.item.follows_owed; });
+        any_awaiting([](const Item& item) { return item.follows_owed; });
     return looks ? see_again() : Time::max();
 }
 
@@ -161,7 +134,6 @@ bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLi
     for (Awaiting& awaiting : awaiting_) {
         if (!answers(awaiting.item)) continue;
         take(awaiting.item);
-        note_slow(awaiting.item, true);
         end(awaiting.item, awaiting.item.doubted ? Ending::kDoubt : Ending::kExecuted, ended);
     }
     std::erase_if(awaiting_, [](const Awaiting& awaiting) { return awaiting.item.ended; });
@@ -170,9 +142,7 @@ bool InFlight::note_value(const protocol::Event& event, const protocol::ParsedLi
         for (Item& item : batch.items) {
             if (oldest_taker != kNone || item.ended || !answers(item) || item.has_value) continue;
             waits = true;
-            if (item.behind_fence) continue;
-            take(item);
-            note_slow(item, false);
+            if (!item.behind_fence) take(item);
         }
     }
     return settle_owed(event, oldest_taker) || waits;

@@ -181,11 +181,10 @@ void RequestQueue::send_probe(Time now, std::vector<std::string>& lines) {
 // another was waiting for. A board that answers at once sends no other, so this is over first.
 bool RequestQueue::settles_first(const Request& next, const SelfReports& reports, Time now) {
     if (next.answer_tag == 0 || next.is_question()) return false;
-    const bool slow = in_flight_.comes_behind_fence(next);
-    const bool ending = !slow && in_flight_.turns_reports_off(next.service());
+    const bool ending = in_flight_.turns_reports_off(next.service());
     const Time owed = in_flight_.owed_until(next, now);
     const bool is_owed = owed != Time::min();
-    const Time over = slow ? owed : std::max(ending ? now : reports.until, owed);
+    const Time over = std::max(ending ? now : reports.until, owed);
     if (over == Time::min() || over == Time::max()) return false;
     if (over > now) {
         if (over > std::max(next.deadline - next.answer_time, now + (next.deadline - now) / 2)) return false;
