@@ -84,20 +84,14 @@ TEST(Announcer, StateAndDescription_AreRetainedAndTheDescriptionExpiresWithTheLe
 
 TEST(Announcer, Lease_IsRenewedAtAThirdWithARisingSeq) {
     OnlineBench bench;
-    bench.pass(60s);
-    const auto descriptions = bench.on(kDescription);
-    ASSERT_GE(descriptions.size(), 3u);
-    ASSERT_LE(descriptions.size(), 6u);
-    EXPECT_EQ(model::parse_description(descriptions[0])->seq + 1,
-              model::parse_description(descriptions[1])->seq);
-}
-
-TEST(Announcer, Renewal_IsTheDescriptionAlone) {
-    OnlineBench bench;
     bench.published.clear();
     bench.pass(60s);
-    EXPECT_GE(bench.on(kDescription).size(), 2u);
-    EXPECT_THAT(bench.on(kState), IsEmpty());
+    const auto descriptions = bench.on(kDescription);
+    ASSERT_GE(descriptions.size(), 2u);
+    ASSERT_LE(descriptions.size(), 5u);
+    EXPECT_EQ(model::parse_description(descriptions[0])->seq + 1,
+              model::parse_description(descriptions[1])->seq);
+    EXPECT_THAT(bench.on(kState), IsEmpty()) << "a renewal is the description alone";
     EXPECT_THAT(bench.on("asip/servicebus"), IsEmpty());
     EXPECT_THAT(bench.on("asip/servicebus/uno1"), IsEmpty());
 }
@@ -145,11 +139,13 @@ TEST(Announcer, Probe_IsAnsweredWithinASecond) {
 
 TEST(Announcer, OwnStateWrittenBySomebody_IsPutRight) {
     OnlineBench bench;
+    const auto before = last_description(bench).seq;
     bench.published.clear();
     bench.hear(kState, "online");
     EXPECT_THAT(bench.on(kState), IsEmpty());
     bench.hear(kState, "lost");
     EXPECT_THAT(bench.on(kState), ElementsAre("online"));
+    EXPECT_EQ(last_description(bench).seq, before + 1) << "which a view believes";
     bench.hear(kState, "");
     EXPECT_THAT(bench.on(kState), ElementsAre("online", "online"));
 }
@@ -208,17 +204,6 @@ TEST(Announcer, LivingHolderAnswersTheClaim_EndsAndNamesIt) {
     EXPECT_EQ(bench.fatal->status, program::kExitNameConflict);
     EXPECT_THAT(bench.fatal->text, HasSubstr("asip-agent-pi-1 on pi"));
     EXPECT_THAT(bench.on(kState), IsEmpty());
-}
-
-TEST(Announcer, RetainedDescriptionOfADeadAgent_IsNoConflict) {
-    BridgeBench bench;
-    bench.plug();
-    bench.connect();
-    bench.hear(kDescription, foreign_description("zzz"), true);
-    bench.hear(kDescription, "no json");
-    bench.pass(1500ms);
-    EXPECT_FALSE(bench.fatal);
-    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
 }
 
 TEST(Announcer, Takeover_AnnouncesALaterSessionThanTheHolders) {
@@ -358,13 +343,6 @@ TEST(Announcer, OlderSessionIsReplayed_WeAnnounceAgainAndStay) {
     EXPECT_EQ(bench.on(kDescription).size(), 1u);
 }
 
-TEST(Announcer, BoardLostAndBack_StateFollows) {
-    OnlineBench bench;
-    bench.unplug();
-    bench.plug();
-    EXPECT_THAT(bench.on(kState), ElementsAre("online", "lost", "online"));
-}
-
 TEST(Announcer, BoardUnplugged_EachDescriptionSaysForHowLongAndWhyUntilItIsBack) {
     OnlineBench bench;
     bench.pass(100s);
@@ -399,21 +377,15 @@ TEST(Announcer, BoardFallsSilent_TheDescriptionSaysSo) {
     EXPECT_EQ(last_description(bench).state->reason, model::StateReason::kUnplugged);
 }
 
-TEST(Announcer, StateWrittenBySomebody_IsPutRightWithALaterDescription) {
-    OnlineBench bench;
-    const auto before = last_description(bench).seq;
-    bench.hear(kState, "lost");
-    EXPECT_EQ(last_description(bench).seq, before + 1);
-    EXPECT_EQ(last_description(bench).state->state, model::BoardState::kOnline);
-}
-
 TEST(Announcer, StoredDescriptionOfALaterSession_OursIsMadeTheLaterOne) {
     BridgeBench bench;
     bench.plug();
     bench.connect();
     bench.hear(kDescription, foreign_description("00ffffffff123456"), true);
+    bench.hear(kDescription, "no json");
     bench.pass(1500ms);
     EXPECT_FALSE(bench.fatal);
+    EXPECT_THAT(bench.on(kState), ElementsAre("online"));
     EXPECT_GT(last_description(bench).session, "00ffffffff123456");
     EXPECT_EQ(last_description(bench).session.size(), 16u);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The history beside a catalogue, with real files that cannot be used for a while.
+// The history beside a catalogue, with real files that cannot be used for a while. A folder in place of the
+// file, and a file that is none, are given to a real registry (tests/integration/registry).
 #include "registry/history/keeper.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +18,6 @@ namespace keeper_test {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 /// A file in a folder of its own.
 class Folder {
@@ -25,12 +25,6 @@ class Folder {
     Folder() { fs::create_directories(path_); }
     ~Folder() { fs::remove_all(path_); }
     std::string file() const { return (path_ / "history.db").string(); }
-    std::vector<std::string> names() const {
-        std::vector<std::string> result;
-        for (const auto& entry : fs::directory_iterator(path_))
-            result.push_back(entry.path().filename());
-        return result;
-    }
 
   private:
     fs::path path_ = testing::TempDir() + "asip-keeper-" + std::to_string(getpid());
@@ -149,35 +143,6 @@ class Keeping {
     std::unique_ptr<HistoryKeeper> keeper_;
 };
 
-TEST(HistoryKeeper, FileIsAFolderForAWhile_RowsWaitAndTheRefusalSaysWhy) {
-    Folder folder;
-    fs::create_directories(folder.file());
-    Keeping run(folder.file());
-    run.complete();
-    run.added("uno1");
-    run.pass(20s);
-    const auto refused = run.ask();
-    EXPECT_EQ(refused.refused, "history-fault");
-    EXPECT_THAT(refused.error, HasSubstr("it is a folder"));
-    EXPECT_THAT(run.log, ElementsAre("failed: it is a folder")) << "one line, however often it is tried";
-    fs::remove(folder.file());
-    ASSERT_TRUE(run.until([&] { return run.log.size() == 2; }));
-    EXPECT_EQ(run.log[1], "again, lost 0");
-    EXPECT_THAT(run.rows(), ElementsAre("uno1 added online"));
-}
-
-TEST(HistoryKeeper, FolderIsMissingForAWhile_IsTheSame) {
-    Folder folder;
-    const std::string file = folder.file() + "/not/mounted/history.db";
-    Keeping run(file);
-    run.complete();
-    run.added("uno1");
-    EXPECT_EQ(run.ask().refused, "history-fault");
-    fs::create_directories(fs::path(file).parent_path());
-    ASSERT_TRUE(run.until([&] { return run.log.size() == 2; }));
-    EXPECT_THAT(run.rows(), ElementsAre("uno1 added online"));
-}
-
 TEST(HistoryKeeper, AnotherProgramLocksTheFile_NothingIsLostAndTheOrderStays) {
     Folder folder;
     Keeping run(folder.file());
@@ -228,17 +193,6 @@ TEST(HistoryKeeper, FileIsLockedAtTheStart_WhatItKnowsIsNotAddedAgain) {
     EXPECT_THAT(run.rows(), ElementsAre("uno3 added online", "uno1 state lost", "uno2 added online",
                                         "uno1 added online"));
     EXPECT_EQ(run.keeper().remembered("uno1", {at(2h), wall(0)})->first_seen, wall(1'700'000'000'000));
-}
-
-TEST(HistoryKeeper, DamagedFile_IsPutAsideAndANewOneBegun) {
-    Folder folder;
-    std::ofstream(folder.file()) << std::string(10'000, 'x');
-    Keeping run(folder.file());
-    EXPECT_THAT(run.log, ElementsAre("aside history.db.damaged"));
-    run.complete();
-    run.added("uno1");
-    EXPECT_THAT(run.rows(), ElementsAre("uno1 added online"));
-    EXPECT_THAT(folder.names(), testing::Contains("history.db.damaged"));
 }
 
 TEST(HistoryKeeper, FileIsDamagedWhileItIsUsed_BoardsAreKnownInTheNewOne) {

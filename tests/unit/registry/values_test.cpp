@@ -48,7 +48,16 @@ class Machine {
         wall_clock += time.count();
     }
     void set(double value, const PropertyKey& key = kTemperature) { recorder->set(key, value, now()); }
+    /// It has this value for so long.
+    void hold(double value, milliseconds time) {
+        set(value);
+        pass(time);
+    }
     void write() { EXPECT_TRUE(file->write(recorder->take(now()))); }
+    void write_after(milliseconds time) {
+        pass(time);
+        write();
+    }
     /// What is kept from then until now.
     bus::Answer ask(milliseconds since, std::size_t points) {
         bus::Query query;
@@ -90,10 +99,8 @@ std::optional<bus::ValuePoint> value_at(const bus::Answer& answer, std::int64_t 
 
 TEST(Values, FewChanges_EachIsAPoint) {
     Machine machine;
-    machine.set(20.5);
-    machine.pass(seconds(90));
-    machine.set(21.25);
-    machine.pass(seconds(90));
+    machine.hold(20.5, seconds(90));
+    machine.hold(21.25, seconds(90));
     machine.write();
     const auto answer = machine.ask(minutes(10), 100);
     EXPECT_EQ(answer.level, "changes");
@@ -105,8 +112,7 @@ TEST(Values, FewChanges_EachIsAPoint) {
 TEST(Values, SameValueAgain_IsNoPoint) {
     Machine machine;
     for (int i = 0; i < 100; ++i) {
-        machine.set(7);
-        machine.pass(seconds(1));
+        machine.hold(7, seconds(1));
     }
     machine.write();
     EXPECT_EQ(machine.ask(minutes(10), 100).values.size(), 1u);
@@ -114,12 +120,9 @@ TEST(Values, SameValueAgain_IsNoPoint) {
 
 TEST(Values, BoardGoneAndBack_GapBetween) {
     Machine machine;
-    machine.set(5);
-    machine.pass(minutes(1));
-    machine.set(kGap);
-    machine.pass(minutes(1));
-    machine.set(5);
-    machine.pass(minutes(1));
+    machine.hold(5, minutes(1));
+    machine.hold(kGap, minutes(1));
+    machine.hold(5, minutes(1));
     machine.write();
     for (const milliseconds since : {milliseconds(minutes(10)), milliseconds(hours(40))}) {
         const auto answer = machine.ask(since, 1000);
@@ -131,12 +134,9 @@ TEST(Values, BoardGoneAndBack_GapBetween) {
 
 TEST(Values, Minute_HasMinMeanByTimeAndMax) {
     Machine machine;
-    machine.set(10);
-    machine.pass(seconds(45));
-    machine.set(20);
-    machine.pass(seconds(15));
-    machine.set(0);
-    machine.pass(minutes(2));
+    machine.hold(10, seconds(45));
+    machine.hold(20, seconds(15));
+    machine.hold(0, minutes(2));
     machine.write();
     const auto answer = machine.ask(hours(24 * 2), 1000);
     EXPECT_EQ(answer.level, "minutes");
@@ -150,8 +150,7 @@ TEST(Values, SteadyForFiveDays_KnownAtEachLevel) {
     Machine machine;
     machine.set(42);
     for (int i = 0; i < 5 * 24; ++i) {
-        machine.pass(hours(1));
-        machine.write();
+        machine.write_after(hours(1));
     }
     for (const auto& [since, level] : {std::pair(hours(1), "changes"), std::pair(hours(100), "minutes")}) {
         const auto answer = machine.ask(since, 1000);
@@ -177,8 +176,7 @@ TEST(Values, WeekWithTwoPowerCuts_EachHourIsThereButTheCuts) {
                        second_cut = kMonday + 100 * 3'600'000 + 1'234'567;
     bool first = false, second = false;
     while (machine.wall_clock < kMonday + 7 * 86'400'000) {
-        machine.set(value());
-        machine.pass(seconds(10));
+        machine.hold(value(), seconds(10));
         if (machine.wall_clock % 300'000 == 0) machine.write();
         if (!first && machine.wall_clock >= first_cut) {
             first = true;
@@ -208,14 +206,12 @@ TEST(Values, WeekWithTwoPowerCuts_EachHourIsThereButTheCuts) {
 
 TEST(Values, PowerCut_LosesOnlyWhatWasNotWritten) {
     Machine machine;
-    machine.set(1);
-    machine.pass(seconds(10));
+    machine.hold(1, seconds(10));
     machine.write();
-    machine.set(2);  // never written
-    machine.pass(seconds(9));
+    // never written
+    machine.hold(2, seconds(9));
     machine.cut_power(minutes(5));
-    machine.set(3);
-    machine.pass(seconds(10));
+    machine.hold(3, seconds(10));
     machine.write();
     const auto answer = machine.ask(hours(1), 100);
     ASSERT_EQ(answer.values.size(), 3u);
@@ -226,12 +222,10 @@ TEST(Values, PowerCut_LosesOnlyWhatWasNotWritten) {
 
 TEST(Values, ClockSetSoonAfterStart_CorrectsTheTimes) {
     Machine machine;
-    machine.set(1);
-    machine.pass(minutes(5));
+    machine.hold(1, minutes(5));
     machine.write();
     machine.wall_clock += 3 * 86'400'000;
-    machine.pass(minutes(1));
-    machine.write();
+    machine.write_after(minutes(1));
     const auto answer = machine.ask(hours(1), 100);
     ASSERT_EQ(answer.values.size(), 1u);
     EXPECT_EQ(answer.values[0].at, wall(kMonday + 3 * 86'400'000));
@@ -239,12 +233,10 @@ TEST(Values, ClockSetSoonAfterStart_CorrectsTheTimes) {
 
 TEST(Values, ClockSetLater_BackAndForward_WhatWasKeptStays) {
     Machine machine;
-    machine.set(1);
-    machine.pass(hours(2));
+    machine.hold(1, hours(2));
     machine.write();
     machine.wall_clock -= 3'600'000;  // this hour is there twice
-    machine.set(3);
-    machine.pass(hours(2));
+    machine.hold(3, hours(2));
     machine.write();
     const auto twice = machine.ask(hours(3), 100);
     EXPECT_EQ(value_at(twice, kMonday + 1'800'000)->mean, 1);
@@ -256,28 +248,23 @@ TEST(Values, ClockSetLater_BackAndForward_WhatWasKeptStays) {
 
     machine.wall_clock += 400 * std::int64_t{86'400'000};  // by mistake: nothing is too old now
     machine.write();
-    machine.pass(hours(2));
-    machine.write();
+    machine.write_after(hours(2));
     EXPECT_TRUE(value_at(machine.ask(hours(1), 100), machine.wall_clock - 60'000));
     machine.wall_clock -= 400 * std::int64_t{86'400'000};
     machine.write();
-    machine.pass(hours(1));
-    machine.write();
+    machine.write_after(hours(1));
     EXPECT_EQ(value_at(machine.ask(hours(12), 1000), kMonday + 1'800'000)->mean, 1);
 }
 
 TEST(Values, StartWithAClockFromBefore_GoesOnBehindWhatIsKept) {
     Machine machine;
-    machine.set(1);
-    machine.pass(hours(5));
+    machine.hold(1, hours(5));
     machine.write();
     machine.cut_power(-hours(4));  // no clock in the machine
-    machine.set(2);
-    machine.pass(minutes(1));
+    machine.hold(2, minutes(1));
     machine.write();
     machine.wall_clock += 5 * 3'600'000;  // now it is told the time
-    machine.pass(minutes(1));
-    machine.write();
+    machine.write_after(minutes(1));
     const auto answer = machine.ask(hours(12), 1000);
     EXPECT_EQ(value_at(answer, kMonday + 3'600'000)->mean, 1);
     EXPECT_EQ(value_at(answer, machine.wall_clock - 30'000)->mean, 2);
@@ -289,24 +276,21 @@ TEST(Values, MemoryFull_GapThenGoesOn_LostAreCounted) {
     machine.memory.max_waiting = 10;
     machine.start();
     for (int i = 1; i <= 30; ++i) {
-        machine.set(i);
-        machine.pass(seconds(1));
+        machine.hold(i, seconds(1));
     }
     EXPECT_EQ(machine.recorder->dropped(), 20u);
     machine.write();
-    machine.pass(seconds(10));
-    machine.write();
+    machine.write_after(seconds(10));
     const auto answer = machine.ask(hours(1), 1000);
     EXPECT_EQ(value_at(answer, kMonday + 5'500)->mean, 6);
     EXPECT_FALSE(value_at(answer, kMonday + 20'000));
     EXPECT_EQ(value_at(answer, machine.wall_clock - 1000)->mean, 30);
 }
 
-TEST(Values, TooOld_ChangesGo_MinutesStay) {
-    Machine machine;
-    for (int i = 0; i < 4 * 24 * 60; ++i) {
-        machine.set(i % 50);
-        machine.pass(minutes(1));
+/// A change each minute; of the second hour the minutes are left.
+void expect_changes_are_too_old(Machine& machine, minutes length) {
+    for (int i = 0; i < length.count(); ++i) {
+        machine.hold(i % 50, minutes(1));
         if (i % 60 == 0) machine.write();
     }
     machine.write();
@@ -320,24 +304,16 @@ TEST(Values, TooOld_ChangesGo_MinutesStay) {
     EXPECT_EQ(machine.ask(hours(1), 1000).level, "changes");
 }
 
+TEST(Values, TooOld_ChangesGo_MinutesStay) {
+    Machine machine;
+    expect_changes_are_too_old(machine, hours(4 * 24));
+}
+
 TEST(Values, OtherAges_Hold) {
     Machine machine;
     machine.max_age = {6 * kHourTicks, 3 * kDayTicks, 3 * kDayTicks};
     machine.start();
-    for (int i = 0; i < 16 * 60; ++i) {
-        machine.set(i % 50);
-        machine.pass(minutes(1));
-        if (i % 60 == 0) machine.write();
-    }
-    machine.write();
-    bus::Query query;
-    query.board = kTemperature.board;
-    query.property = kTemperature.property;
-    query.from = wall(kMonday + 3'600'000);
-    query.to = wall(kMonday + 7'200'000);
-    query.limit = 1000;
-    EXPECT_EQ(machine.file->find(query, machine.recorder->present(machine.now())).level, "minutes");
-    EXPECT_EQ(machine.ask(hours(1), 1000).level, "changes");
+    expect_changes_are_too_old(machine, hours(16));
 }
 
 TEST(Values, TooMuch_OldestChangesGoFirst) {
@@ -345,8 +321,7 @@ TEST(Values, TooMuch_OldestChangesGoFirst) {
     machine.max_bytes = 400'000;
     machine.start();
     for (int i = 0; i < 3 * 24 * 360; ++i) {
-        machine.set(0.1 * (i % 777));
-        machine.pass(seconds(10));
+        machine.hold(0.1 * (i % 777), seconds(10));
         if (i % 240 == 0) machine.write();
     }
     machine.write();
@@ -359,14 +334,12 @@ TEST(Values, TooMuch_OldestChangesGoFirst) {
 
 TEST(Values, OnePartOfChangesIsTooMuch_HoursOfBeforeStay) {
     Machine machine;
-    machine.set(1);
-    machine.pass(hours(48));
+    machine.hold(1, hours(48));
     machine.write();
     machine.max_bytes = 60'000;
     machine.cut_power(seconds(1));
     for (int i = 0; i < 2 * 36'000; ++i) {
-        machine.set(i);
-        machine.pass(milliseconds(100));
+        machine.hold(i, milliseconds(100));
         if (i % 100 == 0) machine.write();
     }
     machine.write();
@@ -383,8 +356,7 @@ TEST(Values, OneBoard_DoesNotTakeTheNamesOfOthers) {
         machine.set(1, {"flood", "x/" + std::to_string(i)});
     machine.pass(seconds(1));
     EXPECT_FALSE(machine.file->write(machine.recorder->take(machine.now())));
-    machine.set(20);
-    machine.pass(seconds(1));
+    machine.hold(20, seconds(1));
     machine.write();
     EXPECT_EQ(machine.ask(hours(1), 10).values.size(), 1u);
 }
@@ -399,8 +371,7 @@ TEST(Values, FreshPropertiesOfOneBoard_TakeNoPlacesOfOthers) {
     }
     EXPECT_EQ(machine.recorder->size(), limits.max_of_board);
     EXPECT_EQ(machine.recorder->refused(), limits.max_properties - limits.max_of_board);
-    machine.set(20);
-    machine.pass(seconds(1));
+    machine.hold(20, seconds(1));
     machine.write();
     EXPECT_EQ(machine.ask(hours(1), 10).values.size(), 1u);
     EXPECT_EQ(machine.recorder->size(), 1u) << "those that were dropped leave";
@@ -447,11 +418,9 @@ TEST(Values, Names_AreGivenPageByPage) {
 TEST(Values, NumbersBeyondAllMeasure_AreNone) {
     Machine machine;
     for (const double value : {1.7e308, -1.7e308, 1.7e308}) {
-        machine.set(value);
-        machine.pass(seconds(1));
+        machine.hold(value, seconds(1));
     }
-    machine.set(20);
-    machine.pass(minutes(2));
+    machine.hold(20, minutes(2));
     machine.write();
     for (const auto& point : machine.ask(hours(1), 1).values)
         EXPECT_TRUE(!point.known || point.mean == 20);
@@ -459,17 +428,13 @@ TEST(Values, NumbersBeyondAllMeasure_AreNone) {
 
 TEST(Values, ClockIsSetJustBehindAChange_WhatStaysIsKnown) {
     Machine machine;
-    machine.set(1);
-    machine.pass(hours(1));
+    machine.hold(1, hours(1));
     machine.write();
-    machine.set(2);
-    machine.pass(seconds(2));
+    machine.hold(2, seconds(2));
     machine.wall_clock += 600'000;
     machine.recorder->tick(machine.now());
-    machine.pass(seconds(2));
-    machine.write();
-    machine.pass(minutes(30));
-    machine.write();
+    machine.write_after(seconds(2));
+    machine.write_after(minutes(30));
     const auto now = value_at(machine.ask(hours(2), 1000), machine.wall_clock - 60'000);
     ASSERT_TRUE(now);
     EXPECT_EQ(now->mean, 2);
