@@ -69,7 +69,9 @@ void post_board_links(Call& call) {
     const auto body = body_of(call.request);
     if (!body) return send_problem(call, 400, body.error());
     if (!body->is_object() || body->size() != 1) return send_problem(call, 400, kForm);
-    const auto& [what, value] = *body->items().begin();
+    const auto member = body->begin();
+    const auto& what = member.key();
+    const auto& value = member.value();
     const bool set = what == "set";
     if (!(set ? value.is_object()
               : value.is_string() && value != "*" &&
