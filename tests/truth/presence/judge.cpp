@@ -59,6 +59,7 @@ std::string Judge::told(const View& view, const std::string& board, const BoardT
 std::vector<Really> Judge::possible(const View& view, const BoardTruth& truth, Time now) const {
     std::vector<Really> possible{truth.really(now)};
     if (truth.at_end) possible.push_back(truth.at_end->really(now));
+    if (truth.beside_kept && !view.heard(*truth.beside_kept)) possible.push_back(truth.kept.really(now));
     if (!truth.in_vain) return possible;
     const Time at = truth.in_vain->at;
     if (view.heard(at) && view.connected_at() < at) return possible;
@@ -86,10 +87,8 @@ std::string Judge::differs(const View& view, const std::optional<asip::bus::Boar
                            const Really& really, const BoardTruth& truth, Time now) const {
     if (!really.announced) return seen ? "has a board that never announced itself" : "";
     // A lease that ran out is judged when the program had time to hear of a renewal.
-    const bool judged = really.reason == StateReason::kExpired;
-    const bool heard_bus = view.connected_at() + kGrace < really.since;
-    if (judged &&
-        now - (heard_bus ? really.since : view.connected_at()) < (heard_bus ? kPromisedOfLeases : kGrace))
+    if (really.reason == StateReason::kExpired &&
+        now < std::max(really.since + kPromisedOfLeases, view.connected_at() + kGrace))
         return {};
     if (!seen) return "has no such board";
     if (seen->state != to_text(really.state)) return "says " + seen->state;

@@ -87,6 +87,7 @@ void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really what{true, state, asip::model::reason_of_word(state), now, now};
     say(what);
     in_vain.reset();
+    kept = {what, now, now};
     if (at_end && at_end->what.state != state) at_end->what = what;
     last_will = now;
     wills.push_back(now);
@@ -117,6 +118,15 @@ void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::
     if (unordered_word && now > unordered_word->since + kReordered) unordered_word.reset();
     if (just_back) unordered_word = Really{true, said.state, said.reason, now, now};
     say(what);
+}
+
+void BoardTruth::leave_to_word(const Really& what, int lease_seconds, bool stores, Time now) {
+    if (!stores) {
+        beside_kept = beside_kept.value_or(now);
+        return;
+    }
+    kept = {what, now, now + std::chrono::seconds(lease_seconds)};
+    beside_kept.reset();
 }
 
 void BoardTruth::describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now) {
@@ -261,6 +271,7 @@ void SimAgent::perform(Announcements& out, Time now) {
         if (message.topic == description_topic_) {
             // What older agents say on `$state` is of no session.
             const Really what{true, state_, reason_, since_, now};
+            if (!says_state_) truth_.leave_to_word(what, lease_seconds_, message.retain, now);
             if (!says_state_ || truth_.counts(announcer_->session(), now)) {
                 truth_.describe(what, announcer_->session(), client_, lease_seconds_, message.retain, now);
             } else {

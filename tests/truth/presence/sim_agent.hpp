@@ -52,6 +52,10 @@ struct BoardTruth {
     /// What the other one said, where an earlier session spoke as the lease of the later one ended: messages
     /// take a while, so the lease is not over in each view at the same moment.
     std::optional<Stored> at_end;
+    /// What the broker keeps of agents that leave the state to `$state`. While such an agent asks whether a
+    /// later session lives, it says otherwise: a view that starts behind that has nothing but what is kept.
+    Stored kept;
+    std::optional<Time> beside_kept{};
     /// The broker has the description until then, its lease or one of an earlier session behind it.
     Time stored_until{};
     std::vector<const SimAgent*> agents;
@@ -69,6 +73,8 @@ struct BoardTruth {
     /// An agent's description.
     void describe(const Really& what, const std::string& by, SimBroker::Client over, int lease_seconds,
                   bool stored, Time now);
+    /// The same, ahead of that, of an agent that leaves the state to `$state`.
+    void leave_to_word(const Really& what, int lease_seconds, bool stores, Time now);
     /// The description of an earlier session beside a later one.
     void describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now);
     /// `$state` says that the board is gone: the broker in the place of an agent, or one of an earlier

@@ -177,8 +177,7 @@ class GatewayView final : public View {
 
 class ViewOfBus : public View {
   public:
-    explicit ViewOfBus(SimBroker& broker, std::vector<std::string> filters = {"asip/servicebus/#"})
-        : View(broker, "bus view"), filters_(std::move(filters)), view_(asip::bus::Topics()) {}
+    explicit ViewOfBus(SimBroker& broker) : View(broker, "bus view"), view_(asip::bus::Topics()) {}
 
     void tick(Time now) override { view_.expired(now); }  // as asipctl watch does
     bool is_complete() const override { return complete_; }
@@ -189,8 +188,7 @@ class ViewOfBus : public View {
   protected:
     void on_connected(Time now) override {
         view_.connected(now);
-        for (const auto& filter : filters_)
-            broker_.subscribe(client_, filter, false, true, now);
+        broker_.subscribe(client_, "asip/servicebus/#", false, true, now);
         own_ = "view/" + std::to_string(client_);
         broker_.subscribe(client_, own_, false, false, now);
         Message mark;
@@ -204,7 +202,6 @@ class ViewOfBus : public View {
     }
 
   private:
-    std::vector<std::string> filters_;
     std::string own_;
     bool complete_ = false;
     asip::catalogue::BusView view_;
@@ -213,8 +210,7 @@ class ViewOfBus : public View {
 class RecordedView final : public ViewOfBus {
   public:
     RecordedView(SimBroker& broker, std::vector<std::string>& recorded)
-        : ViewOfBus(broker, {"asip/servicebus/+/$description", "asip/servicebus/+/$state"}),
-          recorded_(recorded) {}
+        : ViewOfBus(broker), recorded_(recorded) {}
     RecordedView(const RecordedView&) = delete;
     RecordedView& operator=(const RecordedView&) = delete;
     ~RecordedView() override {
@@ -225,12 +221,11 @@ class RecordedView final : public ViewOfBus {
     /// A turn that changes nothing that is seen is no step.
     void tick(Time now) override {
         ViewOfBus::tick(now);
-        for (const auto& [board, steps] : steps_)
-            add_change(board, now);
+        add_changes(now);
     }
-    /// A question has leases judged, too.
+    /// A question has the leases of all boards judged, too.
     std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override {
-        add_change(name, now);
+        add_changes(now);
         return ViewOfBus::board(name, now);
     }
 
@@ -246,6 +241,10 @@ class RecordedView final : public ViewOfBus {
             add(board, {{"heard", false}}, now);
     }
     void on_message(const Message& message, Time now) override {
+        const bool of_names = message.topic.starts_with("asip/") && !message.topic.ends_with("/$state") &&
+                              !message.topic.ends_with("/$description");
+        if (of_names) return;
+        add_changes(now);
         ViewOfBus::on_message(message, now);
         for (const std::string board : kBoards)
             for (const auto* kind : {"state", "description"}) {
@@ -269,8 +268,9 @@ class RecordedView final : public ViewOfBus {
     static bool is_another(const json& a, const json& b) {
         return a.is_null() || b.is_null() ? a != b : a[0] != b[0] || a[1] != b[1];
     }
-    void add_change(const std::string& board, Time now) {
-        if (is_another(shown(board, now), steps_[board].back().at("then"))) add(board, json::object(), now);
+    void add_changes(Time now) {
+        for (const auto& [board, steps] : steps_)
+            if (is_another(shown(board, now), steps.back().at("then"))) add(board, json::object(), now);
     }
     void add(const std::string& board, json step, Time now) {
         step["at"] = std::chrono::duration<double>(now.time_since_epoch()).count();
