@@ -11,7 +11,7 @@ import unittest
 import urllib.error
 import urllib.request
 
-from bus import BIN, DESK, eventually
+from bus import BIN, DESK, ROOT, eventually
 from secured_bus import SecuredBus
 
 
@@ -109,10 +109,25 @@ class Secrets(unittest.TestCase):
                 self.assertNotEqual(read.returncode, 0, file)
 
     def test_TheBrokerMayUseHalfOfTheMemory(self):
-        limit = int(re.search(r"^memory_limit (\d+)$", (self.bus.work / "bus" / "mosquitto.conf").read_text(), re.M)[1])
+        configuration = (self.bus.work / "bus" / "mosquitto.conf").read_text()
+        self.assertIn(f"\nmax_queued_bytes {256 << 20}\n", configuration)
+        limit = int(re.search(r"^memory_limit (\d+)$", configuration, re.M)[1])
         half = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
         self.assertLessEqual(limit, max(half, 64 << 20))
         self.assertGreater(limit, half - (64 << 20))
+
+
+class Units(unittest.TestCase):
+    def test_ServicesRunAsOneUser_AndHaveTheMemoryThatIsPromised(self):
+        promised = " ".join((ROOT / "SECURITY.md").read_text().split())
+        found = re.search(r"an agent of one board (\d+) MB, an agent of all boards (\d+) MB, a registry and a gateway (\d+) GB", promised)
+        one, all_boards, others = found[1] + "M", found[2] + "M", found[3] + "G"
+        limits = {"asip-agent@": one, "asip-boards": all_boards, "asip-cables": all_boards, "asip-gateway": others, "asip-registry": others}
+        units = {path.stem: path.read_text() for path in (ROOT / "packaging" / "systemd").glob("*.service")}
+        self.assertEqual(set(units), set(limits))
+        for name, text in units.items():
+            self.assertEqual(re.findall(r"^User=(.*)$", text, re.M), ["asip"], name)
+            self.assertEqual(re.findall(r"^MemoryMax=(.*)$", text, re.M), [limits[name]], name)
 
 
 if __name__ == "__main__":
