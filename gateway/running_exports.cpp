@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/running_exports.hpp"
 
+#include <iterator>
 #include <utility>
 
 #include "asip/bus/request/reply.hpp"
@@ -82,26 +83,32 @@ void Exports::subscribed() {
 void Exports::changes() {
     const auto& log = gateway_.mirror().log();
     const auto now = gateway_.now().time;
+    std::set<std::string> boards;
     bool lost = false;
     while (seen_ < log.last()) {
         const auto* change = log.change(++seen_);
         if (change == nullptr)
             lost = true;
         else if (!change->board.empty())  // else it is of the gateway itself
-            changed(change->board, now);
+            boards.insert(change->board);
     }
-    if (lost)
-        for (const auto& name : gateway_.mirror().board_names())
-            export_->changed(name, now);
+    if (lost) {
+        const auto names = gateway_.mirror().board_names();
+        export_->changed({names.begin(), names.end()}, now);
+    } else if (!boards.empty()) {
+        changed(std::move(boards), now);
+    }
 }
 
 // Each look costs messages and their acknowledgements: of a board that changes all the time the newest state
 // counts.
-void Exports::changed(const std::string& board, Time now) {
-    if (looks_.take(board, now))
-        export_->changed(board, now);
-    else
-        later_.insert(board);
+void Exports::changed(std::set<std::string> boards, Time now) {
+    for (auto board = boards.begin(); board != boards.end();) {
+        const auto next = std::next(board);
+        if (!looks_.take(*board, now)) later_.insert(boards.extract(board));
+        board = next;
+    }
+    export_->changed(std::move(boards), now);
 }
 
 void Exports::message_of_service(const bus::TopicRef& topic, const mqtt::Message& message) {
@@ -116,8 +123,7 @@ void Exports::message(const mqtt::Message& message) {
 void Exports::tick() {
     const auto now = gateway_.now().time;
     looks_.expire(now);
-    for (const auto& board : std::exchange(later_, {}))
-        changed(board, now);
+    if (!later_.empty()) changed(std::exchange(later_, {}), now);
     changes();
     connection_.tidy();
     export_->tick(now);

@@ -68,7 +68,7 @@ class Exports {
     void command(const std::string& board, const property::Request& request,
                  std::function<void(std::string)> done);
     std::optional<exports::Export::Present> board(const std::string& name);
-    void changed(const std::string& board, Time now);
+    void changed(std::set<std::string> boards, Time now);
 
     Gateway& gateway_;
     ExportConnection connection_;

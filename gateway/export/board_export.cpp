@@ -11,9 +11,9 @@ BoardExport::BoardExport(Options options, std::string place, Random random, Port
       port_(std::move(port)),
       turn_({options_.gateway, 0, options_.host, {std::move(place)}}, std::move(random)) {}
 
-void BoardExport::changed(const std::string& board, Time now) {
+void BoardExport::changed(std::set<std::string> boards, Time now) {
     if (phase_ != Phase::kActive) return;
-    dirty_.insert(board);
+    dirty_.merge(boards);
     pump(now);
 }
 

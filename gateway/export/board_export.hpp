@@ -28,7 +28,7 @@ class BoardExport : public Export {
 
     void subscribed(Time now) override { turn_.subscribed(now); }
     void disconnected() override { turn_.disconnected(); }
-    void changed(const std::string& board, Time now) override;
+    void changed(std::set<std::string> boards, Time now) override;
     bool active() const override { return phase_ == Phase::kActive; }
     const Turn& turn() const override { return turn_; }
     bool finished() const override { return phase_ == Phase::kFinished; }

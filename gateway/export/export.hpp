@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,8 +73,8 @@ class Export {
     virtual void subscribed(Time now) = 0;
     virtual void disconnected() = 0;
     virtual void message(const mqtt::Message& message, Time now) = 0;
-    /// A board came, changed, or was forgotten.
-    virtual void changed(const std::string& board, Time now) = 0;
+    /// They came, changed, or were forgotten.
+    virtual void changed(std::set<std::string> boards, Time now) = 0;
     /// A service reported something.
     virtual void value(std::string_view board, std::string_view service, std::string_view json, Time now) = 0;
     /// The board's agent said how these properties stand, by id; none: all of them.

@@ -38,6 +38,7 @@ void SparkplugNode::pump(Time now) {
         dirty_.erase(dirty_.begin());
         update(name, now);
     }
+    if (!dirty_.empty() && port_.has_room()) port_.again();
 }
 
 void SparkplugNode::sent(Time now) {

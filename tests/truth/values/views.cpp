@@ -196,7 +196,7 @@ void Exports::ahead(const std::string& topic, const std::string& payload) {
 void Exports::behind() {
     for (const auto& log = gateway_->mirror().log(); seen_ < log.last();)
         if (const auto* change = log.change(++seen_); change != nullptr && !change->board.empty())
-            world_.gateways.back()->exporter->changed(change->board, world_.now);
+            world_.gateways.back()->exporter->changed({change->board}, world_.now);
 }
 
 void Exports::pass(std::chrono::milliseconds time) {

@@ -176,9 +176,10 @@ class ExportWorld {
         boards.erase(name);
         changed(name);
     }
-    void changed(const std::string& name) {
+    void changed(const std::string& name) { changed(std::set<std::string>{name}); }
+    void changed(const std::set<std::string>& names) {
         for (auto& gateway : gateways)
-            if (gateway->alive) gateway->exporter->changed(name, now);
+            if (gateway->alive) turn([&] { gateway->exporter->changed(names, now); });
     }
     void value(const std::string& board, const std::string& service, const std::string& json) {
         boards[board].values[service] = json;

@@ -116,6 +116,21 @@ TEST_F(ExporterTest, ManyBoards_AreLookedAtAFewInATurn) {
     EXPECT_LE(world.most_looks, Exporter::kBoardsAtOnce);
 }
 
+TEST_F(ExporterTest, ManyBoardsChangeAtOnce_AreLookedAtAFewInATurn) {
+    std::set<std::string> names;
+    for (int i = 0; i < 100; ++i)
+        world.put(*names.insert("uno" + std::to_string(i)).first, exported(1));
+    world.start();
+    world.pass(10s);
+    for (auto& [name, board] : world.boards)
+        board.there = false;
+    world.changed(names);
+    world.pass(10s);
+    for (const auto& name : names)
+        EXPECT_EQ(world.retained["asip/export/ha/" + name + "/$state"], "offline") << name;
+    EXPECT_LE(world.most_looks, Exporter::kBoardsAtOnce);
+}
+
 TEST_F(ExporterTest, ValueThatIsNone_IsUnknown) {
     world.put("uno1", exported(1));
     world.start();
