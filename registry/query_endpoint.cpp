@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/query_endpoint.hpp"
 
+#include "asip/bus/json/json_scanner.hpp"
 #include "asip/bus/request/reply.hpp"
 
 namespace asip::registry {
@@ -25,6 +26,20 @@ std::string asker_of(const std::string& topic) {
     return user.starts_with('$') ? topic : user;
 }
 
+/// Without reading the question; empty: not known.
+std::string reply_topic_of(const mqtt::Message& message) {
+    if (!message.response_topic.empty()) return message.response_topic;
+    bus::JsonScanner scanner(message.payload);
+    std::string_view key, value;
+    if (!scanner.enter_object()) return {};
+    while (scanner.next_member(key)) {
+        const bool plain = scanner.plain_string(value);
+        if (plain && key == "reply_to") return std::string(value);
+        if (!plain && !scanner.value(value)) return {};
+    }
+    return {};
+}
+
 mqtt::Message message_of(bus::Answer answer, const bus::ReplyTo& reply) {
     answer.id = reply.id;
     return mqtt::Message{
@@ -33,7 +48,15 @@ mqtt::Message message_of(bus::Answer answer, const bus::ReplyTo& reply) {
 
 }  // namespace
 
+bool QueryEndpoint::floods(const mqtt::Message& message) const {
+    if (refused_.empty()) return false;
+    const auto asker = asker_of(reply_topic_of(message));
+    const auto told = refused_.find(asker);
+    return told != refused_.end() && told->second >= kMaxRefused && waiting_.full_of(asker);
+}
+
 std::optional<QueryEndpoint::Question> QueryEndpoint::read(const mqtt::Message& message) {
+    if (floods(message)) return std::nullopt;
     const auto envelope = bus::open_envelope(message);
     const bus::ReplyTo reply = envelope ? envelope->reply : envelope.error().reply;
     if (message.retain || !reply.wanted() || !may_answer_(reply.topic)) return std::nullopt;

@@ -62,6 +62,9 @@ class QueryEndpoint {
     };
     /// None: no requester is to be answered, or it was.
     std::optional<Question> read(const mqtt::Message& message);
+    /// It would be refused, and nothing more is said to its asker before the next tick: it is not worth
+    /// reading.
+    bool floods(const mqtt::Message& message) const;
     void publish(bus::Answer answer, const bus::ReplyTo& reply);
     void take(Question question);
     /// At most kMaxRefused times between two ticks: a flood must cost less than it asks for.

@@ -6,6 +6,7 @@
 #include <list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace asip::registry {
@@ -52,6 +53,12 @@ class WaitingQuestions {
         return question;
     }
     bool empty() const { return size_ == 0; }
+    /// It would have no place for another question of this asker.
+    bool full_of(std::string_view asker) const {
+        const auto own = std::find_if(turns_.begin(), turns_.end(),
+                                      [&asker](const Turn& turn) { return turn.asker == asker; });
+        return own != turns_.end() && own->questions.size() == kMaxOfAsker;
+    }
 
   private:
     struct Turn {

@@ -77,6 +77,30 @@ TEST(RequestToForget, WhereTheBrokerKnowsUsers_ComesByItsOwnTopicAlone) {
     EXPECT_EQ(catalogue.size(), 0u);
 }
 
+TEST(QueryEndpointTest, AskerThatWasRefusedOften_IsNotReadUntilTheNextTick_AndOthersAre) {
+    Catalogue catalogue;
+    Queries queries("r1", {catalogue, [] { return instant(at(0s)); }, [] { return 0; }, {}, {}});
+    std::size_t answers = 0, read = 0;
+    QueryEndpoint endpoint(
+        queries, [&answers](const mqtt::Message&) { ++answers; },
+        [&read](const std::string&) { return ++read > 0; });
+    const auto ask = [&](const std::string& user) {
+        endpoint.request(
+            {.payload = R"({"find":"boards","reply_to":"asip/reply/)" + user + R"(/registry/c"})"}, false,
+            at(0s));
+    };
+    for (int i = 0; i < 1000; ++i)
+        ask("eve");
+    constexpr std::size_t kRead = QueryEndpoint::kAtOnce + 32 + 64;  // answered, waiting, refused
+    EXPECT_EQ(read, kRead);
+    EXPECT_EQ(answers, QueryEndpoint::kAtOnce + 64);
+    ask("bob");
+    EXPECT_EQ(read, kRead + 1);
+    endpoint.tick(at(100ms));
+    ask("eve");
+    EXPECT_EQ(read, kRead + 2);
+}
+
 TEST(QueryEndpointTest, BrokerTakesNoAnswers_QuestionsWait_AlsoThroughTicks) {
     Catalogue catalogue;
     Queries queries("r1", {catalogue, [] { return instant(at(0s)); }, [] { return 0; }, {}, {}});
