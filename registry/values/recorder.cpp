@@ -211,6 +211,7 @@ void Recorder::give(Entry& entry, ValueRows& rows) {
 ValueRows Recorder::take(Instant now) {
     ValueRows rows;
     if (!timeline_) return rows;
+    rows.properties.reserve(entries_.size());
     check_clock(now);
     const Tick at = timeline_->at(now.time);
     for (auto each = entries_.begin(); each != entries_.end();) {

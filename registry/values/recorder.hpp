@@ -3,10 +3,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "registry/values/timeline.hpp"
@@ -50,6 +52,11 @@ struct PropertyKey {
     std::string board;
     std::string property;
     friend auto operator<=>(const PropertyKey&, const PropertyKey&) = default;
+};
+struct PropertyHash {
+    std::size_t operator()(const PropertyKey& key) const {
+        return std::hash<std::string>()(key.board) * 31 + std::hash<std::string>()(key.property);
+    }
 };
 
 /// What is to be written of one property.
@@ -147,8 +154,8 @@ class Recorder {
 
     Options options_;
     std::optional<Timeline> timeline_;
-    std::map<PropertyKey, Entry> entries_;
-    std::map<std::string, std::size_t> of_board_;  // entries
+    std::unordered_map<PropertyKey, Entry, PropertyHash> entries_;  // looked up for each change
+    std::map<std::string, std::size_t> of_board_;                   // entries
     std::vector<Stretch> ended_;
     Tick oldest_ = 0;  // of the changes that wait
     std::size_t waiting_ = 0;
