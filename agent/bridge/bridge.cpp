@@ -85,6 +85,7 @@ void Bridge::not_watched(Time since, Time now) {
 
 void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     statistics_.received(bytes);
+    context_.line().received(bytes, now);
     session::Actions actions;
     board_.session.receive(bytes, now, actions);
     perform(actions, now, out);
@@ -119,11 +120,15 @@ void Bridge::publish_values(Time now, Effects& out) {
     values_.tick(now);
     if (announcer_ && announcer_->is_announced() && name_claimed_ && !leaving_)
         values_.publish(announcer_->session(), now, out);
+    if (name_claimed_ && may_publish()) context_.publish_line(now, out);
 }
 
 void Bridge::perform(session::Actions& actions, Time now, Effects& out) {
     for (auto& action : actions) {
-        if (const auto* write = std::get_if<session::Write>(&action)) statistics_.sent(write->bytes);
+        if (const auto* write = std::get_if<session::Write>(&action)) {
+            statistics_.sent(write->bytes);
+            context_.line().sent(write->bytes, now);
+        }
         if (std::holds_alternative<session::Write>(action) ||
             std::holds_alternative<session::SetLineRate>(action)) {
             if (!leaving_) out.link.push_back(std::move(action));
@@ -181,8 +186,9 @@ std::optional<Time> Bridge::next_deadline() const {
     auto deadline = board_.session.next_deadline();
     const bool announced = name_claimed_ && announcer_ && announcer_->is_announced();
     const auto values = announced ? values_.next_deadline() : std::nullopt;
+    const auto line = name_claimed_ && may_publish() ? context_.line().next_deadline() : std::nullopt;
     for (const auto& other :
-         {values, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
+         {values, line, safety_.next_deadline(), port_.next_deadline(), periods_.next_deadline(),
           restarts_.next_deadline(), labels_.next_deadline(), links_.next_deadline(may_publish()),
           rests_until_, announcer_ ? announcer_->next_deadline() : std::nullopt})
         if (other && (!deadline || *other < *deadline)) deadline = other;

@@ -5,6 +5,7 @@
 
 #include "agent/bridge/bridge.hpp"
 #include "agent/command/command_note.hpp"
+#include "asip/bus/request/line_service.hpp"
 #include "asip/program/options.hpp"
 #include "asip/protocol/message.hpp"
 #include "asip/text/wall_time.hpp"
@@ -172,6 +173,8 @@ void Bridge::on_message(const LabelRequest& request, Time now, Effects& out) {
 void Bridge::on_message(const DemandMessage& demand, Time now, Effects& out) {
     const auto wanted = bus::parse_demand(demand.payload);
     periods_.demand(demand.demander, wanted, now);
+    if (wanted && wanted->services.contains(std::string(bus::kLineService)))
+        context_.line().watch_until(now + wanted->lease);
     if (wanted && !wanted->reply_to.empty() && may_publish())
         values_.answer(demand.demander, *wanted, announcer_->session(), now, out);
     send_periods(now, out);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "agent/command/error_report.hpp"
+#include "asip/bus/request/line_service.hpp"
 #include "asip/model/event_decoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/text/printable.hpp"
@@ -55,6 +56,15 @@ void Context::publish(const protocol::ParsedLine& line, const std::optional<Deco
     value.message.payload = model::dump_json(*decoded->value);
     value.message.retain = options_.retain_values;
     value.priority = mqtt::Priority::kContext;
+}
+
+void Context::publish_line(Time now, Effects& out) {
+    auto text = line_.take(now);
+    if (text.empty()) return;
+    auto& told = out.publish.emplace_back();
+    told.message.topic = board_.topics.service_out(board_.name, bus::kLineService);
+    told.message.payload = std::move(text);
+    told.priority = mqtt::Priority::kContext;
 }
 
 void Context::undecoded(const std::string& service, std::string_view line, const std::string& why,

@@ -9,6 +9,7 @@
 
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
+#include "agent/reports/line_watch.hpp"
 #include "asip/expected.hpp"
 #include "asip/protocol/message.hpp"
 
@@ -38,6 +39,11 @@ class Context {
     void publish(const protocol::ParsedLine& line, const std::optional<Decoded>& decoded, Effects& out,
                  std::string_view by = {});
 
+    LineWatch& line() { return line_; }
+    const LineWatch& line() const { return line_; }
+    /// What goes over the line, when it is time.
+    void publish_line(Time now, Effects& out);
+
     std::uint64_t undecoded() const { return undecoded_; }
     /// What people are to know of a service whose events often do not fit; empty: nothing.
     const std::string& warning() const { return warning_; }
@@ -54,6 +60,7 @@ class Context {
     std::uint64_t undecoded_ = 0;
     std::map<std::string, std::uint64_t> undecoded_of_;  // a service each: a board has few
     std::string warning_;
+    LineWatch line_;
 };
 
 }  // namespace asip::agent

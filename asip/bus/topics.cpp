@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "asip/bus/request/demand.hpp"
+#include "asip/bus/request/line_service.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/description.hpp"
 #include "asip/model/names.hpp"
@@ -73,6 +74,7 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
     if (second == "$link")
         return valid_demander(rest) ? std::optional(TopicRef{TopicKind::kLink, board, {}, rest})
                                     : std::nullopt;
+    if (second == kLineService && rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
     if (!model::valid_name(second)) return std::nullopt;
     if (rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
     if (rest == "in") return TopicRef{TopicKind::kServiceIn, board, second};

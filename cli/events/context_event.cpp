@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asip/bus/pattern.hpp"
+#include "asip/bus/request/line_service.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/router.hpp"
 #include "asip/text/duration.hpp"
@@ -69,7 +70,7 @@ std::string age_text(const ContextEvent& event) {
 std::optional<ContextEvent> context_event(const bus::Topics& topics, const std::string& topic,
                                           std::string payload) {
     const auto ref = topics.parse(topic);
-    if (!ref) return std::nullopt;
+    if (!ref || ref->service == bus::kLineService) return std::nullopt;
     ContextEvent event;
     switch (ref->kind) {
         case bus::TopicKind::kServiceOut:

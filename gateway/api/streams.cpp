@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "asip/bus/request/line_service.hpp"
 #include "asip/text/printable.hpp"
 #include "gateway/api/limits.hpp"
 #include "gateway/api/routes.hpp"
@@ -95,7 +96,10 @@ Expected<std::unique_ptr<Feed>> value_feed(const Reader& reader, const std::stri
     options.service = target.substr(slash + 1);
     if (options.board.empty() || options.service.empty())
         return fail("subscribe: board and service must not be empty; * is any");
-    if (after.place && target.find_first_of("*?") != std::string::npos)
+    const bool pattern = target.find_first_of("*?") != std::string::npos;
+    if (options.service == bus::kLineService && (pattern || !reader.rights.may_command()))
+        return fail("$line: of one board that you may command");
+    if (after.place && pattern)
         return fail(
             "after: of a pattern, an object: the place of snapshot-end as \"*\", and the last one of each "
             "BOARD/SERVICE");

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "asip/bus/pattern.hpp"
+#include "asip/bus/request/line_service.hpp"
 
 namespace asip::gateway {
 namespace {
@@ -92,6 +93,7 @@ std::optional<std::uint64_t> ValueFeed::place_of(const ServiceValues& service) c
 void ValueFeed::appeared(ServiceValues& service) {
     if (!bus::matches_pattern(board_, service.board) || !bus::matches_pattern(service_, service.service))
         return;
+    if (service.service == bus::kLineService && service_ != service.service) return;
     if (allowed_ && !allowed_(service.board, service.service)) return;
     if (!fault_.empty()) return;
     if (!part_.add(kBytesOfService)) return too_much();

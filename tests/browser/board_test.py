@@ -191,6 +191,32 @@ class BoardPage(PageTest):
         for told in ("Set the mode of pin 13: output", "Servo 7 to 90°, by", "error, invalid device number", "Pin 13 on"):
             eventually(lambda: told in self.browser.text(), told)  # noqa: B023
 
+    def test_SerialMonitor_ShowsTheLineBothWays_AndGoesOnBehindALentPort(self):
+        page, bus = self.browser, self.bus
+        self.open_board()
+        page.run("document.querySelector('details.advanced').open = document.querySelector('details.monitor').open = true")
+        text = lambda: page.text("asip-monitor pre")
+        eventually(lambda: re.search(r"^\d\d:\d\d:\d\d\.\d{3} < @D,e,2,\{\d+,\d+\}", text(), re.M), "a report, readable", 60)
+        self.assertEqual(bus.asipctl("send", "desk/servo", "write", "0", "33").returncode, 0)
+        eventually(lambda: re.search(r"> S,W,0,33", text()), "the command", 60)
+        self.assertNotIn("\\n", text())
+        self.assertNotIn("$line", bus.asipctl("subscribe", "desk", "-n", "20").stdout, "it is no service of the board")
+        page.screenshot("serial-monitor")
+        page.run("document.querySelector('asip-monitor input').click()")
+        eventually(lambda: re.search(r"> .*S,W,0,33(\*[0-9A-F]{2})?\\n", text()), "the bytes as they went", 60)
+        page.run("document.querySelector('asip-monitor input').click()")
+        self.assertEqual(bus.asipctl("release", "desk", "--for", "5m").returncode, 0)
+        eventually(lambda: "updating" in page.text(".title-row"), "the port is lent", 60)
+        page.button("Clear", "asip-monitor").click()
+        eventually(lambda: text() == "", "nothing goes over the line")
+        self.assertEqual(bus.asipctl("release", "desk", "--back").returncode, 0)
+        eventually(lambda: "> #,?" in text() and "< @D,e," in text(), "the board is asked, and reports again", 60)
+        # Nobody looks: the agent tells nothing more.
+        with Heard(bus, "asip/desk/$line/out") as told:
+            eventually(lambda: told.messages, "it is told", 60)
+            page.run("document.querySelector('details.monitor').open = false")
+            eventually(lambda: told.silent_for(3), "it is told no more", 60)
+
     def test_AnalogInputThatNothingSaysIsConnected_IsNoValue(self):
         self.bus.asipctl("send", "lamp/io", "mode", "14", "analog")
         self.addCleanup(self.bus.asipctl, "send", "lamp/io", "mode", "14", "input")

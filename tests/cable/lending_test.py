@@ -263,6 +263,28 @@ class Rights(CableTest):
             self.assertEqual(hidden.exception.code, 404)
             lent.close()
 
+    def test_LineOfABoard_IsForWhomMayCommandIt(self):
+        lent = self.start("lab")
+        eventually(lambda: lent.name, "its name", 60)
+
+        def asked(name, what):
+            stream = websocket.create_connection(f"{self.bus.url.replace('http', 'ws')}/api/stream", suppress_origin=True, timeout=60,
+                                                 header=[f"Authorization: Bearer {self.bus.secrets[name]}"])
+            self.addCleanup(stream.close)
+            stream.send(json.dumps({"subscribe": what, "ref": 1}))
+            return stream, json.loads(stream.recv())
+
+        for name, what in (("guest", "lent-lab/$line"), ("lab", "lent-*/$line")):
+            self.assertIn("you may command", asked(name, what)[1].get("error", ""), name)
+        all_services, _ = asked("lab", "lent-lab/*")
+        stream, answer = asked("lab", "lent-lab/$line")
+        self.assertTrue(answer.get("ok"), answer)
+        seen = lambda: json.loads(stream.recv()).get("value", {}).get("line", [])
+        while not any(direction == "<" and "@D,e," in text for direction, _, text in seen()):
+            pass
+        services = {json.loads(all_services.recv()).get("service") for _ in range(20)}
+        self.assertNotIn("$line", services)
+
     def test_TokenTakenAway_EndsTheCableWithinASecond(self):
         lent = self.start("lender")
         eventually(lambda: lent.name, "its name", 30)

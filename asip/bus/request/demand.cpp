@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "asip/bus/request/line_service.hpp"
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/text/json_reader.hpp"
@@ -35,6 +36,7 @@ void read_services(text::JsonReader& reader, Demand& demand) {
 }  // namespace
 
 bool can_be_demanded(std::string service) {
+    if (service == kLineService) return true;
     std::replace_if(service.begin(), service.end(), [](char c) { return c == '*' || c == '?'; }, 'x');
     return model::valid_name(service);
 }

@@ -20,7 +20,7 @@ const kReloadMs = 200;
 const rates = [1, 2, 5, 10, 20, 50];
 let rate = 10; // values a second, kept from board to board
 
-const rights = () => `${status.may_stop} ${status.may_forget} ${status.may_label}`;
+const rights = () => `${status.may_command} ${status.may_stop} ${status.may_forget} ${status.may_label}`;
 
 const facts_of = (facts) => facts.filter(([, text]) => text).map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)));
 
@@ -47,7 +47,8 @@ class Board extends Part {
     this.proof = h("dd", {}, t("no-command"));
     this.deep_facts = h("dl", { class: "facts" });
     this.advanced = h("details", { class: "advanced" }, h("summary", {}, t("advanced")), this.deep_facts,
-      h("dl", { class: "facts" }, h("div", {}, h("dt", {}, t("last-command")), this.proof)));
+      h("dl", { class: "facts" }, h("div", {}, h("dt", {}, t("last-command")), this.proof)),
+      this.monitor = h("details", { class: "monitor", hidden: true, ontoggle: () => this.show_monitor() }, h("summary", {}, t("serial-monitor"))));
     this.listen(this, "proof", (event) => set_text(this.proof, event.proof));
     this.firmware = document.createElement("asip-firmware").begin(this.name);
     this.problem = h("p", { class: "empty", role: "status", hidden: true });
@@ -162,8 +163,18 @@ class Board extends Part {
     set_text(this.unusable, usable ? "" : !reachable ? t("commands-off") : state === "updating" ? t("commands-off-port") : t("commands-off-until"));
   }
 
+  /// As long as it is open the board's agent tells what goes over the line.
+  async show_monitor() {
+    this.line?.remove();
+    this.line = undefined;
+    if (!this.monitor.open) return;
+    await import("./monitor.js");
+    if (this.monitor.open && !this.line) this.monitor.append(this.line = document.createElement("asip-monitor").begin(this.name));
+  }
+
   show_tools() {
     this.tools_for = rights();
+    this.monitor.hidden = !status.may_command;
     const stop = () => status.may_stop && h("asip-stop", { board: this.name });
     const forget = () => status.may_forget && h("button", { onclick: () => this.ask_to_forget() }, t("forget-board"));
     const tool = this.state && (alive(this.state) ? stop() : forget());
