@@ -5,11 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "asip/bus/registry/answer.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "asip/catalogue/bus_view.hpp"
 #include "gateway/mirror/mirror.hpp"
-#include "registry/registry.hpp"
 
 namespace truth::presence {
 
@@ -41,87 +39,90 @@ void View::disconnect(Time now) {
 
 namespace {
 
-class RegistryView final : public View {
-  public:
-    RegistryView(SimBroker& broker, Dice& dice, const std::string& id, Time now)
-        : View(broker, "registry " + id), id_(id), now_(now) {
-        asip::registry::RegistryOptions options;
-        options.id = id_;
-        options.stats_interval = std::chrono::hours(1);
-        asip::registry::Port port;
-        port.publish = [this](Message message) {
-            if (message.topic == kAnswers) return answer(message);
-            if (message.topic == topics_.registry_events(id_)) return event(message);
+constexpr const char* kAnswers = "answers";
+
+}  // namespace
+
+RegistryView::RegistryView(SimBroker& broker, Dice& dice, const asip::registry::RegistryOptions& options,
+                           const Files& files, Time now)
+    : View(broker, "registry " + options.id), id_(options.id), now_(now) {
+    asip::registry::Port port;
+    port.publish = [this](Message message) {
+        if (message.topic == topics_.registry_events(id_)) return event(message);
+        if (message.topic != kAnswers) {
             if (client_ != 0) broker_.publish(client_, std::move(message), now_);
-        };
-        port.subscribe = [this](const std::string& filter, bool retained) {
-            if (client_ != 0) broker_.subscribe(client_, filter, false, retained, now_);
-        };
-        port.unsubscribe = [this](const std::string& filter) { broker_.unsubscribe(client_, filter); };
-        registry_.emplace(
-            options, asip::model::ModelSet{}, [&dice] { return dice.draw(); }, port, nullptr, instant(now));
-    }
+        } else if (auto read = asip::bus::parse_answer(message.payload)) {
+            answer_ = std::move(*read);
+        }
+    };
+    port.subscribe = [this](const std::string& filter, bool retained) {
+        filters_[filter] = retained;
+        if (client_ != 0) broker_.subscribe(client_, filter, false, retained, now_);
+    };
+    port.unsubscribe = [this](const std::string& filter) {
+        filters_.erase(filter);
+        broker_.unsubscribe(client_, filter);
+    };
+    registry_.emplace(
+        options, asip::model::ModelSet{}, [&dice] { return dice.draw(); }, port, files.history, instant(now),
+        files.values);
+}
 
-    void tick(Time now) override {
-        now_ = now;
-        registry_->tick(instant(now));
-    }
-    bool is_complete() const override { return complete_; }
-    std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override {
-        now_ = now;
-        Message query;
-        query.topic = topics_.registry_query(id_);
-        query.payload = R"({"find":"boards","board":")" + name + R"("})";
-        query.response_topic = kAnswers;
-        answer_.reset();
-        registry_->message(query, instant(now));
-        if (!answer_ || answer_->boards.empty()) return std::nullopt;
-        complete_ = !answer_->settling;
-        return answer_->boards.front();
-    }
-    std::vector<std::string> changes_of(const std::string& board) const override {
-        const auto found = changes_.find(board);
-        return found == changes_.end() ? std::vector<std::string>() : found->second;
-    }
+void RegistryView::tick(Time now) {
+    now_ = now;
+    registry_->tick(moment(now));
+}
 
-  protected:
-    void on_connected(Time now) override {
-        now_ = now;
-        complete_ = true;  // an answer says when not
-        for (const auto& one : registry_->subscriptions())
-            broker_.subscribe(client_, one.filter, false, one.retained, now);
-        registry_->connected(0, instant(now));
-    }
-    void on_disconnected(Time) override { registry_->disconnected(); }
-    void on_message(const Message& message, Time now) override {
-        now_ = now;
-        registry_->message(message, instant(now));
-    }
+const std::optional<asip::bus::Answer>& RegistryView::ask(const std::string& query, Time now) {
+    now_ = now;
+    Message message;
+    message.topic = topics_.registry_query(id_);
+    message.payload = query;
+    message.response_topic = kAnswers;
+    answer_.reset();
+    registry_->message(message, moment(now));
+    registry_->answer_in_turn(moment(now));
+    return answer_;
+}
 
-  private:
-    static constexpr const char* kAnswers = "answers";
+std::optional<asip::bus::BoardItem> RegistryView::board(const std::string& name, Time now) {
+    ask(R"({"find":"boards","board":")" + name + R"("})", now);
+    if (!answer_ || answer_->boards.empty()) return std::nullopt;
+    complete_ = !answer_->settling;
+    return answer_->boards.front();
+}
 
-    void answer(const Message& message) {
-        if (auto read = asip::bus::parse_answer(message.payload)) answer_ = std::move(*read);
-    }
-    void event(const Message& message) {
-        const auto change = asip::bus::parse_change_event(message.payload);
-        if (!change) return;
-        if (change->kind == asip::bus::ChangeEvent::Kind::kReset)
-            for (auto& [board, changes] : changes_)
-                changes.emplace_back(kReset);
-        if (change->kind != asip::bus::ChangeEvent::Kind::kState) return;
-        changes_[change->board.board].push_back(change->board.state + " " + change->reason);
-    }
+std::vector<std::string> RegistryView::changes_of(const std::string& board) const {
+    const auto found = changes_.find(board);
+    return found == changes_.end() ? std::vector<std::string>() : found->second;
+}
 
-    asip::bus::Topics topics_;
-    std::string id_;
-    Time now_;
-    bool complete_ = false;
-    std::optional<asip::registry::Registry> registry_;
-    std::optional<asip::bus::Answer> answer_;
-    std::map<std::string, std::vector<std::string>> changes_;
-};
+void RegistryView::on_connected(Time now) {
+    now_ = now;
+    complete_ = true;  // an answer says when not
+    for (const auto& one : registry_->subscriptions())
+        broker_.subscribe(client_, one.filter, false, one.retained, now);
+    for (const auto& [filter, retained] : filters_)
+        broker_.subscribe(client_, filter, false, retained, now);
+    registry_->connected(0, moment(now));
+}
+
+void RegistryView::on_message(const Message& message, Time now) {
+    now_ = now;
+    registry_->message(message, moment(now));
+}
+
+void RegistryView::event(const Message& message) {
+    const auto change = asip::bus::parse_change_event(message.payload);
+    if (!change) return;
+    if (change->kind == asip::bus::ChangeEvent::Kind::kReset)
+        for (auto& [board, changes] : changes_)
+            changes.emplace_back(kReset);
+    if (change->kind != asip::bus::ChangeEvent::Kind::kState) return;
+    changes_[change->board.board].push_back(change->board.state + " " + change->reason);
+}
+
+namespace {
 
 class GatewayView final : public View {
   public:
@@ -285,7 +286,10 @@ class RecordedView final : public ViewOfBus {
 }  // namespace
 
 std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, Time now) {
-    return std::make_unique<RegistryView>(broker, dice, id, now);
+    asip::registry::RegistryOptions options;
+    options.id = id;
+    options.stats_interval = std::chrono::hours(1);
+    return std::make_unique<RegistryView>(broker, dice, options, RegistryView::Files(), now);
 }
 std::unique_ptr<View> make_gateway(SimBroker& broker, Dice& dice) {
     return std::make_unique<GatewayView>(broker, dice);

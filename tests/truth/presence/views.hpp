@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "asip/bus/registry/items.hpp"
+#include "asip/bus/registry/answer.hpp"
 #include "asip/catalogue/catalogue.hpp"
+#include "registry/registry.hpp"
 #include "tests/truth/presence/sim_broker.hpp"
 
 namespace truth::presence {
@@ -58,6 +60,44 @@ class View {
 };
 
 asip::catalogue::Instant instant(Time now);
+
+/// asip-registry.
+class RegistryView : public View {
+  public:
+    /// The files that it has; null: none. They outlive it.
+    struct Files {
+        asip::registry::HistoryKeeper* history = nullptr;
+        asip::registry::ValueKeeper* values = nullptr;
+    };
+    RegistryView(SimBroker& broker, Dice& dice, const asip::registry::RegistryOptions& options,
+                 const Files& files, Time now);
+
+    void tick(Time now) override;
+    bool is_complete() const override { return complete_; }
+    std::optional<asip::bus::BoardItem> board(const std::string& name, Time now) override;
+    std::vector<std::string> changes_of(const std::string& board) const override;
+    /// The answer; nothing: it comes later, and answer() has it.
+    const std::optional<asip::bus::Answer>& ask(const std::string& query, Time now);
+    const std::optional<asip::bus::Answer>& answer() const { return answer_; }
+
+  protected:
+    void on_connected(Time now) override;
+    void on_disconnected(Time) override { registry_->disconnected(); }
+    void on_message(const Message& message, Time now) override;
+    virtual asip::catalogue::Instant moment(Time now) const { return instant(now); }
+
+  private:
+    void event(const Message& message);
+
+    asip::bus::Topics topics_;
+    std::string id_;
+    Time now_;
+    bool complete_ = false;
+    std::optional<asip::registry::Registry> registry_;
+    std::optional<asip::bus::Answer> answer_;
+    std::map<std::string, bool> filters_;  // besides those that it always has, as its connection keeps them
+    std::map<std::string, std::vector<std::string>> changes_;
+};
 
 /// asip-registry, with the answers to queries and the change events that it publishes.
 std::unique_ptr<View> make_registry(SimBroker& broker, Dice& dice, const std::string& id, Time now);

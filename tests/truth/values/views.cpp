@@ -65,8 +65,8 @@ void Gateway::take(const std::string& topic, const std::string& payload, bool st
     gateway_->message(message_of(topic, payload, stored));
 }
 
-json Gateway::values() {
-    return get("/api/boards/uno1/values")->body().value("values", json::object());
+json Gateway::values(const std::string& board) {
+    return get("/api/boards/" + board + "/values")->body().value("values", json::object());
 }
 
 json Gateway::list() {

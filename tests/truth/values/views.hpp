@@ -26,8 +26,15 @@ class Gateway final : asip::gateway::ApiTest {
     using ApiTest::pass;
 
     void take(const std::string& topic, const std::string& payload, bool stored = false);
-    nlohmann::json values();
+    nlohmann::json values(const std::string& board = "uno1");
     nlohmann::json list();
+    /// Its connection ends, and is there again: what it publishes then is returned.
+    void lost() { gateway_->disconnected(); }
+    std::vector<asip::mqtt::Message> back() {
+        gateway_->subscribed();
+        return published();
+    }
+    std::vector<asip::mqtt::Message> published() { return std::exchange(published_, {}); }
     /// As the page sets a property: the status, and how many commands it published.
     std::pair<int, std::size_t> put(const nlohmann::json& value);
     asip::gateway::Gateway& core() { return *gateway_; }
