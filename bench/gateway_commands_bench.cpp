@@ -109,7 +109,7 @@ void commands(Bus& bus) {
     std::printf("a command and its answer, p50 of %d: gateway %.3f ms, MQTT %.3f ms\n", kRounds, median(ours),
                 median(theirs));
     row("POST of a command to its answer, p50, over the same by MQTT", median(ours) / median(theirs), "x",
-        1.25, 1.1);
+        1.15, 1.05);
 }
 
 /// Whether a report of levels in `text` has this one of pin 2.
@@ -193,7 +193,7 @@ void values(Bus& bus, Uno& uno) {
     std::printf("a button to its value, p50 of %d: WebSocket %.3f ms, MQTT %.3f ms\n", kRounds, median(ours),
                 median(theirs));
     row("value on the board to the browser's end of a WebSocket, p50, over MQTT",
-        median(ours) / median(theirs), "x", 1.25, 1.1);
+        median(ours) / median(theirs), "x", 1.12, 1.05);
 }
 
 void stops() {

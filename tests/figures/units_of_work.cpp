@@ -3,6 +3,7 @@
 // itself, and its allocations are printed. `--worse`: each does five hundredths more, which is refused.
 #include <valgrind/callgrind.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -14,8 +15,11 @@
 #include "asip/catalogue/catalogue.hpp"
 #include "bench/catalogue_load.hpp"
 #include "cli/commands/list.hpp"
+#include "gateway/export/sparkplug_node.hpp"
+#include "registry/registry.hpp"
 #include "tests/unit/agent/bridge_bench.hpp"
 #include "tests/unit/gateway/api_bench.hpp"
+#include "tests/unit/gateway/export/export_world.hpp"
 
 namespace {
 
@@ -54,6 +58,27 @@ void measure(const char* name, unsigned count, const std::function<void(unsigned
     std::printf("%s %u %zu\n", name, count, allocations - before);
 }
 
+/// What a program asks of a board by lines, and hears of it. `extensions`: a line that was stepped up has a
+/// checksum.
+void lines_through_agent(const char* name, bool extensions) {
+    auto options = agent::BridgeBench::defaults();
+    if (extensions) options.session.checksum = session::ChecksumPolicy::kAlways;
+    agent::BridgeBench bench(std::move(options));
+    bench.board.extensions = extensions;
+    bench.go_online();
+    if (bench.board.checksum != extensions) std::abort();
+    measure(name, 100, [&](unsigned i) {
+        bench.hear("asip/uno1/in", i % 2 ? "I,d,2,1" : "I,d,2,0");
+        bench.pass(2ms);
+        bench.say(bench.board.framed("@I,d,3," + std::to_string(i % 2)));
+        bench.pass(2ms);
+        if (bench.board.executed.size() != 1 || bench.on("asip/uno1/out").empty()) std::abort();
+        bench.published.clear();
+        bench.board.executed.clear();
+        bench.board.heard.clear();
+    });
+}
+
 void agent_units() {
     agent::BridgeBench bench;
     bench.board.verified_fences = true;
@@ -79,6 +104,48 @@ void agent_units() {
     });
 }
 
+/// The first announcements of boards to a registry, until a watcher has the change.
+void changes_of_registry() {
+    const bench::BoardTexts texts;
+    std::size_t changes = 0;
+    registry::RegistryOptions options;
+    options.id = "r1";
+    const bus::Topics topics;
+    registry::Port port;
+    port.publish = [&](const mqtt::Message& message) {
+        changes += message.topic == topics.registry_events("r1") ? 1 : 0;
+    };
+    port.subscribe = [](const std::string&, bool) {};
+    port.unsubscribe = [](const std::string&) {};
+    registry::Registry registry(options, model::ModelSet(), [n = 0ull]() mutable { return ++n << 40; }, port,
+                                nullptr, {Time{} + 1h, {}});
+    registry.connected(0, {Time{} + 1h, {}});
+    for (auto passed = 0ms; passed < 20s; passed += 100ms)  // nothing more is retained
+        registry.tick({Time{} + 1h + passed, {}});
+    measure("announcement-to-change-event", 100, [&](unsigned i) {
+        changes = 0;
+        registry.message({.topic = "asip/servicebus/" + bench::BoardTexts::name(i) + "/$description",
+                          .payload = texts.description(i, 1)},
+                         {Time{} + 1h + 20s, {}});
+        if (changes != 1) std::abort();
+    });
+}
+
+void first_announcements(const char* name, bool distinct) {
+    constexpr unsigned kBoards = 400;
+    const bench::BoardTexts texts(distinct);
+    catalogue::Catalogue catalogue;
+    std::vector<std::string> names, descriptions;
+    for (unsigned i = 0; i < 2 * kBoards; ++i) {
+        names.push_back(bench::BoardTexts::name(i));
+        descriptions.push_back(texts.description(i, 1));
+    }
+    measure(name, kBoards, [&](unsigned i) {
+        catalogue.apply({bus::TopicKind::kDescription, names[i], descriptions[i], false, std::nullopt},
+                        Time{} + 1h);
+    });
+}
+
 void registry_units() {
     constexpr unsigned kBoards = 1000;
     const bench::BoardTexts texts;
@@ -92,8 +159,8 @@ void registry_units() {
     const auto apply = [&](bus::TopicKind kind, unsigned board, std::string_view payload, Time now) {
         catalogue.apply({kind, names[board], payload, false, std::nullopt}, now);
     };
-    measure("announcement-in-registry", 400,
-            [&](unsigned i) { apply(bus::TopicKind::kDescription, i, first[i], Time{} + 1h); });
+    for (unsigned i = 0; i < kBoards; ++i)
+        apply(bus::TopicKind::kDescription, i, first[i], Time{} + 1h);
     measure("renewal-in-registry", 400,
             [&](unsigned i) { apply(bus::TopicKind::kDescription, i, again[i], Time{} + 1h + 20s); });
     for (unsigned i = 0; i < kBoards; ++i)
@@ -156,6 +223,47 @@ struct GatewayUnits : gateway::ApiTest {
             values->source->take(text, 65536);
             if (text.find("servo/0/angle") == std::string::npos) std::abort();
         });
+        measure("post-of-a-command", 50, [&](unsigned i) {
+            const auto sent = ask("POST", "/api/boards/uno1/services/servo/commands/write",
+                                  "[0," + std::to_string(i) + "]");
+            if (sent->status() != 0 || published_.empty()) std::abort();
+            answer(R"({"status":"ok","proof":"fence"})");
+            if (sent->status() != 200) std::abort();
+            published_.clear();
+        });
+        births();
+    }
+
+  private:
+    /// Boards that come, until each is born for hosts of Sparkplug.
+    void births() {
+        using namespace gateway::exports;
+        ExportWorld world;
+        world.start([this](Random random, Export::Port port) {
+            port.board = [this](const std::string& name) -> std::optional<Export::Present> {
+                auto found = gateway_->things().find(gateway_->mirror(), name, gateway_->now());
+                if (!found) return std::nullopt;
+                return Export::Present{true, std::move(found->board), found->state,
+                                       std::move(found->session)};
+            };
+            SparkplugNode::Options options;
+            options.dialect.group = "plant";
+            options.gateway = "gw1";
+            options.host = "host";
+            return std::make_unique<SparkplugNode>(options, std::move(random), std::move(port));
+        });
+        world.pass(3s);
+        measure("birth-of-sparkplug", 50, [&](unsigned i) {
+            const auto name = "board" + std::to_string(i);
+            announce(name);
+            world.sent.clear();
+            world.changed(name);
+            world.step();
+            const bool born = std::any_of(world.sent.begin(), world.sent.end(), [&](const auto& sent) {
+                return sent.topic == "spBv1.0/plant/DBIRTH/asip/" + name;
+            });
+            if (!born) std::abort();
+        });
     }
 };
 
@@ -164,8 +272,14 @@ struct GatewayUnits : gateway::ApiTest {
 
 int main(int argc, char** argv) {
     worse = argc > 1 && std::string_view(argv[1]) == "--worse";
+    asip::program::log::configure(asip::program::log::Level::kOff, asip::program::log::Format::kText);
     asip::agent_units();
     if (worse) return 0;  // one figure that is refused is enough
+    asip::lines_through_agent("line-through-agent-to-event", false);
+    asip::lines_through_agent("line-with-checksum-to-event", true);
+    asip::changes_of_registry();
+    asip::first_announcements("announcement-in-registry", false);
+    asip::first_announcements("announcement-of-a-board-like-no-other", true);
     asip::registry_units();
     asip::GatewayUnits().TestBody();
 }
