@@ -65,7 +65,8 @@ TEST(RequestsTest, IoErrors) {
                          {"I,d,2,256", "~I,d,11{BAD_ARGUMENT}"},  {"I,a,20,1", "~I,a,3{INVALID_PIN}"},
                          {"I,a,2,1", "~I,a,3{INVALID_PIN}"},      {"I,a,7,1", "~I,a,3{INVALID_PIN}"},
                          {"I,a,3,256", "~I,a,11{BAD_ARGUMENT}"},  {"I,A,65536", "~I,A,11{BAD_ARGUMENT}"},
-                         {"I,A", "~I,A,11{BAD_ARGUMENT}"},
+                         {"I,A", "~I,A,11{BAD_ARGUMENT}"},        {"I,P,2,256", "~I,P,11{BAD_ARGUMENT}"},
+                         {"I,P,2,5", "~I,P,4{MODE_UNAVAILABLE}"}, {"I,d,276,1", "~I,d,3{INVALID_PIN}"},
                      });
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstdio>
 
-#include "asip/Digest.h"
 #include "fake_board.hpp"
 
 namespace asip {
@@ -16,21 +15,6 @@ std::string with_checksum(const std::string& line) {
     char end[8];
     std::snprintf(end, sizeof end, "*%02X", sum);
     return line + end;
-}
-
-TEST(ExtensionsTest, List_NamesTheSix) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("#,X"), "@#,X,6,{E:1,I:1,B:1,C:1,V:1,D:1}\n");
-    EXPECT_EQ(board.ask("#,X,1"), "~#,X,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("#,Y"), "~#,Y,2{UNKNOWN_REQUEST}\n");
-}
-
-TEST(ExtensionsTest, Echo_TakesOneToEightLettersOrDigits) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("#,E,a"), "@#,E,a\n");
-    EXPECT_EQ(board.ask("#,E,Abc12345"), "@#,E,Abc12345\n");
-    for (const char* bad : {"#,E", "#,E,", "#,E,123456789", "#,E,a-b", "#,E,a b", "#,E,a,b"})
-        EXPECT_EQ(board.ask(bad), "~#,E,11{BAD_ARGUMENT}\n") << bad;
 }
 
 TEST(ExtensionsTest, VerifiedFence_DigestsWhatWasReadSinceTheLast) {
@@ -50,22 +34,6 @@ TEST(ExtensionsTest, VerifiedFence_DigestsWhatWasReadSinceTheLast) {
     EXPECT_EQ(board.ask("#,V,a-b"), "~#,V,11{BAD_ARGUMENT}\n");
 }
 
-TEST(ExtensionsTest, VerifiedFence_DigestsTheErrorThatWasSent) {
-    // A request to a service that is not there, or without a tag, has two errors and gets one answer.
-    FakeBoard board;
-    for (const char* line : {"Z", "Zz", "Z,x1", "Z,x,1"}) {
-        (void)board.ask("#,V,a");
-        EXPECT_EQ(board.ask(line), "~Z,?,1{INVALID_SERVICE}\n");
-        std::uint16_t digest = 0;
-        for (const char* c = line; *c != '\0'; ++c)
-            digest = digestOf(digest, static_cast<std::uint8_t>(*c));
-        digest = static_cast<std::uint16_t>(digestOf(digest, 0) ^ 1);
-        for (const char c : std::string("#,V,a"))
-            digest = digestOf(digest, static_cast<std::uint8_t>(c));
-        EXPECT_EQ(board.ask("#,V,a"), "@#,V,a," + std::to_string(digestOf(digest, 0)) + "\n") << line;
-    }
-}
-
 TEST(ExtensionsTest, VerifiedFence_DigestsLinesWithoutTheirChecksums) {
     FakeBoard board;
     (void)board.ask("#,V,a");
@@ -76,19 +44,6 @@ TEST(ExtensionsTest, VerifiedFence_DigestsLinesWithoutTheirChecksums) {
     (void)board.ask(with_checksum("I,d,13,1"));
     (void)board.ask("I,d,13,1*00");
     EXPECT_EQ(board.ask(with_checksum("#,V,a")), with_checksum(plain.substr(0, plain.size() - 1)) + "\n");
-}
-
-TEST(ExtensionsTest, Name_IsEmptyUntilStoredAndThenKept) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("#,I"), "@#,I,\n");
-    EXPECT_EQ(board.ask("#,I,uno-1"), "@#,I,uno-1\n");
-    EXPECT_EQ(board.ask("#,I"), "@#,I,uno-1\n");
-    const auto eeprom = board.hardware().eeprom;
-    FakeBoard later;
-    later.hardware().eeprom = eeprom;
-    EXPECT_EQ(later.ask("#,I"), "@#,I,uno-1\n");
-    EXPECT_EQ(later.ask("#,I,ab"), "@#,I,ab\n");
-    EXPECT_EQ(later.ask("#,I"), "@#,I,ab\n");
 }
 
 TEST(ExtensionsTest, NameOf32Characters_IsTakenAndOf33Refused) {
@@ -157,58 +112,12 @@ TEST(ExtensionsTest, NewRate_IsAnsweredAtTheOldOneThenUsed) {
     EXPECT_EQ(board.hardware().baud, 500000u);
 }
 
-TEST(ExtensionsTest, NewRateWithoutAFence_FallsBackAfter500Milliseconds) {
-    FakeBoard board;
-    board.ask("#,B,1000000");
-    EXPECT_EQ(board.ask("#,?"), "@#,?,0,4,ATmega328P,20,Test\n");
-    EXPECT_EQ(board.ask("#,E,not-good"), "~#,E,11{BAD_ARGUMENT}\n");
-    board.pass_time(499);
-    EXPECT_EQ(board.hardware().baud, 1000000u);
-    board.send("#,E,rubbi");
-    board.pass_time(1);
-    EXPECT_EQ(board.hardware().baud, 57600u);
-    EXPECT_EQ(board.ask("#,E,ok"), "@#,E,ok\n");
-}
-
 TEST(ExtensionsTest, FenceSentBeforeTheSwitch_DoesNotKeepTheNewRate) {
     FakeBoard board;
     board.send("#,B,500000\n#,E,early\n");
     EXPECT_EQ(board.hardware().baud, 500000u);
     board.pass_time(500);
     EXPECT_EQ(board.hardware().baud, 57600u);
-}
-
-TEST(ExtensionsTest, NameThatIsStoredWhileReportsAreDue_IsStoredAndAnswered) {
-    FakeBoard board;
-    board.ask("I,A,1");
-    board.hardware().to_board = "#,I,living-room\n";
-    std::string all;
-    for (int ms = 0; ms < 200; ++ms) {
-        board.hardware().eeprom_ready = ms % 4 == 0;
-        all += board.pass_time(1);
-    }
-    EXPECT_NE(all.find("@#,I,living-room\n"), std::string::npos);
-    EXPECT_NE(all.find("@I,a,6,{0:0,"), std::string::npos);
-    board.hardware().eeprom_ready = true;
-    board.ask("I,A,0");
-    EXPECT_EQ(board.ask("#,I"), "@#,I,living-room\n");
-}
-
-TEST(ExtensionsTest, NewRateWhileReportsAreDue_IsSwitchedToWithNothingInBetween) {
-    FakeBoard board;
-    board.ask("I,A,1");
-    board.pass_time(3);
-    board.hardware().idle = false;
-    board.hardware().to_board = "#,B,500000\n";
-    asip::board.run();
-    board.hardware().levels[2] = true;
-    const auto before = board.pass_time(20);
-    EXPECT_EQ(before.substr(before.size() - 12), "@#,B,500000\n") << before;
-    EXPECT_EQ(board.hardware().baud, 57600u);
-    board.hardware().idle = true;
-    const auto after = board.pass_time(2);
-    EXPECT_EQ(board.hardware().baud, 500000u);
-    EXPECT_NE(after.find("@I,d,4,4\n"), std::string::npos) << after;
 }
 
 TEST(ExtensionsTest, InfoWhileTheRateChanges_ComesAtTheNewRate) {
@@ -259,45 +168,11 @@ TEST(ExtensionsTest, ChecksumInSmallLettersOrBeforeACarriageReturn_IsTaken) {
     EXPECT_EQ(board.send("#,E,k*0d\n"), with_checksum("@#,E,k") + "\n");
 }
 
-TEST(ExtensionsTest, BadChecksum_IsReportedAndNothingExecuted) {
-    FakeBoard board;
-    board.ask("I,P,13,3");
-    board.ask("#,C,1");
-    const auto error = with_checksum("~#,C,10{BAD_CHECKSUM}") + "\n";
-    for (const char* bad : {"I,d,13,1", "I,d,13,1*", "I,d,13,1*0", "I,d,13,1*00", "I,d,13,1*GG", "*", "x"})
-        EXPECT_EQ(board.ask(bad), error) << bad;
-    EXPECT_FALSE(board.hardware().levels[13]);
-    EXPECT_EQ(board.ask(with_checksum("I,d,13,1")), "");
-    EXPECT_TRUE(board.hardware().levels[13]);
-}
-
 TEST(ExtensionsTest, LineThatIsTooLong_HasNoChecksumWhateverItBeginsWith) {
     FakeBoard board;
     board.ask("#,C,1");
     EXPECT_EQ(board.ask("*00" + std::string(80, 'x')), with_checksum("~#,C,10{BAD_CHECKSUM}") + "\n");
     EXPECT_EQ(board.ask(with_checksum("#,E,a")), with_checksum("@#,E,a") + "\n");
-}
-
-TEST(ExtensionsTest, EverySingleDamagedCharacter_IsCaughtByTheChecksum) {
-    FakeBoard board;
-    board.ask("I,P,13,3");
-    board.ask("#,C,1");
-    const auto good = with_checksum("I,d,13,1");
-    for (std::size_t at = 0; at < good.size(); ++at) {
-        for (int bit = 0; bit < 8; ++bit) {
-            auto bad = good;
-            bad[at] = static_cast<char>(bad[at] ^ (1 << bit));
-            if (bad[at] == '\n' || bad[0] == '!' || (at >= good.size() - 2 && bit == 5)) continue;
-            board.ask(bad);
-            ASSERT_FALSE(board.hardware().levels[13]) << bad;
-        }
-    }
-}
-
-TEST(ExtensionsTest, ChecksumArgument_IsZeroOrOne) {
-    FakeBoard board;
-    for (const char* bad : {"#,C", "#,C,", "#,C,2", "#,C,on"})
-        EXPECT_EQ(board.ask(bad), "~#,C,11{BAD_ARGUMENT}\n") << bad;
 }
 
 }  // namespace

@@ -6,15 +6,6 @@
 namespace asip {
 namespace {
 
-TEST(IoServiceTest, Maps_AreThoseOfAnUno) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("I,M"),
-              "@I,M,20,{4:1,4:2,4:4,4:8,4:10,4:20,4:40,4:80,2:1,2:2,2:4,2:8,2:10,2:20,3:1,3:2,3:4,3:8,3:10,3:"
-              "20}\n");
-    EXPECT_EQ(board.ask("I,m"), "@I,m,6,{14:0,15:1,16:2,17:3,18:4,19:5}\n");
-    EXPECT_EQ(board.ask("I,c"), "@I,c,20,{1,1,1,5,1,5,5,1,1,5,5,5,1,1,3,3,3,3,3,3}\n");
-}
-
 TEST(IoServiceTest, InputMode_SendsThePortAtOnceWithAllItsInputs) {
     FakeBoard board;
     board.hardware().levels[3] = true;
@@ -47,24 +38,6 @@ TEST(IoServiceTest, PinsThatAreHighAtStart_AreAnEventForTheirPort) {
     asip::board.begin(F("Test"));
     asip::board.io().setPeriod(0);
     EXPECT_EQ(board.settle(), "!Test running on ATmega328P with Services: I \n@I,d,4,50\n");
-}
-
-TEST(IoServiceTest, AnyNumberButZero_IsHigh) {
-    FakeBoard board;
-    board.ask("I,P,13,3");
-    EXPECT_EQ(board.ask("I,d,13,7"), "");
-    EXPECT_TRUE(board.hardware().levels[13]);
-    EXPECT_EQ(board.ask("I,d,13,00"), "");
-    EXPECT_FALSE(board.hardware().levels[13]);
-}
-
-TEST(IoServiceTest, ChangeOfAnOutput_IsNotAnEvent) {
-    FakeBoard board;
-    board.ask("I,P,13,3");
-    EXPECT_EQ(board.ask("I,d,13,1"), "");
-    EXPECT_TRUE(board.hardware().levels[13]);
-    EXPECT_EQ(board.ask("I,d,13,0"), "");
-    EXPECT_FALSE(board.hardware().levels[13]);
 }
 
 TEST(IoServiceTest, PinThatCeasesToBeAnInput_LeavesThePortsStateWithoutAnEvent) {
@@ -121,49 +94,11 @@ TEST(IoServiceTest, LevelsOfABoardWithoutInputs_AreAllZero) {
     EXPECT_EQ(board.ask("I,L"), "@I,L,3,{2:0,3:0,4:0}\n");
 }
 
-TEST(IoServiceTest, DigitalWriteInOneByteSteps_ActsOnlyAtTheLineEnd) {
-    FakeBoard board;
-    board.ask("I,P,13,3");
-    board.send("I,d,13,1");
-    EXPECT_FALSE(board.hardware().levels[13]);
-    board.send("\n");
-    EXPECT_TRUE(board.hardware().levels[13]);
-}
-
-TEST(IoServiceTest, DigitalWriteThatGoesOn_IsNotTakenForTheShorterOne) {
-    FakeBoard board;
-    board.ask("I,P,13,3");
-    board.send("I,d,13,1");
-    EXPECT_EQ(board.send("000\n"), "~I,d,11{BAD_ARGUMENT}\n");
-    board.send("I,d,13,1");
-    EXPECT_EQ(board.send(",5\n"), "~I,d,11{BAD_ARGUMENT}\n");
-    board.send("I,d,13,1");
-    EXPECT_EQ(board.send(std::string(1, '\0')), "");
-    EXPECT_EQ(board.send("\n"), "~I,d,11{BAD_ARGUMENT}\n");
-    EXPECT_FALSE(board.hardware().levels[13]);
-    board.send("I,d,13,1");
-    EXPECT_EQ(board.send("\r\n"), "");
-    EXPECT_TRUE(board.hardware().levels[13]);
-}
-
 TEST(IoServiceTest, DigitalWrite_IsAllowedToInputsForTheirPullUps) {
     FakeBoard board;
     EXPECT_EQ(board.ask("I,d,2,1"), "");
     EXPECT_EQ(board.ask("I,P,4,2"), "@I,d,4,10\n");
     EXPECT_EQ(board.ask("I,d,4,0"), "");
-}
-
-TEST(IoServiceTest, DigitalWriteErrors) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("I,d,20,1"), "~I,d,3{INVALID_PIN}\n");
-    EXPECT_EQ(board.ask("I,d,276,1"), "~I,d,3{INVALID_PIN}\n");
-    EXPECT_EQ(board.ask("I,d,14,1"), "~I,d,6{WRONG_MODE}\n");
-    EXPECT_EQ(board.ask("I,d,0,1"), "~I,d,6{WRONG_MODE}\n");
-    EXPECT_EQ(board.ask("I,d,13"), "~I,d,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("I,d,13,256"), "~I,d,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("I,d,,1"), "~I,d,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("I,d,x,1"), "~I,d,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("I,d,1:,1"), "~I,d,11{BAD_ARGUMENT}\n");
 }
 
 TEST(IoServiceTest, PwmWriteInAnotherMode_SetsItsModeAndPwmEndsWithIt) {
@@ -177,27 +112,6 @@ TEST(IoServiceTest, PwmWriteInAnotherMode_SetsItsModeAndPwmEndsWithIt) {
     EXPECT_EQ(board.ask("I,d,3,1"), "~I,d,6{WRONG_MODE}\n");
     EXPECT_EQ(board.ask("I,P,3,3"), "");
     EXPECT_EQ(board.hardware().duty[3], -1);
-}
-
-TEST(IoServiceTest, PwmErrors) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("I,a,20,5"), "~I,a,3{INVALID_PIN}\n");
-    EXPECT_EQ(board.ask("I,a,2,5"), "~I,a,3{INVALID_PIN}\n");
-    EXPECT_EQ(board.ask("I,a,1,5"), "~I,a,3{INVALID_PIN}\n");
-    EXPECT_EQ(board.ask("I,a,3,256"), "~I,a,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("I,a,3"), "~I,a,11{BAD_ARGUMENT}\n");
-}
-
-TEST(IoServiceTest, ModeErrors) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("I,P,20,1"), "~I,P,3{INVALID_PIN}\n");
-    EXPECT_EQ(board.ask("I,P,2,4"), "~I,P,4{MODE_UNAVAILABLE}\n");
-    EXPECT_EQ(board.ask("I,P,2,5"), "~I,P,4{MODE_UNAVAILABLE}\n");
-    EXPECT_EQ(board.ask("I,P,1,1"), "~I,P,4{MODE_UNAVAILABLE}\n");
-    EXPECT_EQ(board.ask("I,P,2,6"), "~I,P,5{INVALID_MODE}\n");
-    EXPECT_EQ(board.ask("I,P,2,8"), "~I,P,5{INVALID_MODE}\n");
-    EXPECT_EQ(board.ask("I,P,2,256"), "~I,P,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(board.ask("I,P,2"), "~I,P,11{BAD_ARGUMENT}\n");
 }
 
 TEST(IoServiceTest, AnalogEvents_HaveThePinsInAnalogMode) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Published clients leave out line ends. While no extension is in use a request also ends where the next one
-// begins, and after a second of silence; two halves are never executed as one.
+// begins, and after a second of silence. tests/firmware tries each short input.
 #include <gtest/gtest.h>
 
 #include "fake_board.hpp"
@@ -57,86 +57,12 @@ TEST_F(WithoutLineEnd, Request_EndsAfterASecondOfSilence) {
     EXPECT_EQ(told(), "s;");
 }
 
-TEST_F(WithoutLineEnd, BytesOneByOneWithPauses_AreTheSameRequests) {
-    for (const char c : std::string("T,t,1,100T,t,0,-100T,sT,s\n")) {
-        EXPECT_EQ(board.send(std::string(1, c)), "");
-        board.pass_time(700);
-    }
-    EXPECT_EQ(told(), "1,100;0,-100;s;s;");
-}
-
-TEST_F(WithoutLineEnd, HalfARequestAndSilence_IsReportedAndNotJoinedWithAnother) {
-    const std::string whole = "T,t,1,100";
-    for (std::size_t cut = 1; cut < 7; ++cut) {
-        board.send(whole.substr(0, cut));
-        EXPECT_NE(board.pass_time(1100), "") << cut;
-        EXPECT_EQ(board.send("7,8\n").substr(0, 1), "~") << cut;
-        EXPECT_EQ(told(), "") << cut;
-        board.send("T,t,2,3\n");
-        EXPECT_EQ(told(), "2,3;") << cut;
-    }
-}
-
-TEST_F(WithoutLineEnd, HalfARequestBeforeAnother_IsReportedAndTheOtherExecuted) {
-    EXPECT_EQ(board.send("T,t,1,T,t,2,3\n"), "~T,t,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(told(), "2,3;");
-    EXPECT_EQ(board.send("T,t,5T,t,6,7\n"), "~T,t,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(told(), "6,7;");
-}
-
-TEST_F(WithoutLineEnd, DamagedRequest_EndsAtItsLineEndOrAMomentOfSilence) {
-    EXPECT_EQ(board.send(std::string("T,t,1\0T,t,2,3\n", 14)), "~T,t,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(told(), "") << "what was lost may have been the beginning of a text";
-    board.send(
-        std::string("T,t,1\0"
-                    "1",
-                    7));
-    EXPECT_EQ(board.pass_time(50), "~T,t,11{BAD_ARGUMENT}\n");
-    board.send("T,t,2,3T,s\n");
-    EXPECT_EQ(told(), "2,3;s;") << "a client that sends all the time is heard again";
-}
-
-/// A service whose requests hold text.
-class Display : public Service {
-  public:
-    constexpr Display() : Service('L', kHoldsText) {}
-    FlashText name() const override { return F("Display"); }
-    void begin() override {}
-    Error processRequest(Request& request) override {
-        request.number();
-        request.text();
-        return request.complete() ? Error::kNone : Error::kBadArgument;
-    }
-};
-
-TEST_F(WithoutLineEnd, TextAndNames_AreNotCut) {
-    Display display;
-    FakeBoard both{{&service, &display}};
-    EXPECT_EQ(both.send("L,W,1,A T,sT,s\n"), "");
-    EXPECT_EQ(told(), "");
-    board.send("!T,sT,s\n");
-    EXPECT_EQ(told(), "");
-    EXPECT_EQ(board.send("#,I,aT,s\n"), "~#,I,11{BAD_ARGUMENT}\n");
-    EXPECT_EQ(told(), "");
-}
-
 TEST_F(WithoutLineEnd, HalfAName_IsNotStoredAfterSilence) {
     board.send("#,I,un");
     EXPECT_EQ(board.pass_time(1100), "~#,I,11{BAD_ARGUMENT}\n");
     EXPECT_EQ(board.ask("#,I"), "@#,I,\n");
     board.send("#,?");
     EXPECT_NE(board.pass_time(1100).find("@#,?,0,4"), std::string::npos);
-}
-
-TEST_F(WithoutLineEnd, WhileAnExtensionIsInUse_OnlyLineEndsCount) {
-    for (const char* use : {"#,E,t", "#,V,t", "#,C,1"}) {
-        FakeBoard fresh{{&service}};
-        fresh.ask(use);
-        EXPECT_NE(fresh.send("T,t,1,100T,t,0,50\n").find('~'), std::string::npos) << use;
-        fresh.send("T,t,1,100");
-        EXPECT_EQ(fresh.pass_time(3000), "") << use;
-        EXPECT_EQ(told(), "") << use;
-    }
 }
 
 TEST_F(WithoutLineEnd, PeerThatLeaves_EndsTheUseOfExtensions) {

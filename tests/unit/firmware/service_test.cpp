@@ -105,16 +105,6 @@ TEST(ServiceTest, InfoInTheMiddleOfAList_ComesAfterIt) {
     EXPECT_EQ(board.settle(), "@C,e,2,{40,41}\n!hello\n");
 }
 
-// With another letter.
-class Other : public Service {
-  public:
-    Other() : Service('O', 1) {}
-    FlashText name() const override { return F("Other"); }
-    void begin() override {}
-    Error processRequest(Request&) override { return Error::kUnknownRequest; }
-    void reportValue(std::uint8_t) override { out.number(7); }
-};
-
 // 3 bytes leave the line in each millisecond.
 std::string pass_time_on_a_slow_line(FakeBoard& board, unsigned milliseconds) {
     std::string all;
@@ -127,20 +117,6 @@ std::string pass_time_on_a_slow_line(FakeBoard& board, unsigned milliseconds) {
         all += std::exchange(fake.from_board, {});
     }
     return all;
-}
-
-TEST(ServiceTest, ServiceThatIsAlwaysDue_DoesNotSilenceTheOthers) {
-    Counter counter;
-    Other other;
-    FakeBoard board({&counter, &other});
-    board.ask("C,A,1");
-    board.ask("O,A,25");
-    const auto sent = pass_time_on_a_slow_line(board, 1000);
-    std::size_t others = 0;
-    for (auto at = sent.find("@O"); at != std::string::npos; at = sent.find("@O", at + 1))
-        ++others;
-    EXPECT_GE(others, 35u);
-    EXPECT_EQ(board.hardware().waits, 0u);
 }
 
 TEST(ServiceTest, FloodOfBadRequests_NeverWaitsForTheLine) {

@@ -19,30 +19,6 @@ class Lamp : public Service {
     Error claimed = Error::kNone;
 };
 
-TEST(SystemTest, Banner_NamesSketchChipAndServices) {
-    Lamp lamp;
-    FakeBoard board({&lamp});
-    EXPECT_EQ(board.banner(), "!Test running on ATmega328P with Services: I X \n");
-}
-
-TEST(SystemTest, Information_HasVersionChipPinsAndSketch) {
-    FakeBoard board;
-    EXPECT_EQ(board.ask("#,?"), "@#,?,0,4,ATmega328P,20,Test\n");
-}
-
-TEST(SystemTest, Names_ListEveryService) {
-    Lamp lamp;
-    FakeBoard board({&lamp});
-    EXPECT_EQ(board.ask("#,N"), "@#,N,2,{I:ASIP core IO,X:Lamp}\n");
-}
-
-TEST(SystemTest, PinsOfServices_ShowWhoUsesThem) {
-    Lamp lamp;
-    FakeBoard board({&lamp});
-    EXPECT_EQ(board.ask("#,S"), "@#,S,20,{@,@,I,I,I,I,I,X,I,I,I,I,I,I,I,I,I,I,I,I}\n");
-    EXPECT_EQ(board.ask("I,p"), "@I,p,20,{6,6,1,1,1,1,1,7,1,1,1,1,1,1,4,4,4,4,4,4}\n");
-}
-
 TEST(SystemTest, ArgumentsWhereNoneBelong_AreRefused) {
     FakeBoard board;
     EXPECT_EQ(board.ask("#,?,1"), "~#,?,11{BAD_ARGUMENT}\n");

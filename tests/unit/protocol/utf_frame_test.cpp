@@ -20,22 +20,6 @@ struct UtfFrameReaderTest : testing::Test {
     UtfFrameReader reader{300};
 };
 
-TEST_F(UtfFrameReaderTest, FrameArrivingByteByByte_IsGivenOnceAtItsEnd) {
-    const auto bytes = "\0\3I,M"s;
-    for (std::size_t i = 0; i + 1 < bytes.size(); ++i)
-        EXPECT_THAT(push({&bytes[i], 1}), IsEmpty());
-    EXPECT_THAT(push("M"), ElementsAre("I,M"));
-}
-
-TEST_F(UtfFrameReaderTest, SeveralFramesInOneRead_AreGivenInOrder) {
-    EXPECT_THAT(push("\0\1a\0\0\0\2bc\0"s), ElementsAre("a", "", "bc"));
-    EXPECT_THAT(push("\1d"), ElementsAre("d"));
-}
-
-TEST_F(UtfFrameReaderTest, LengthIsBigEndian) {
-    EXPECT_THAT(push("\1\0"s + std::string(256, 'x')), ElementsAre(std::string(256, 'x')));
-}
-
 TEST_F(UtfFrameReaderTest, TooLongForBuffer_SkipsFrameAndRecovers) {
     EXPECT_THAT(push("\xff\xff"s + std::string(65535, 'x') + "\0\2ok"s), ElementsAre("ok"));
 }
