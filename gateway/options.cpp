@@ -101,22 +101,18 @@ void declare_limits(program::App& app, program::Settings& settings, Raw& raw) {
 }
 
 void declare(program::App& app, program::Settings& settings, Raw& raw) {
-    settings.setting(
-        app.add_option("--http", raw.http, "Where to listen: ADDRESS:PORT or unix:PATH; several with commas")
+    const auto own = [&](const program::Option& each) { settings.setting(each).group("Gateway"); };
+    own(app.add_option("--http", raw.http, "Where to listen: ADDRESS:PORT or unix:PATH; several with commas")
             .commas()
-            .show_default()
-            .group("Gateway"));
-    settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
-                         .group("Gateway"));
-    settings.setting(app.add_option("--cables", raw.cables,
-                                    "Folder of asip-agent --cables: browsers may lend boards of theirs")
-                         .group("Gateway"));
-    settings.setting(app.add_option("--forget-after", raw.forget_after,
-                                    "How long a board that left is shown (90s, 15m, 12h, 7d)")
-                         .show_default()
-                         .group("Gateway"));
-    settings.setting(app.add_flag("--no-page", raw.no_page, "No web page").group("Gateway"));
-    settings.setting(app.add_flag("--no-metrics", raw.no_metrics, "No /metrics").group("Gateway"));
+            .show_default());
+    own(app.add_option("--services", raw.services, "Folder of further service models (*.json)"));
+    own(app.add_option("--cables", raw.cables,
+                       "Folder of asip-agent --cables: browsers may lend boards of theirs"));
+    own(app.add_option("--forget-after", raw.forget_after,
+                       "How long a board that left is shown (90s, 15m, 12h, 7d)")
+            .show_default());
+    own(app.add_flag("--no-page", raw.no_page, "No web page"));
+    own(app.add_flag("--no-metrics", raw.no_metrics, "No /metrics"));
     declare_exports(app, settings, raw.exports);
     declare_access(app, settings, raw);
     declare_limits(app, settings, raw);

@@ -54,60 +54,45 @@ struct Raw {
 };
 
 void declare(program::App& app, program::Settings& settings, Raw& raw) {
-    settings.setting(
-        app.add_option("--id", raw.id, "Name of this registry on the bus; default: this machine's name")
-            .group("Registry"));
-    settings.setting(app.add_option("--forget-after", raw.forget_after,
-                                    "How long a board that left stays in the catalogue (90s, 15m, 12h, 7d)")
-                         .show_default()
-                         .group("Registry"));
-    settings.setting(app.add_option("--max-boards", raw.max_boards, "Boards beyond this many are refused")
-                         .range(std::size_t{1}, std::size_t{100'000'000})
-                         .show_default()
-                         .group("Registry"));
-    settings.setting(app.add_option("--services", raw.services, "Folder of further service models (*.json)")
-                         .group("Registry"));
-    settings.setting(
-        app.add_option("--stats-interval", raw.stats_interval, "How often statistics are published")
-            .show_default()
-            .group("Registry"));
-    settings.setting(
-        app.add_option("--notify", raw.notify,
+    const auto own = [&](const program::Option& each) { settings.setting(each).group("Registry"); };
+    const auto history = [&](const program::Option& each) { settings.setting(each).group("History"); };
+    own(app.add_option("--id", raw.id, "Name of this registry on the bus; default: this machine's name"));
+    own(app.add_option("--forget-after", raw.forget_after,
+                       "How long a board that left stays in the catalogue (90s, 15m, 12h, 7d)")
+            .show_default());
+    own(app.add_option("--max-boards", raw.max_boards, "Boards beyond this many are refused")
+            .range(std::size_t{1}, std::size_t{100'000'000})
+            .show_default());
+    own(app.add_option("--services", raw.services, "Folder of further service models (*.json)"));
+    own(app.add_option("--stats-interval", raw.stats_interval, "How often statistics are published")
+            .show_default());
+    own(app.add_option("--notify", raw.notify,
                        "Address (http:// or https://) that gets a message when boards are lost and back")
-            .type("URL")
-            .group("Registry"));
-    settings.setting(app.add_option("--history", raw.history,
-                                    "SQLite file to keep changes in, or none; default: history.db in "
-                                    "$STATE_DIRECTORY, which a service has, else none")
-                         .group("History"));
-    settings.setting(app.add_option("--history-age", raw.history_age, "Changes older than this are dropped")
-                         .show_default()
-                         .group("History"));
-    settings.setting(
-        app.add_option("--history-size", raw.history_bytes,
-                       "Maximum size of the file (512k, 256M, 2G); the oldest changes are dropped")
-            .bytes(kMinHistoryBytes, kMaxHistoryBytes)
-            .show_default("256M")
-            .group("History"));
-    settings.setting(app.add_option("--values", raw.values,
-                                    "Whose values are kept beside the history: named (and on dashboards), "
-                                    "these and BOARD/PROPERTY (* and ?), a comma between; or none")
-                         .show_default()
-                         .group("History"));
-    settings.setting(app.add_option("--values-size", raw.values_bytes,
-                                    "Maximum size of the values; the oldest are dropped")
-                         .bytes(kMinHistoryBytes, kMaxHistoryBytes)
-                         .show_default("1G")
-                         .group("History"));
-    settings.setting(app.add_option("--values-age", raw.values_age,
-                                    "How long each change, each minute and each hour of values is kept")
-                         .show_default()
-                         .group("History"));
-    settings.setting(app.add_option("--values-demand", raw.values_demand,
-                                    "Values a second that boards are to report for it; 0: as they do anyway")
-                         .range(0.0, 1.0)
-                         .show_default()
-                         .group("History"));
+            .type("URL"));
+    history(app.add_option("--history", raw.history,
+                           "SQLite file to keep changes in, or none; default: history.db in "
+                           "$STATE_DIRECTORY, which a service has, else none"));
+    history(app.add_option("--history-age", raw.history_age, "Changes older than this are dropped")
+                .show_default());
+    history(app.add_option("--history-size", raw.history_bytes,
+                           "Maximum size of the file (512k, 256M, 2G); the oldest changes are dropped")
+                .bytes(kMinHistoryBytes, kMaxHistoryBytes)
+                .show_default("256M"));
+    history(app.add_option("--values", raw.values,
+                           "Whose values are kept beside the history: named (and on dashboards), "
+                           "these and BOARD/PROPERTY (* and ?), a comma between; or none")
+                .show_default());
+    history(app.add_option("--values-size", raw.values_bytes,
+                           "Maximum size of the values; the oldest are dropped")
+                .bytes(kMinHistoryBytes, kMaxHistoryBytes)
+                .show_default("1G"));
+    history(app.add_option("--values-age", raw.values_age,
+                           "How long each change, each minute and each hour of values is kept")
+                .show_default());
+    history(app.add_option("--values-demand", raw.values_demand,
+                           "Values a second that boards are to report for it; 0: as they do anyway")
+                .range(0.0, 1.0)
+                .show_default());
 }
 
 /// A service keeps a history without being told to.
