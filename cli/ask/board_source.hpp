@@ -98,4 +98,20 @@ class BoardSource {
     BusSession::Subscription registries_;
 };
 
+/// What a command has that asks boards and registries.
+class OnTheBus {
+  protected:
+    explicit OnTheBus(Environment& environment)
+        : environment_(environment), session_(environment), source_(environment, session_) {}
+    /// The exit status where it fails; the reason is then told.
+    std::optional<int> connect() {
+        const auto connected = session_.connect();
+        return connected ? std::nullopt : std::optional(environment_.fail_with(connected.error()));
+    }
+
+    Environment& environment_;
+    BusSession session_;
+    BoardSource source_;
+};
+
 }  // namespace asip::cli

@@ -94,21 +94,18 @@ Outcome<text::WallTime> since_time(const std::string& text) {
 }
 
 /// Prints changes as they come, of a registry or, without one, as the bus itself shows them.
-class Follower {
+class Follower : OnTheBus {
   public:
     /// `since`: 1970 for what comes from now on.
     Follower(const EventsOptions& options, text::WallTime since, Environment& environment)
-        : options_(options),
+        : OnTheBus(environment),
+          options_(options),
           since_(since),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_),
           records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
 
     int run() {
         session_.tell_refused_subscriptions();
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         const auto registry = source_.find_registry();
         if (session_.stopped()) return program::kExitOk;
         if (registry.empty() && since_ != text::WallTime{})
@@ -210,9 +207,6 @@ class Follower {
     text::WallTime since_;
     bool reading_ = false;
     std::vector<bus::HistoryItem> meanwhile_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     RecordPrinter records_;
     Table table_ = change_table();
     std::map<std::string, std::string> states_;

@@ -173,18 +173,13 @@ class Flasher {
 };
 
 /// One `asipctl flash`.
-class FlashRun {
+class FlashRun : OnTheBus {
   public:
     FlashRun(const FlashOptions& options, Environment& environment, RecordPrinter::Count count)
-        : options_(options),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_),
-          records_(options.output, count, environment.out) {}
+        : OnTheBus(environment), options_(options), records_(options.output, count, environment.out) {}
 
     int one() {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         Flasher flasher(options_, options_.board, environment_, session_, records_);
         const auto board = find_board_with_agent(source_, options_.board);
         if (!board) return flasher.fail(board.error());
@@ -194,8 +189,7 @@ class FlashRun {
 
     /// One after the other. What is wrong with one of them is found before the first port is released.
     int group(const Target& target, const bus::LabelSelector& labels) {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         const auto boards = choose_boards(source_, target, labels);
         if (!boards) return environment_.fail_with(boards.error());
         std::list<Flasher> flashers;
@@ -236,9 +230,6 @@ class FlashRun {
     }
 
     const FlashOptions& options_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     RecordPrinter records_;
 };
 

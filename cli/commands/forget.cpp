@@ -32,18 +32,13 @@ struct ForgetOptions {
 };
 
 /// One `asipctl forget`.
-class Forgetter {
+class Forgetter : OnTheBus {
   public:
     Forgetter(const ForgetOptions& options, std::vector<Target> targets, Environment& environment)
-        : options_(options),
-          targets_(std::move(targets)),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_) {}
+        : OnTheBus(environment), options_(options), targets_(std::move(targets)) {}
 
     int run() {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         auto retained = read_retained(environment_, session_, filters());
         if (!retained) return environment_.fail_with(retained.error());
         retained_ = std::move(*retained);
@@ -226,9 +221,6 @@ class Forgetter {
 
     const ForgetOptions& options_;
     const std::vector<Target> targets_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     std::vector<Retained> retained_;
     std::list<Board> boards_;
     int status_ = program::kExitOk;

@@ -45,19 +45,16 @@ Outcome<FieldTarget> parse_field_target(const std::string& text) {
 }
 
 /// One value of one service, from the board.
-class Getter {
+class Getter : OnTheBus {
   public:
     Getter(const GetOptions& options, Environment& environment, FieldTarget what)
-        : options_(options),
-          environment_(environment),
+        : OnTheBus(environment),
+          options_(options),
           what_(std::move(what)),
-          session_(environment),
-          source_(environment, session_),
           records_(options.output, RecordPrinter::Count::kOne, environment.out) {}
 
     int run() {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         if (const auto found = find(); !found) return environment_.fail_with(found.error());
         if (!property_.empty()) return show_property();
         const auto topic = environment_.topics.service_out(what_.target.board, service_.name);
@@ -232,10 +229,7 @@ class Getter {
     std::string where() const { return what_.target.board + "/" + service_.name; }
 
     const GetOptions& options_;
-    Environment& environment_;
     FieldTarget what_;
-    BusSession session_;
-    BoardSource source_;
     RecordPrinter records_;
     KnownBoard board_{};
     model::ServiceInfo service_{};

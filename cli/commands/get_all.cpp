@@ -22,19 +22,13 @@ using nlohmann::json;
 
 /// Values that have not come by then are shown as unknown.
 constexpr Duration kPatience = 2s;
-class AllValues {
+class AllValues : OnTheBus {
   public:
     AllValues(const GetOptions& options, Target target, bus::LabelSelector labels, Environment& environment)
-        : options_(options),
-          target_(std::move(target)),
-          labels_(std::move(labels)),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_) {}
+        : OnTheBus(environment), options_(options), target_(std::move(target)), labels_(std::move(labels)) {}
 
     int run() {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         if (const auto found = find(); !found) return environment_.fail_with(found.error());
         const auto services = target_.service.empty() ? std::string("*") : target_.service;
         for (auto& board : boards_)
@@ -97,9 +91,6 @@ class AllValues {
     const GetOptions& options_;
     const Target target_;
     const bus::LabelSelector labels_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     std::list<Board> boards_;
 };
 

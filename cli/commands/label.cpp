@@ -39,22 +39,19 @@ model::Labels labels_of(const nlohmann::json& object) {
 }
 
 /// One `asipctl label`: shows labels, or asks the agents of the boards to change them.
-class Labeller {
+class Labeller : OnTheBus {
   public:
     Labeller(const LabelOptions& options, Target target, bus::LabelSelector selector,
              model::LabelChange change, PinNames pin_names, Environment& environment)
-        : options_(options),
+        : OnTheBus(environment),
+          options_(options),
           target_(std::move(target)),
           selector_(std::move(selector)),
           change_(std::move(change)),
-          pin_names_(std::move(pin_names)),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_) {}
+          pin_names_(std::move(pin_names)) {}
 
     int run() {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         auto boards = find();
         if (!boards) return environment_.fail_with(boards.error());
         if (const auto named = name_pins(*boards); !named) return environment_.fail_with(named.error());
@@ -256,9 +253,6 @@ class Labeller {
     const bus::LabelSelector selector_;
     model::LabelChange change_;
     const PinNames pin_names_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     std::list<Asked> asked_;
 };
 

@@ -90,13 +90,9 @@ Outcome<json> rule_of(const LinkOptions& options) {
     return rule;
 }
 
-class Linker {
+class Linker : OnTheBus {
   public:
-    Linker(const LinkOptions& options, Environment& environment)
-        : options_(options),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_) {}
+    Linker(const LinkOptions& options, Environment& environment) : OnTheBus(environment), options_(options) {}
 
     Outcome<int> run() {
         if (const auto connected = session_.connect(); !connected) return tl::unexpected(connected.error());
@@ -256,9 +252,6 @@ class Linker {
     }
 
     const LinkOptions& options_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     std::vector<ShownLink> links_;
     std::map<std::string, std::vector<property::Property>> properties_;
 };

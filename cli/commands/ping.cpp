@@ -17,19 +17,16 @@
 namespace asip::cli {
 namespace {
 
-class Pinger {
+class Pinger : OnTheBus {
   public:
     Pinger(const PingOptions& options, Environment& environment)
-        : options_(options),
-          environment_(environment),
+        : OnTheBus(environment),
+          options_(options),
           count_(options.count.value_or(environment.terminal() ? 0 : kPingsInScripts)),
-          session_(environment),
-          source_(environment, session_),
           records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
 
     int run(const Target& target, const std::optional<bus::LabelSelector>& labels) {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         const auto found = labels ? find_group(target, *labels) : find_one();
         if (!found) return environment_.fail_with(found.error());
         std::size_t round = 0;
@@ -204,10 +201,7 @@ class Pinger {
     }
 
     const PingOptions& options_;
-    Environment& environment_;
     std::size_t count_;
-    BusSession session_;
-    BoardSource source_;
     RecordPrinter records_;
     std::list<Pinged> boards_;
     bool left_out_ = false;

@@ -34,20 +34,17 @@ struct SendOptions {
 };
 
 /// One `asipctl send`: finds boards once, sends, and reports answers in the order of the commands.
-class Sender {
+class Sender : OnTheBus {
   public:
     Sender(const SendOptions& options, Environment& environment)
-        : options_(options),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_),
+        : OnTheBus(environment),
+          options_(options),
           records_(options.output,
                    options.from_input ? RecordPrinter::Count::kStream : RecordPrinter::Count::kOne,
                    environment.out) {}
 
     int run(const std::optional<bus::LabelSelector>& labels) {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         if (options_.from_input) return run_input();
         if (labels)
             return send_to_group({*parse_target(options_.target, true), *labels, options_.words, options_.raw,
@@ -173,9 +170,6 @@ class Sender {
     }
 
     const SendOptions& options_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     RecordPrinter records_;
     std::map<std::string, KnownBoard> boards_;
     std::deque<Waiting> waiting_;

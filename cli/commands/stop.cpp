@@ -20,18 +20,13 @@ bool is_pattern(const std::string& board) {
     return board.find_first_of("*?") != std::string::npos;
 }
 
-class Stopper {
+class Stopper : OnTheBus {
   public:
     Stopper(const StopOptions& options, bus::LabelSelector labels, Environment& environment)
-        : options_(options),
-          labels_(std::move(labels)),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_) {}
+        : OnTheBus(environment), options_(options), labels_(std::move(labels)) {}
 
     int run() {
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         // Named ones at once: looking them up first would cost time.
         for (const auto& board : options_.boards)
             if (!is_pattern(board)) stop(board);
@@ -147,9 +142,6 @@ class Stopper {
 
     const StopOptions& options_;
     const bus::LabelSelector labels_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     std::list<Asked> asked_;
 };
 

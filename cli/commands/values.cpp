@@ -28,13 +28,10 @@ Outcome<text::WallTime> moment_of(const char* option, const std::string& text, t
 }
 
 /// What a registry kept of one property, or the list of those of which it keeps something.
-class KeptValues {
+class KeptValues : OnTheBus {
   public:
     KeptValues(const ValuesOptions& options, Environment& environment)
-        : options_(options),
-          environment_(environment),
-          session_(environment),
-          source_(environment, session_) {}
+        : OnTheBus(environment), options_(options) {}
 
     int run() {
         const auto slash = options_.target.find('/');
@@ -51,8 +48,7 @@ class KeptValues {
         if (!to) return environment_.fail_with(to.error());
         if (*from >= *to)
             return environment_.fail_with({program::kExitUsage, "--since is not before --until"});
-        if (const auto connected = session_.connect(); !connected)
-            return environment_.fail_with(connected.error());
+        if (const auto status = connect()) return *status;
         const auto kept = source_.values(query_);
         if (!kept) return environment_.fail_with(kept.error());
         if (slash == std::string::npos) return list(kept->kept);
@@ -131,9 +127,6 @@ class KeptValues {
     }
 
     const ValuesOptions& options_;
-    Environment& environment_;
-    BusSession session_;
-    BoardSource source_;
     bus::Query query_;
 };
 
