@@ -76,38 +76,12 @@ bool matches_pattern(const std::string& text, const std::string& pattern) {
 }
 
 const json* unknown_keyword(const json& schema) {
-    static const std::vector<std::string> known = {
-        "$schema",
-        "$id",
-        "$ref",
-        "$comment",
-        "title",
-        "description",
-        "type",
-        "enum",
-        "const",
-        "pattern",
-        "minLength",
-        "maxLength",
-        "minimum",
-        "maximum",
-        "items",
-        "minItems",
-        "maxItems",
-        "properties",
-        "required",
-        "propertyNames",
-        "additionalProperties",
-        "anyOf",
-        "default",
-        "examples",
-        "minProperties",
-        "maxProperties",
-        "definitions",
-        "patternProperties",
-    };
+    constexpr std::string_view known =
+        " $schema $id $ref $comment title description type enum const pattern minLength maxLength minimum "
+        "maximum items minItems maxItems properties required propertyNames additionalProperties anyOf "
+        "default examples minProperties maxProperties definitions patternProperties ";
     for (auto it = schema.begin(); it != schema.end(); ++it)
-        if (std::find(known.begin(), known.end(), it.key()) == known.end()) return &it.value();
+        if (known.find(' ' + it.key() + ' ') == std::string_view::npos) return &it.value();
     return nullptr;
 }
 

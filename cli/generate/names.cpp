@@ -15,115 +15,24 @@ namespace {
 
 // Besides the keywords, lower-case words that are macros: of g++ (linux, unix) and of the C library (errno,
 // ...).
-constexpr std::array kCppWords{"alignas",
-                               "alignof",
-                               "and",
-                               "and_eq",
-                               "asm",
-                               "auto",
-                               "bitand",
-                               "bitor",
-                               "bool",
-                               "break",
-                               "case",
-                               "catch",
-                               "char",
-                               "char8_t",
-                               "char16_t",
-                               "char32_t",
-                               "class",
-                               "co_await",
-                               "co_return",
-                               "co_yield",
-                               "compl",
-                               "concept",
-                               "const",
-                               "const_cast",
-                               "consteval",
-                               "constexpr",
-                               "constinit",
-                               "continue",
-                               "decltype",
-                               "default",
-                               "delete",
-                               "do",
-                               "double",
-                               "dynamic_cast",
-                               "else",
-                               "enum",
-                               "errno",
-                               "explicit",
-                               "export",
-                               "extern",
-                               "false",
-                               "float",
-                               "for",
-                               "friend",
-                               "goto",
-                               "if",
-                               "inline",
-                               "int",
-                               "linux",
-                               "long",
-                               "mutable",
-                               "namespace",
-                               "new",
-                               "noexcept",
-                               "not",
-                               "not_eq",
-                               "nullptr",
-                               "operator",
-                               "or",
-                               "or_eq",
-                               "private",
-                               "protected",
-                               "public",
-                               "register",
-                               "reinterpret_cast",
-                               "requires",
-                               "return",
-                               "short",
-                               "signed",
-                               "sizeof",
-                               "static",
-                               "static_assert",
-                               "static_cast",
-                               "stderr",
-                               "stdin",
-                               "stdout",
-                               "struct",
-                               "switch",
-                               "template",
-                               "this",
-                               "thread_local",
-                               "throw",
-                               "true",
-                               "try",
-                               "typedef",
-                               "typeid",
-                               "typename",
-                               "typeof",
-                               "union",
-                               "unix",
-                               "unsigned",
-                               "using",
-                               "virtual",
-                               "void",
-                               "volatile",
-                               "wchar_t",
-                               "while",
-                               "xor",
-                               "xor_eq"};
+constexpr std::string_view kCppWords =
+    " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t "
+    "char32_t class co_await co_return co_yield compl concept const const_cast consteval constexpr "
+    "constinit continue decltype default delete do double dynamic_cast else enum errno explicit export "
+    "extern false float for friend goto if inline int linux long mutable namespace new noexcept not "
+    "not_eq nullptr operator or or_eq private protected public register reinterpret_cast requires return "
+    "short signed sizeof static static_assert static_cast stderr stdin stdout struct switch template "
+    "this thread_local throw true try typedef typeid typename typeof union unix unsigned using virtual "
+    "void volatile wchar_t while xor xor_eq ";
 
 // What generated firmware calls by these names where arguments stand.
-constexpr std::array kFirmwareWords{"request", "index", "error", "asip", "item", "pin"};
+constexpr std::string_view kFirmwareWords = " request index error asip item pin ";
 
 // The same in clients in C++.
-constexpr std::array kClientWords{"request", "answer", "event", "expected", "place", "item"};
+constexpr std::string_view kClientWords = " request answer event expected place item ";
 
-template <class Words>
-bool is_one_of(const Words& words, const std::string& name) {
-    return std::find(words.begin(), words.end(), name) != words.end();
+bool is_one_of(std::string_view words, const std::string& name) {
+    return words.find(' ' + name + ' ') != std::string_view::npos;
 }
 
 std::vector<std::string> words_of(std::string_view name) {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/event_decoder.hpp"
@@ -15,6 +14,7 @@
 #include "cli/generate/layout.hpp"
 #include "firmware_board.hpp"
 #include "sim/board_file.hpp"
+#include "tests/support/words.hpp"
 
 namespace asip::generate {
 namespace {
@@ -22,14 +22,6 @@ namespace {
 using model::ModelExample;
 using model::ServiceModel;
 using testing::HasSubstr;
-
-std::vector<std::string> split(const std::string& text, char at) {
-    std::vector<std::string> parts;
-    std::istringstream stream(text);
-    for (std::string part; std::getline(stream, part, at);)
-        parts.push_back(part);
-    return parts;
-}
 
 ServiceModel load(const std::string& file) {
     auto model = model::load_service_model(file);
@@ -70,8 +62,8 @@ struct Group {
 
 std::vector<Group> groups() {
     std::vector<Group> all;
-    for (const auto& group : split(GENERATED_GROUPS, ',')) {
-        auto parts = split(group, ':');
+    for (const auto& group : test::words(GENERATED_GROUPS, ',')) {
+        auto parts = test::words(group, ':');
         all.push_back({parts.front(), {parts.begin() + 1, parts.end()}});
     }
     return all;
@@ -145,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(All, GeneratedFirmware, testing::ValuesIn(groups()),
 
 TEST(GeneratedPart, OfEachModelWithNumbers_IsAWholeBoardFile) {
     std::vector<std::string> refused;
-    for (const auto& file : split(GENERATED_MODELS, ':')) {
+    for (const auto& file : test::words(GENERATED_MODELS, ':')) {
         const auto model = load(file);
         const auto files = simulated_part(model, "x.elf", elements_in_examples(model));
         if (!files) {

@@ -8,6 +8,7 @@
 #include "tests/integration/cli/bus_fixture.hpp"
 #include "tests/support/temp_dir.hpp"
 #include "tests/support/terminal.hpp"
+#include "tests/support/words.hpp"
 
 namespace asip::test {
 namespace {
@@ -15,56 +16,16 @@ namespace {
 namespace fs = std::filesystem;
 
 /// CANARY is the name of a file that no program makes.
-const std::vector<std::string> kHostile{"$(touch CANARY)",
-                                        "`touch CANARY`",
-                                        "${x:=$(touch CANARY)}",
-                                        "$((a[$(touch CANARY)]))",
-                                        ";touch CANARY;",
-                                        "a;touch CANARY",
-                                        "a&touch CANARY&",
-                                        "a|touch CANARY",
-                                        "a||touch CANARY",
-                                        "a&&touch CANARY",
-                                        "a>CANARY",
-                                        ">CANARY",
-                                        ">>CANARY",
-                                        "<(touch CANARY)",
-                                        "=(touch CANARY)",
-                                        "';touch CANARY;'",
-                                        "\";touch CANARY;\"",
-                                        "'$(touch CANARY)'",
-                                        "\"$(touch CANARY)\"",
-                                        "\\$(touch CANARY)",
-                                        "\\\\$(touch CANARY)",
-                                        "a\\",
-                                        "a\\\\",
-                                        "(touch CANARY)",
-                                        "a(touch CANARY)b",
-                                        "{touch,CANARY}",
-                                        "$HOME",
-                                        "$PATH$IFS",
-                                        "*",
-                                        "?[a-z]*",
-                                        "/etc/*",
-                                        "~root",
-                                        "#no comment",
-                                        "!!",
-                                        "!touch",
-                                        "^a^b",
-                                        "%1",
-                                        "--help",
-                                        "-x y",
-                                        "a b c",
-                                        "\"",
-                                        "'",
-                                        "''",
-                                        "a'b\"c`d$e\\f!g",
-                                        "K\u00fcche (S\u00fcd)",
-                                        ":files",
-                                        "a=b:c=d",
-                                        "a,b",
-                                        "$'\\x41'",
-                                        "==ls"};
+const auto kHostile = words(
+    "$(touch CANARY)\n`touch CANARY`\n${x:=$(touch CANARY)}\n$((a[$(touch CANARY)]))\n"
+    ";touch CANARY;\na;touch CANARY\na&touch CANARY&\na|touch CANARY\na||touch CANARY\n"
+    "a&&touch CANARY\na>CANARY\n>CANARY\n>>CANARY\n<(touch CANARY)\n=(touch CANARY)\n"
+    "';touch CANARY;'\n\";touch CANARY;\"\n'$(touch CANARY)'\n\"$(touch CANARY)\"\n"
+    "\\$(touch CANARY)\n\\\\$(touch CANARY)\na\\\na\\\\\n(touch CANARY)\na(touch CANARY)b\n"
+    "{touch,CANARY}\n$HOME\n$PATH$IFS\n*\n?[a-z]*\n/etc/*\n~root\n#no comment\n!!\n!touch\n^a^b\n"
+    "%1\n--help\n-x y\na b c\n\"\n'\n''\na'b\"c`d$e\\f!g\nK\u00fcche (S\u00fcd)\n:files\na=b:c=d\n"
+    "a,b\n$'\\x41'\n==ls\n",
+    '\n');
 
 struct Shell {
     const char* name;

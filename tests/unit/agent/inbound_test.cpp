@@ -7,6 +7,7 @@
 
 #include "agent/inbound/command_age.hpp"
 #include "asip/protocol/board_info.hpp"
+#include "tests/support/words.hpp"
 
 namespace asip::agent {
 namespace {
@@ -69,33 +70,16 @@ TEST_F(InboundTest, EachTopic_IsItsKind) {
 }
 
 TEST_F(InboundTest, TopicsOfOthersAndMalformedOnes_AreNothing) {
-    for (const auto* topic : {"",
-                              "/",
-                              "asip",
-                              "asip/",
-                              "asip/uno1",
-                              "asip/uno1/",
-                              "asip/uno1/in/",
-                              "asip/uno2/in",
-                              "asip/uno1/servo/in/more",
-                              "asip//in",
-                              "other/uno1/in",
-                              "asip/uno2/$stop",
-                              "asip/uno1/$stop/",
-                              "asip/uno1/servo/$stop",
-                              "asip/uno1/servo/out",
-                              "asip/uno1/servo/error",
-                              "asip/uno1/out",
-                              "asip/servicebus",
-                              "asip/servicebus/uno1",
-                              "asip/servicebus/uno2/$state",
-                              "asip/servicebus/uno2/$demand/ann/c1",
-                              "asip/servicebus/uno1/$demand/ann",
-                              "asip/servicebus/uno1/$stats",
-                              "asip/registry/query",
-                              "asip/uno1/se rvo/in"})
+    for (const auto& topic : test::words(
+             "/ asip asip/ asip/uno1 asip/uno1/ asip/uno1/in/ asip/uno2/in asip/uno1/servo/in/more "
+             "asip//in other/uno1/in asip/uno2/$stop asip/uno1/$stop/ asip/uno1/servo/$stop "
+             "asip/uno1/servo/out asip/uno1/servo/error asip/uno1/out asip/servicebus asip/servicebus/uno1 "
+             "asip/servicebus/uno2/$state asip/servicebus/uno2/$demand/ann/c1 "
+             "asip/servicebus/uno1/$demand/ann asip/servicebus/uno1/$stats asip/registry/query"))
         EXPECT_FALSE(read(topic, R"({"renew":true})")) << topic;
-    EXPECT_FALSE(read(std::string("asip/uno1\0/in", 13), "I,M"));
+    for (const auto& topic :
+         {std::string(), std::string("asip/uno1/se rvo/in"), std::string("asip/uno1\0/in", 13)})
+        EXPECT_FALSE(read(topic, "I,M")) << topic;
     EXPECT_FALSE(read("asip/uno1/" + std::string(70'000, 'x') + "/in", "I,M"));
 }
 

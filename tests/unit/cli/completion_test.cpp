@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "cli/complete.hpp"
+#include "tests/support/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -157,47 +158,11 @@ TEST(WithoutUnshowable, ControlCharacters_AreOfferedToNoShell) {
 /// A new verb cannot be forgotten: whatever it declares is either offered or known to be free.
 TEST(Verbs, EachType_IsOneThatCompletionKnows) {
     const CommandLine line(all_verbs());
-    const std::vector<std::string> known{"BOARD",
-                                         "PATTERN",
-                                         "BOARD[/SERVICE]",
-                                         "BOARD/SERVICE",
-                                         "BOARD[/SERVICE[/FIELD]]",
-                                         "COMMAND",
-                                         "KIND",
-                                         "UNIT",
-                                         "VERB",
-                                         "FILE",
-                                         "DIR",  // offered
-                                         "TEXT",
-                                         "DURATION",
-                                         "COUNT",
-                                         "TEMPLATE",
-                                         "LINE",
-                                         "CHIP",
-                                         "SKETCH",
-                                         "PIN",
-                                         "ADDRESS",
-                                         "NAME",
-                                         "TOPIC",
-                                         "CONDITION",
-                                         "HOST",
-                                         "PORT",
-                                         "PID",
-                                         "HZ",
-                                         "FACTOR",
-                                         "DUTY",
-                                         "BAUD",
-                                         "FIELD",
-                                         "WHEN",
-                                         "JSON",
-                                         "LEVEL",
-                                         "VALUE",
-                                         "BOARD/PROPERTY",
-                                         "HH:MM-HH:MM",
-                                         "FROM..TO=FROM..TO",
-                                         "SELECTOR",
-                                         "LABEL",
-                                         ""};
+    const auto known = test::words(
+        "BOARD PATTERN BOARD[/SERVICE] BOARD/SERVICE BOARD[/SERVICE[/FIELD]] COMMAND KIND UNIT VERB "
+        "FILE DIR TEXT DURATION COUNT TEMPLATE LINE CHIP SKETCH PIN ADDRESS NAME TOPIC CONDITION HOST "
+        "PORT PID HZ FACTOR DUTY BAUD FIELD WHEN JSON LEVEL VALUE BOARD/PROPERTY HH:MM-HH:MM "
+        "FROM..TO=FROM..TO SELECTOR LABEL  ");
     const auto check = [&known](const CLI::App& app) {
         for (const auto* option : app.get_options()) {
             const auto type = option->get_positional() ? option->get_name(true) : option->get_type_name();
