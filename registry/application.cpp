@@ -157,7 +157,6 @@ mqtt::Client::Handlers Application::handlers() {
 std::unique_ptr<mqtt::Client> Application::connection_for_answers() {
     auto options = options_.mqtt;
     options.client_id += options.client_id.empty() ? "" : "-answers";
-    options.own_topics.clear();
     options.max_queued_bytes = 32u << 20;
     mqtt::Client::Handlers result;
     result.on_published = [this](const std::string&) { schedule_turn(); };

@@ -41,7 +41,6 @@ void BoardAgent::subscribe_to_sources() {
     if (!source_bus_) {
         auto options = options_.mqtt;
         options.client_id += options.client_id.empty() ? "" : "-sources";
-        options.own_topics.clear();
         options.will.reset();
         source_bus_ = std::make_unique<mqtt::Client>(io_, std::move(options), source_handlers());
         source_bus_->start();

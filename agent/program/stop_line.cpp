@@ -67,7 +67,6 @@ std::shared_ptr<StopLine> StopLines::line(const mqtt::Options& options) {
             if (auto line = open.line.lock()) return line;
     auto own = options;
     own.client_id += own.client_id.empty() ? "" : "-stops";
-    own.own_topics.clear();
     own.will.reset();
     auto line = std::make_shared<StopLine>(io_, own);
     open_.push_back({options, line});

@@ -24,12 +24,6 @@ bool refuses_identifier(int connack_code) {
            connack_code == MQTT_RC_NOT_AUTHORIZED;
 }
 
-std::string own_topic(const Options& options) {
-    if (options.check_standstill == Duration::zero() || options.own_topics.empty()) return {};
-    auto topic = options.own_topics + "/" + options.client_id + "/$qos1";
-    return can_be_topic(topic) ? topic : std::string();
-}
-
 }  // namespace
 
 ClientCore::ClientCore(Options options, Identifier::Secrets secrets)
@@ -37,8 +31,6 @@ ClientCore::ClientCore(Options options, Identifier::Secrets secrets)
       brokers_(options_.brokers, options_.version, Backoff(options_.retry_first, options_.retry_max)),
       identifier_(options_.client_id, options_.brokers.size() > 1, std::move(secrets)),
       acknowledgements_(options_.ack_timeout),
-      own_topic_(own_topic(options_)),
-      stand_still_(options_.check_standstill),
       outbox_({options_.max_queued_messages, options_.max_queued_bytes}) {}
 
 void ClientCore::start(Actions& out) {
@@ -65,8 +57,6 @@ void ClientCore::connection_up(const Accepted& accepted, Time now, Actions& out)
     acknowledgements_.busy(now);
     subscriptions_.restart();
     send_subscriptions(now, out);
-    stand_still_.restart(now);
-    own_subscription_.reset();
     auto connected = accepted.connected;
     connected.client_id = options_.client_id;
     tell(action::Established{std::move(connected)}, out);
@@ -105,7 +95,6 @@ void ClientCore::tick(bool unread, Time now, Actions& out) {
     fail_if_stalled(unread, now, out);
     if (!connected() || stopping()) return;
     send_subscriptions(now, out);
-    if (v5_ && !own_topic_.empty()) look_for_stand_still(unread, now, out);
 }
 
 std::optional<Time> ClientCore::next_deadline() const {

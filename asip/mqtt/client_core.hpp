@@ -12,7 +12,6 @@
 #include "asip/mqtt/outbox.hpp"
 #include "asip/mqtt/quirks/acknowledges_late.hpp"
 #include "asip/mqtt/quirks/closes_when_denied.hpp"
-#include "asip/mqtt/quirks/delivers_no_qos_1.hpp"
 #include "asip/mqtt/quirks/refuses_qos_1.hpp"
 #include "asip/mqtt/quirks/ties_identifiers.hpp"
 #include "asip/mqtt/subscriptions.hpp"
@@ -162,15 +161,10 @@ class ClientCore {
     struct PendingCheck {
         std::optional<int> id;
     };
-    struct OwnSubscription {
-        std::optional<int> id;
-        bool granted = false;
-    };
 
     void attempt(Actions& out);
     void fail(ConnectionFailure::Kind kind, const std::string& what, int code, Actions& out);
     void fail_if_stalled(bool unread, Time now, Actions& out);
-    void look_for_stand_still(bool unread, Time now, Actions& out);
     void send_subscriptions(Time now, Actions& out);
     void flush(Time now, Actions& out);
     void put_back_unsent();
@@ -189,8 +183,6 @@ class ClientCore {
     ClosesWhenDenied closes_when_denied_;
     Subscriptions subscriptions_;
     Acknowledgements acknowledgements_;
-    const std::string own_topic_;  ///< for stand_still_; empty: it is not used
-    StandStill stand_still_;
     Outbox outbox_;
     Counters counters_;
 
@@ -204,7 +196,6 @@ class ClientCore {
     bool writable_ = false;
     std::optional<Sending> sending_;  ///< while its result is not known
     std::optional<PendingCheck> check_;
-    std::optional<OwnSubscription> own_subscription_;
     std::optional<Stop> stop_;
     bool hurries_ = false;
 };

@@ -51,9 +51,7 @@ void ClientCore::send_subscriptions(Time now, Actions& out) {
 }
 
 void ClientCore::subscribe_sent(const std::string& filter, std::optional<int> id, Time now) {
-    if (own_subscription_ && filter == own_topic_)
-        own_subscription_->id = id;
-    else if (id)
+    if (id)
         subscriptions_.sent(*id, filter, now);
     else
         subscriptions_.not_sent(filter);
@@ -62,10 +60,6 @@ void ClientCore::subscribe_sent(const std::string& filter, std::optional<int> id
 void ClientCore::subscribe_answered(int id, const std::vector<int>& granted, Time now, Actions& out) {
     acknowledgements_.busy(now);
     const int code = granted.empty() ? 0 : granted.front();
-    if (own_subscription_ && own_subscription_->id == id) {
-        own_subscription_->granted = code == 1;
-        return;
-    }
     const bool usable_before = subscriptions_.usable();
     const auto refusal = subscriptions_.answered(id, code < kFirstErrorCode, now, options_.random);
     if (!usable_before && subscriptions_.usable()) tell(action::Subscribed{}, out);
@@ -97,34 +91,7 @@ void ClientCore::unsubscribe_answered(int id, Actions& out) {
     tell(action::CheckAnswered{}, out);
 }
 
-void ClientCore::look_for_stand_still(bool unread, Time now, Actions& out) {
-    if (unread) return stand_still_.behind(now);
-    if (stand_still_.found(now)) {
-        return fail(ConnectionFailure::Kind::kStalled,
-                    "delivers nothing any more that has QoS 1; was a message too large for us? Its limit "
-                    "(max_packet_size) must be clearly below " +
-                        std::to_string(options_.max_packet_bytes) + " bytes",
-                    0, out);
-    }
-    const auto qos = stand_still_.due(now);
-    if (!qos || qos_limit_.of(1) == 0 || !writable_ || !outbox_.empty()) return;
-    if (!own_subscription_) {
-        own_subscription_ = OwnSubscription{};
-        out.push_back(action::Subscribe{own_topic_, {.qos = 1, .retained = false}});
-    } else if (own_subscription_->granted) {
-        Message message{.topic = own_topic_, .qos = *qos};
-        if (!outbox_.push(std::move(message), Priority::kUrgent, now)) return;
-        stand_still_.sent(now);
-        flush(now, out);
-    }
-}
-
 bool ClientCore::message_received(const Message& message, Time now) {
-    if (!own_topic_.empty() && message.topic == own_topic_) {
-        stand_still_.came(message.qos, now);
-        return false;
-    }
-    if (message.qos > 0) stand_still_.heard(now);
     ++counters_.received;
     if (message.retain) acknowledgements_.busy(now);
     return !stopping() && phase_ != Phase::kClosed;
@@ -209,7 +176,7 @@ void ClientCore::publish_answered(int id, int reason_code, Time now, Actions& ou
         tell(action::Debug{"broker rejected what was published on " + topic + ": " + reason}, out);
     } else {
         ++counters_.published;
-        if (own_topic_.empty() || topic != own_topic_) tell(action::Published{std::move(topic)}, out);
+        tell(action::Published{std::move(topic)}, out);
     }
     flush(now, out);
 }

@@ -66,17 +66,13 @@ struct Options {
     /// The same for a host whose TCP acknowledges nothing. Zero: left to the keep-alive.
     Duration unreceived_timeout = std::chrono::seconds(5);
     /// The broker delivers no larger packets (MQTT 5), which bounds our memory. It must be clearly above the
-    /// broker's limit, 1 MiB in our configurations: Mosquitto takes a message that is too large for a
+    /// broker's limit, 256 KiB in our configurations: Mosquitto takes a message that is too large for a
     /// subscriber, and never frees its place among the 20 of QoS 1. 0: no limit.
     std::uint32_t max_packet_bytes = kMaxPacketBytes;
     /// The longest payload of use on a topic; empty: any. Of a longer one a byte more is copied, so that its
     /// reader finds it too long. Asked above kShortPayload only.
     std::function<std::size_t(std::string_view topic)> longest_payload{};
     static constexpr std::size_t kShortPayload = 4096;
-    /// How often this client looks whether QoS 1 is delivered (MQTT 5, see StandStill). Zero: never.
-    Duration check_standstill = std::chrono::seconds(60);
-    /// It looks at `own_topics`/CLIENT_ID/$qos1, which this client alone may write and read. Empty: never.
-    std::string own_topics;
     /// See Backoff.
     Duration retry_first = std::chrono::milliseconds(100);
     Duration retry_max = std::chrono::seconds(2);

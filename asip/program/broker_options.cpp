@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/program/command_words.hpp"
 #include "asip/program/credentials.hpp"
@@ -151,8 +150,6 @@ Expected<mqtt::Options> mqtt_options(const BrokerOptions& options, std::string_v
                                                      : mqtt::Version::kBest;
     made.random = system_random();
     made.client_id = std::string(program) + "-" + id_safe(host_name()) + "-" + random_hex(made.random, 8);
-    made.own_topics =
-        bus::ReplyTopics(bus::Topics(options.topic_root), made.user, made.client_id).own_of_all();
     made.longest_payload = [topics = bus::Topics(options.topic_root)](std::string_view topic) {
         return topics.longest_payload(topic);
     };

@@ -75,7 +75,9 @@ Findings check_limit(const Observations& seen) {
         (seen.max_packet_bytes == 0
              ? std::string("the broker takes messages of any size")
              : fmt::format("the broker takes messages up to {} bytes", seen.max_packet_bytes)) +
-        fmt::format(", and our programs up to {}: a few larger ones make a program deaf for a minute", kOurs);
+        fmt::format(
+            ", and our programs up to {}: a few larger ones make a program deaf until it connects again",
+            kOurs);
     const auto advice =
         fmt::format("Mosquitto: add the line  max_packet_size {}  to its configuration and restart it",
                     bus::kBrokerPacketBytes);

@@ -40,8 +40,6 @@ class ReplyTopics {
     std::string_view asked(std::string_view request_topic) const;
     /// Only the program itself writes and reads it.
     std::string own() const { return of("$self"); }
-    /// own() without CLIENT.
-    std::string own_of_all() const { return prefix_ + "$self"; }
     /// The topic matches filter().
     bool have(std::string_view topic) const;
     /// The topic is of some program of this user.

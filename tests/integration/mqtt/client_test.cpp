@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <thread>
-
 #include "tests/integration/mqtt/recorder.hpp"
 #include "tests/support/bus_probe.hpp"
 #include "tests/support/patterns.hpp"
@@ -181,25 +179,6 @@ TEST(Client, NameThatIsPublished_IsNotTheIdentifierThatTheBrokerKnows) {
     EXPECT_TRUE(
         again.until([&] { return broker.log().rfind(" as lamp-") != broker.log().find(before) - 4; }));
     EXPECT_TRUE(bus.losses.empty());
-}
-
-TEST(Client, ReadsMoreSlowlyThanTheBrokerSends_DoesNotBlameTheBroker) {
-    MosquittoBroker broker;
-    BusProbe probe(broker.port(), {"nothing"});
-    auto options = options_for(broker);
-    options.ack_timeout = 500ms;
-    Recorder bus(options);
-    bus.client->subscribe("in", {.qos = 0});
-    bus.at_message = [&bus](const mqtt::Message&) {
-        if (bus.messages.size() == 1) bus.client->publish(make_message("out", "behind all that", 1));
-        std::this_thread::sleep_for(10ms);
-    };
-    ASSERT_TRUE(bus.connect());
-    ASSERT_TRUE(bus.until([&] { return bus.subscribed_calls > 0; }));
-    for (int i = 0; i < 150; ++i)
-        probe.publish("in", std::to_string(i), false, 0);
-    EXPECT_TRUE(bus.until([&] { return bus.messages.size() == 150 && !bus.published.empty(); }));
-    EXPECT_TRUE(bus.losses.empty()) << bus.losses.front().text;
 }
 
 TEST(Client, Password_LetsInOrIsFatalWithThatReason) {

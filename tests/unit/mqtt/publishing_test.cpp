@@ -161,43 +161,6 @@ TEST(Publishing, ProgramReadsSlowly_TheBrokerIsNotBlamed) {
     EXPECT_EQ(bus.losses.size(), 1u);
 }
 
-mqtt::Options looking_each_minute() {
-    mqtt::Options options;
-    options.client_id = "lamp";
-    options.own_topics = "self";
-    return options;
-}
-
-TEST(StandingStill, BrokerDeliversNoQos1AnyMore_TheConnectionIsReplaced) {
-    SimulatedBus bus(1, looking_each_minute());
-    ASSERT_TRUE(bus.connect());
-    bus.pass(5min);
-    EXPECT_THAT(bus.losses, IsEmpty());
-    EXPECT_THAT(bus.messages, IsEmpty()) << "its own messages are for nobody else";
-    EXPECT_THAT(bus.published, IsEmpty());
-    EXPECT_GE(bus.broker().published.size(), 8u);
-    EXPECT_EQ(bus.broker().published.at(0).topic, "self/lamp/$qos1");
-    bus.broker().delivers_up_to_qos = 0;
-    ASSERT_TRUE(bus.until([&] { return !bus.losses.empty(); }, 90s));
-    EXPECT_EQ(bus.losses[0].kind, Kind::kStalled);
-    EXPECT_THAT(bus.losses[0].text, HasSubstr("max_packet_size"));
-}
-
-TEST(StandingStill, BrokerDeniesTheTopic_NothingIsLeft) {
-    for (const bool by_subscription : {true, false}) {
-        SimulatedBus bus(1, looking_each_minute());
-        if (by_subscription)
-            bus.brokers[0].refused_filter = "self/lamp/$qos1";
-        else
-            bus.brokers[0].delivers_up_to_qos = -1;
-        ASSERT_TRUE(bus.connect());
-        bus.pass(1h);
-        EXPECT_THAT(bus.losses, IsEmpty());
-        EXPECT_THAT(bus.refused_filters, IsEmpty());
-        EXPECT_LE(bus.broker().published.size(), 1u);
-    }
-}
-
 TEST(Publishing, BrokerAllowsQos0Only_IsUsedWithQos0) {
     mqtt::Options options;
     options.will = mqtt::Message{.topic = "state", .payload = "lost", .qos = 1};
@@ -224,22 +187,6 @@ TEST(Publishing, Qos1MessageThatCouldNotBeSentWithQos0_KeepsItsQos) {
     bus.cut_off();
     ASSERT_TRUE(bus.until([&] { return bus.brokers[1].published.size() == 1; }));
     EXPECT_EQ(bus.broker().published[0].qos, 1);
-}
-
-TEST(Publishing, Denied_IsReportedAndNotRepeated) {
-    SimulatedBus bus;
-    bus.brokers[0].denied_topic = "denied";
-    ASSERT_TRUE(bus.connect());
-    bus.publish("denied", "x", 1, true);
-    bus.publish("good", "x", 1);
-    EXPECT_THAT(bus.denied, ElementsAre("denied"));
-    EXPECT_THAT(bus.published, ElementsAre("good"));
-    EXPECT_EQ(bus.core.counters().rejected, 1u);
-    bus.pass(1min);
-    bus.close();
-    ASSERT_TRUE(bus.until([&] { return bus.core.connected(); }));
-    EXPECT_EQ(bus.broker().published.size(), 2u);
-    EXPECT_EQ(bus.losses.size(), 1u);
 }
 
 TEST(Publishing, TopicThatMqttCannotCarry_IsRefused) {

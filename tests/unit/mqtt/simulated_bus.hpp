@@ -30,11 +30,9 @@ struct SimulatedBroker {
     int subscription_refusals = 0;  ///< so many subscriptions are refused
     std::string refused_filter{};   ///< always
     bool refuses_qos_1 = false;     ///< of subscriptions
-    std::string denied_topic{};     ///< published messages on it are denied
     bool closes_subscribers = false;
     bool closes_publishers = false;
     bool sees_goodbye = true;
-    int delivers_up_to_qos = 1;  ///< what a client publishes on a filter that it subscribed to
 
     int connects = 0;
     int goodbyes = 0;
@@ -143,7 +141,6 @@ class SimulatedBus {
     std::vector<mqtt::ConnectionFailure> failures;
     std::vector<mqtt::Message> messages;
     std::vector<std::string> published;
-    std::vector<std::string> denied;
     std::vector<std::string> refused_filters;
     std::vector<std::string> debug_lines;
     int subscribed_calls = 0;
@@ -264,12 +261,7 @@ class SimulatedBus {
         const int id = ++last_id_;
         core.publish_sent(0, id, to.reads, now, actions_);
         if (to.closes_publishers) return end(mqtt::closed_by(address(), 0));
-        const bool is_denied = !to.denied_topic.empty() && message.topic == to.denied_topic;
-        const bool subscribed = std::any_of(to.subscriptions.begin(), to.subscriptions.end(),
-                                            [&](const auto& each) { return each.filter == message.topic; });
-        if (subscribed && message.qos <= to.delivers_up_to_qos) deliver(message);
-        if (message.qos > 0)
-            reply([=, this] { core.publish_answered(id, is_denied ? 0x87 : 0, now, actions_); });
+        if (message.qos > 0) reply([=, this] { core.publish_answered(id, 0, now, actions_); });
     }
     void perform(mqtt::action::Goodbye&) {
         ++broker().goodbyes;
@@ -287,7 +279,7 @@ class SimulatedBus {
     void perform(mqtt::action::Lost& action) { losses.push_back(action.failure); }
     void perform(mqtt::action::AttemptFailed& action) { failures.push_back(action.failure); }
     void perform(mqtt::action::Published& action) { published.push_back(action.topic); }
-    void perform(mqtt::action::PublishDenied& action) { denied.push_back(action.topic); }
+    void perform(mqtt::action::PublishDenied&) {}
     void perform(mqtt::action::Subscribed&) { ++subscribed_calls; }
     void perform(mqtt::action::SubscribeRefused& action) { refused_filters.push_back(action.filter); }
     void perform(mqtt::action::CheckAnswered&) { ++checks_answered; }

@@ -216,7 +216,6 @@ TEST(MqttOptions, BrokerOptions_AreTranslated) {
     EXPECT_EQ(made->version, mqtt::Version::kV311);
     EXPECT_THAT(made->client_id, testing::StartsWith("asip-test-"));
     EXPECT_NE(made->client_id, mqtt_options(options, "asip-test")->client_id);
-    EXPECT_EQ(made->own_topics, "asip/reply/ada/$self");
 }
 
 TEST(MqttOptions, PasswordFile_GivesItsFirstLine) {
