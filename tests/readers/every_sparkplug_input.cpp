@@ -49,9 +49,10 @@ const std::vector<std::string> kPieces{"\x08"s,
                                        std::string(10, '\x80') + "\x01"};
 
 std::uint64_t tried = 0;
+unsigned every = 1;
 
 bool is_right(const std::string& bytes) {
-    ++tried;
+    if (tried++ % every != 0) return true;
     // A copy of exactly its size: a sanitizer sees what is read behind it.
     const auto exact = std::make_unique<char[]>(bytes.size());
     std::copy(bytes.begin(), bytes.end(), exact.get());
@@ -114,6 +115,7 @@ int main(int argc, char** argv) {
     unsigned pieces = 3, bytes = 2;
     app.add_option("--pieces", pieces, "Of each input")->capture_default_str();
     app.add_option("--bytes", bytes, "Of inputs of any bytes")->capture_default_str();
+    app.add_option("--every", every, "Each so many of all inputs only")->check(CLI::Range(1, 100));
     CLI11_PARSE(app, argc, argv);
     std::string input;
     bool good = is_right("") && each_of_pieces(input, pieces, {}) && each_of_bytes(input, bytes);
@@ -124,6 +126,6 @@ int main(int argc, char** argv) {
         all.push_back(static_cast<char>(byte));
     for (const auto& payload : payloads())
         good = wire::each_damage(payload, all, is_right) && good;
-    fmt::print("{} inputs\n", tried);
+    fmt::print("{} inputs\n", (tried + every - 1) / every);
     return good ? 0 : 1;
 }
