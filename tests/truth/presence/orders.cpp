@@ -124,7 +124,7 @@ std::string text(const Seen& seen) {
 class Trial {
   public:
     Trial() : dice_(1), broker_(dice_, true) {
-        views_.push_back(truth::presence::make_registry(broker_, dice_, {"r1", false, false}, now_));
+        views_.push_back(truth::presence::make_registry(broker_, dice_, "r1", now_));
         views_.push_back(truth::presence::make_gateway(broker_, dice_));
         views_.push_back(truth::presence::make_bus_view(broker_));
         for (const auto& view : views_)
