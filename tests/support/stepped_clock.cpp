@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Preloaded into a program: its time of day is as many seconds ahead as the file that CLUSTER_CLOCK names
-// says (a std::int64_t). Clocks that only run, and timers, stay as they are.
+// says (a std::int64_t). The clock that only runs stands at the nanoseconds behind that, unless they are 0 or
+// not there. Timers stay as they are.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>
@@ -13,20 +14,25 @@
 
 namespace {
 
-using Seconds = const volatile std::int64_t;
+constexpr std::int64_t kSecond = 1'000'000'000;
 
-Seconds* mapped() {
+struct Clocks {
+    std::int64_t ahead, stands_at;
+};
+using Mapped = const volatile Clocks;
+
+Mapped* mapped() {
     const char* const name = std::getenv("CLUSTER_CLOCK");
     const int file = name != nullptr ? ::open(name, O_RDONLY | O_CLOEXEC) : -1;
     if (file < 0) return nullptr;
-    void* const memory = ::mmap(nullptr, sizeof(Seconds), PROT_READ, MAP_SHARED, file, 0);
+    void* const memory = ::mmap(nullptr, sizeof(Mapped), PROT_READ, MAP_SHARED, file, 0);
     ::close(file);
-    return memory == MAP_FAILED ? nullptr : static_cast<Seconds*>(memory);
+    return memory == MAP_FAILED ? nullptr : static_cast<Mapped*>(memory);
 }
 
-std::int64_t ahead() {
-    static Seconds* const seconds = mapped();
-    return seconds != nullptr ? *seconds : 0;
+Clocks clocks() {
+    static Mapped* const said = mapped();
+    return said != nullptr ? Clocks{said->ahead, said->stands_at} : Clocks{};
 }
 
 }  // namespace
@@ -36,7 +42,9 @@ extern "C" {
 int clock_gettime(clockid_t clock, timespec* now) noexcept {
     const auto result = static_cast<int>(::syscall(SYS_clock_gettime, clock, now));
     const bool of_day = clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE;
-    if (result == 0 && of_day) now->tv_sec += ahead();
+    if (result == 0 && of_day) now->tv_sec += clocks().ahead;
+    if (const auto at = clock == CLOCK_MONOTONIC ? clocks().stands_at : 0; at != 0)
+        *now = {.tv_sec = at / kSecond, .tv_nsec = at % kSecond};
     return result;
 }
 

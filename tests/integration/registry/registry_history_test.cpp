@@ -5,8 +5,10 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "running_registry.hpp"
 #include "tests/support/temp_dir.hpp"
@@ -15,24 +17,34 @@ namespace asip::test {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 using testing::HasSubstr;
 
+const std::string kStatistics = "asip/registry/r1/$stats";
 constexpr std::int64_t kYear = 365 * 24 * 3600;
 
 /// How far ahead the clock of a program is that was started with environment().
 class Clock {
   public:
-    Clock() { set(0); }
-    void set(std::int64_t seconds) const {
-        std::fstream file(folder_.file("clock"), std::ios::binary | std::ios::in | std::ios::out);
-        if (!file) file.open(folder_.file("clock"), std::ios::binary | std::ios::out);
-        file.write(reinterpret_cast<const char*>(&seconds), sizeof seconds);
+    Clock() { set(0), run(); }
+    void set(std::int64_t seconds) const { write(0, seconds); }
+    /// For the program no time passes, but for what it asks its timers.
+    void stand() const {
+        const auto now = std::chrono::steady_clock::now().time_since_epoch();
+        write(1, std::chrono::nanoseconds(now).count());
     }
+    void run() const { write(1, 0); }
     std::map<std::string, std::string> environment() const {
         return {{"LD_PRELOAD", STEPPED_CLOCK}, {"CLUSTER_CLOCK", folder_.file("clock")}};
     }
 
   private:
+    void write(int place, std::int64_t number) const {
+        std::fstream file(folder_.file("clock"), std::ios::binary | std::ios::in | std::ios::out);
+        if (!file) file.open(folder_.file("clock"), std::ios::binary | std::ios::out);
+        file.seekp(place * static_cast<std::streamoff>(sizeof number));
+        file.write(reinterpret_cast<const char*>(&number), sizeof number);
+    }
     TempDir folder_;
 };
 
@@ -70,7 +82,8 @@ class RegistryWithHistory : public testing::Test {
         return answer ? answer->history.size() : 0;
     }
 
-    MosquittoBroker broker_;
+    MosquittoBroker broker_{{.extra_lines = {"max_queued_messages 0"}}};  // as in the configuration that is
+                                                                          // shipped
     BusProbe probe_;
     TempDir folder_;
     Clock clock_;
@@ -270,6 +283,35 @@ TEST_F(RegistryWithValues, ClockAYearAheadAndAYearBack_WhatWasKeptStaysWhereItWa
     EXPECT_TRUE(is_kept(2, kYear));
     EXPECT_TRUE(is_kept(3, -kYear));
     stop();
+}
+
+std::string other_services(int seq) {
+    std::string services;
+    for (int i = 0; i < 20; ++i)
+        services += (i == 0 ? "" : ",") + (R"({"name":"s)" + std::to_string(i)) +
+                    R"(","id":"D","model":"distance@1","title":"A thing )" + std::to_string(seq % 2) + "\"}";
+    return R"({"board":"uno1","session":"a","seq":)" + std::to_string(seq) + R"(,"lease":60,"services":[)" +
+           services + "]}";
+}
+
+// Each is a row of the history and an event for watchers. A share is one of the time that passes: none does.
+TEST_F(RegistryWithHistory, FloodOfOneBoard_CostsItsShareAlone_AndTheLastStateCounts) {
+    constexpr int kFlood = 8000;
+    start();
+    announce("uno1", "online");
+    process_->signal(SIGSTOP);  // all of them wait, however slowly they are sent
+    for (int i = 0; i < kFlood; ++i)
+        probe_.publish("asip/servicebus/uno1/$description", other_services(i + 2), false, 0);
+    probe_.publish("asip/servicebus/uno1/$state", "sleeping");
+    ASSERT_TRUE(wait_until([&] { return probe_.all_acknowledged(); }));
+    clock_.stand();
+    process_->signal(SIGCONT);
+    EXPECT_TRUE(ask(probe_, R"({"find":"boards","limit":1})")) << process_->errors();
+    clock_.run();
+    EXPECT_TRUE(becomes(probe_, "uno1", "sleeping"));
+    const auto told = probe_.count(kStatistics);
+    ASSERT_TRUE(wait_until([&] { return probe_.count(kStatistics) > told + 1; }));
+    EXPECT_LT(json::parse(*probe_.last(kStatistics))["messages"], kFlood / 2);
 }
 
 TEST_F(RegistryWithHistory, DiskStalls_QuestionsAreAnsweredOfWhatIsWritten) {
