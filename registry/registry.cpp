@@ -317,7 +317,7 @@ void Registry::tick_connected() {
                      {{"seconds", std::chrono::duration<double>(now_.time - last_tick_).count()}});
         catalogue_.resume(now_.time);
     }
-    handle(catalogue_.expire(now_.time), true);
+    handle(catalogue_.expire(now_.time, Catalogue::kJudgedAtOnce), true);
     tidier_.tick(now_.time);
     names_only_.tick(now_.time);
     if (choice_) choice_->tick(now_.time);

@@ -55,8 +55,8 @@ Catalogue::~Catalogue() = default;
 Applied Catalogue::apply(const Announcement& announcement, Time now) {
     return impl_->apply(announcement, now);
 }
-std::vector<Event> Catalogue::expire(Time now) {
-    return impl_->expire(now);
+std::vector<Event> Catalogue::expire(Time now, std::size_t most) {
+    return impl_->expire(now, most);
 }
 
 std::optional<Time> Catalogue::next_expiry() const {

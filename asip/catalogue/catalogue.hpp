@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -149,8 +150,11 @@ class Catalogue {
     /// `now` never decreases. Where leases matter, call expire() first.
     Applied apply(const Announcement& announcement, Time now);
 
-    /// Leases that ran out, and boards to be forgotten. Nothing while suspended.
-    std::vector<Event> expire(Time now);
+    /// For expire(), in programs with others to serve.
+    static constexpr std::size_t kJudgedAtOnce = 10'000;
+    /// Leases that ran out, and boards to be forgotten. Nothing while suspended. It judges `most` boards; the
+    /// next call goes on.
+    std::vector<Event> expire(Time now, std::size_t most = std::numeric_limits<std::size_t>::max());
     /// When to call expire() at the latest; empty: nothing will happen.
     std::optional<Time> next_expiry() const;
 

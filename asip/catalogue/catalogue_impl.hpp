@@ -94,7 +94,7 @@ class Catalogue::Impl {
     ~Impl();
 
     Applied apply(const Announcement& announcement, Time now);
-    std::vector<Event> expire(Time now);
+    std::vector<Event> expire(Time now, std::size_t most);
     void resume(Time now);
     Expected<std::vector<Event>, NotForgotten> forget(std::string_view name, Time now);
     Expected<bus::Answer> find(const bus::Query& query, Instant now, const View* view);
@@ -140,6 +140,7 @@ class Catalogue::Impl {
     void renewed_by_description(Board& b, const Announcement& a, bool repeats, Time now, Events& events);
     std::optional<Refusal> renewed_by_names(std::uint32_t slot, bool retained, bool added, Time now,
                                             Events& events);
+    void judge(std::uint32_t slot, Time now, Events& events);
     void update_state(std::uint32_t slot, Time now, Events& events, bool added = false);
     Time forgotten_at(Board& b, Time now) const;
     bool alive(const Board& b, Time now) const { return model::is_there(b.reported) && now < b.deadline; }

@@ -113,23 +113,31 @@ Time Catalogue::Impl::forgotten_at(Board& b, Time now) const {
     return options_.remembered ? std::min(due, now + kAskedAgain) : due;
 }
 
-std::vector<Event> Catalogue::Impl::expire(Time now) {
+std::vector<Event> Catalogue::Impl::expire(Time now, std::size_t most) {
     Events events;
     if (suspended_) return events;
     for (due_.clear(), wheel_.advance(now, due_); !due_.empty(); due_.clear(), wheel_.advance(now, due_)) {
-        for (const std::uint32_t slot : due_) {
-            Board& b = board(slot);
-            if (!model::is_there(b.effective)) {
-                const Time due = forgotten_at(b, now);
-                due > now ? wheel_.set(slot, due, now) : release(slot, events);
-                continue;
-            }
-            ++stats_.expired;
-            update_state(slot, now, events);
-            if (b.retained_without_expiry && b.described) emit(events, Event::Kind::kGhost, b);
-        }
+        const auto judged = std::min(most, due_.size());
+        for (std::size_t i = 0; i < judged; ++i)
+            judge(due_[i], now, events);
+        most -= judged;
+        for (std::size_t i = judged; i < due_.size(); ++i)
+            wheel_.set(due_[i], now, now);
+        if (most == 0) break;
     }
     return events;
+}
+
+void Catalogue::Impl::judge(std::uint32_t slot, Time now, Events& events) {
+    Board& b = board(slot);
+    if (!model::is_there(b.effective)) {
+        const Time due = forgotten_at(b, now);
+        due > now ? wheel_.set(slot, due, now) : release(slot, events);
+        return;
+    }
+    ++stats_.expired;
+    update_state(slot, now, events);
+    if (b.retained_without_expiry && b.described) emit(events, Event::Kind::kGhost, b);
 }
 
 void Catalogue::Impl::resume(Time now) {

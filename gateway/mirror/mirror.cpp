@@ -262,7 +262,7 @@ void Mirror::complete_now(const Instant& now) {
 }
 
 void Mirror::tick(const Instant& now) {
-    if (subscribed_) handle(catalogue_.expire(now.time), now);
+    if (subscribed_) handle(catalogue_.expire(now.time, catalogue::Catalogue::kJudgedAtOnce), now);
     if (!mark_.empty() && now.time - mark_sent_ >= kSettleTime) complete_now(now);
     values_.expire(now);
     std::erase_if(board_stats_, [&](const auto& each) { return now.time - each.second.seen > kStatsTime; });

@@ -37,6 +37,19 @@ TEST_F(CatalogueTest, LeaseRunsOut_BoardIsLostAtThatVeryMoment) {
     EXPECT_EQ(state_of("uno1"), "lost");
 }
 
+TEST_F(CatalogueTest, LeasesOfManyRunOut_SomeAreJudgedAtATime_AndOneThatIsHeardMeanwhileStays) {
+    for (int i = 0; i < 5; ++i)
+        give(description("uno" + std::to_string(i)));
+    EXPECT_EQ(catalogue.expire(at(60s), 2).size(), 4u) << "of each a state and what to clear";
+    EXPECT_EQ(state_of("uno1"), "lost");
+    EXPECT_EQ(state_of("uno2"), "online");
+    EXPECT_LE(*catalogue.next_expiry(), at(60s));
+    give(description("uno4", {.seq = 2}), 60s);
+    EXPECT_EQ(catalogue.expire(at(60s), 100).size(), 4u);
+    EXPECT_EQ(state_of("uno3"), "lost");
+    EXPECT_EQ(state_of("uno4"), "online");
+}
+
 TEST_F(CatalogueTest, LeaseRunsOutWhereBrokerForgetsByItself_LeavesRetainedTopicAlone) {
     auto message = description("uno1");
     message.expiry_seconds = 60;
