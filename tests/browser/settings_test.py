@@ -68,7 +68,7 @@ class Settings(PageTest):
         self.open("settings", anew=True)
         access = lambda: self.browser.text("asip-access")
         eventually(lambda: "teacher" in access() and "anna" in access(), "the users")
-        self.assertRegex(access(), "operator, boards: student-1, student-2, until ")
+        self.assertRegex(access(), "operator, Boards: student-1, student-2, until ")
         eventually(lambda: "may use its controls" in access(), "the link")
         shows = f"{self.bus.url}/kiosk/{token}/api/status"
         self.assertEqual(urllib.request.urlopen(shows, timeout=20).status, 200)

@@ -60,7 +60,11 @@ export function with_unit(value, unit) {
   return number_text(value) + (text === "°" || text === "%" ? "" : "\u00a0") + text;
 }
 
-const known_word = (word) => known_text(`word.${word.toLowerCase()}`);
+/// What is the same in this language stays as it is written.
+function known_word(word) {
+  const known = known_text(`word.${word.toLowerCase()}`);
+  return known === word.toLowerCase() ? word : known;
+}
 
 /// A word of a model in the reader's language, as it stands within a sentence.
 export const word_text = (word) => known_word(word) ?? word;
@@ -80,8 +84,8 @@ export function words(name) {
 /// A property with its name in the reader's language, unless a person has named it.
 export const named = (property) => ({ ...property, name: in_language(property.name) ?? property.name });
 
-/// What a service is, as its model says.
-export const title_of_service = ({ name, title }) => (title && known_text(`title.${name}`)) ?? title ?? words(name);
+/// What a service is, as its board says.
+export const title_of_service = ({ name, title }) => (title ? in_language(title) ?? title : words(name));
 
 export const first_up = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
