@@ -246,7 +246,7 @@ std::uint32_t wire_type_of(std::uint32_t number) {
         case kDouble:
             return kFixed64;
         default:
-            return kVarint;
+            return number > kString ? kBytes : kVarint;  // a data set, a template or an extension
     }
 }
 
@@ -261,7 +261,7 @@ std::optional<Metric> metric_from(std::string_view bytes) {
         if (!field) return std::nullopt;
         const auto number = field->number;
         const bool is_known = (number >= kName && number <= kType) || number == kIsNull ||
-                              (number >= kInt && number <= kString);
+                              (number >= kInt && number <= kExtension);
         if (is_known && field->wire_type != wire_type_of(number)) return std::nullopt;
         if (number == kName) metric.name = field->bytes;
         if (number == kAlias) metric.alias = field->value;

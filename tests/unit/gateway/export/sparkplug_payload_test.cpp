@@ -92,6 +92,7 @@ TEST(SparkplugPayload, SeveralValuesOfOneMetric_TheLastCounts) {
     EXPECT_EQ(value("\x50\x07\x70\x01"s), Value(true));
     EXPECT_EQ(value("\x70\x01\x50\x07"s), Value(std::int64_t{7}));
     EXPECT_EQ(value("\x50\x07\x82\x01\x00"s), Value()) << "a data set is not read";
+    EXPECT_EQ(value("\x50\x07\x80\x01\x08"s), Value("refused"s)) << "bytes are no number";
 }
 
 TEST(SparkplugPayload, FieldsThatAreUnknown_ArePassedOver) {
