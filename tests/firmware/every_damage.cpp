@@ -49,7 +49,7 @@ const std::vector<std::string> kLines{
 
 /// What has a meaning somewhere, and what has none.
 std::string some_bytes() {
-    return std::string("CEIVZmd0139-+,.{}?#!*\t \r\n\x7F\xC3", 27) + '\0' + '\xFF';
+    return std::string("CEIVZmd01369-+,.{}?#!*\t \r\n\x7F\xC3", 28) + '\0' + '\xFF';
 }
 
 std::string all_bytes() {
