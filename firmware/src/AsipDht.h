@@ -18,7 +18,9 @@ namespace asip {
 
 class Dht : public Service {
   public:
-    enum Kind : uint8_t { kDht11, kDht22 };
+    // For how many milliseconds the line is low to wake it, from the data sheets: a DHT11 hears 18, an AM2302
+    // hears 1 (20 at most).
+    enum Kind : uint8_t { kDht11 = 20, kDht22 = 2 };
     static constexpr uint8_t kMaxSensors = 4;
 
     // Not constexpr: it would be kept in flash, too. A service has to be a global: what is not set here is
@@ -37,7 +39,7 @@ class Dht : public Service {
     void poll() override;          // goes on measuring, and reports at the end
 
   private:
-    enum State : uint8_t { kIdle, kResting, kWaking, kListening, kReporting };
+    enum State : uint8_t { kIdle, kResting, kNext, kWaking, kListening, kReporting };
     static constexpr int16_t kNoValue = -32768;
 
     struct Sensor {
@@ -45,21 +47,18 @@ class Dht : public Service {
         uint8_t damaged, silent;        // answers, counted up to 255
     };
 
-    void turnTo(uint8_t sensor);
-    void wake();
-    void listen();
-    void take(uint8_t bits);
-    bool isPassed(uint16_t ms);
+    Sensor& at(uint8_t sensor) __attribute__((noinline));
+    void turnToNext();
+    void take() __attribute__((noinline));
+    int16_t tenths(const uint8_t* bytes) const __attribute__((noinline));
 
     Sensor sensors_[kMaxSensors];
     uint8_t pins_[kMaxSensors];
     uint8_t kind_;
     uint8_t state_;
     uint8_t sensor_;
-    uint8_t lastMs_;
-    uint16_t waitedMs_;  // in this state
-    uint16_t restedMs_;  // since the sensors were asked
-    bool isOld_;         // what they tell now
+    uint16_t sinceMs_;  // in this state, or since the sensors were asked
+    bool isOld_;        // what they tell now
 };
 
 }  // namespace asip

@@ -39,18 +39,32 @@ class I2cChips : public Service {
     static constexpr uint8_t kKeepMs = 100;
     enum Step : uint8_t { kIdle, kStarting, kUnderWay, kAnswering };
 
-    bool ends() const { return tag_ == 't' || tag_ == 'e' || tag_ == 's'; }
+    // What a request holds, in this order, and does: it ends its transfer, or is not answered.
+    enum : uint8_t {
+        kHasNumber = 1,
+        kHasAddress = 2,
+        kHasCount = 4,
+        kHasMore = 8,
+        kHasBytes = 16,
+        kEnds = 32,
+        kIsSilent = 64
+    };
+    static uint8_t traitsOf(char tag);
+
     bool start();
     void finishPart();
     void found(bool there);
     void settle();
+    void finish();
     void answer();
     void sendFault() const;
     void close();
 
     Step step_;
-    char tag_;  // of the request under way
-    bool isOpen_, isMore_, writes_;
+    char tag_;  // of the request under way, as its traits
+    uint8_t traits_;
+    bool isOpen_, writes_;
+    uint8_t more_;       // I2c::kMore or 0
     uint8_t number_;     // of the transfer that is open
     uint8_t direction_;  // in which the part before went, and a part may go on
     uint8_t fault_;

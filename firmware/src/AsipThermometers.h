@@ -3,7 +3,7 @@
 // resistor of 4.7 kOhm to the supply:
 //
 //   asip::OneWireBus bus(2);
-//   asip::ThermometersOf<8> thermometers(bus);      // room for eight, eleven bytes of RAM each
+//   asip::ThermometersOf<8> thermometers(bus);      // room for eight, twelve bytes of RAM each
 //
 // K,M measures once, K,A,ms periodically; both are answered by @K,e,2,{21.50,-3.06} degrees Celsius, with
 // nothing in the place of a thermometer that did not answer. A measurement takes 0.8 seconds, for which
@@ -30,7 +30,7 @@ class Thermometers : public Service {
     void poll() override;          // goes on, and reports at the end
 
   protected:
-    static constexpr uint8_t kIdBytes = 7;  // without its checksum
+    static constexpr uint8_t kIdBytes = 8;  // with its checksum
     struct Thermometer {
         uint8_t id[kIdBytes];
         int16_t sixteenths;
@@ -42,16 +42,19 @@ class Thermometers : public Service {
         : Service('K'), bus_(bus), all_(all), room_(room) {}
 
   private:
-    enum Task : uint8_t { kIdle, kSearch, kAskPower, kPrepare, kConvert, kWait, kRead, kReport, kReportIds };
+    // From kSearch on they have the bus.
+    enum Task : uint8_t { kIdle, kWait, kReport, kReportIds, kSearch, kAskPower, kPrepare, kConvert, kRead };
+
+    // To measure, by a request or by a period; to search, and to answer by the list.
+    enum : uint8_t { kByRequest = 1, kByPeriod = 2, kList = 4 };
 
     bool canMeasure() const;
     void turnTo(Task task);
     bool startTask();
     void finishTask(OneWireBus::Result result);
     void found();
-    void take(OneWireBus::Result result);
+    void take(bool done);
     void finishSearch();
-    void nextThermometer(uint8_t index);
 
     OneWireBus& bus_;
     Thermometer* all_;
@@ -62,12 +65,9 @@ class Thermometers : public Service {
     uint8_t round_;  // is written into each before it measures
     uint8_t branch_;
     uint8_t damagedIds_;  // that a search found, one behind another
-    uint8_t lastMs_;
-    uint16_t waitedMs_;
-    bool isStarted_;  // the task has the bus
-    bool isAsked_;    // to measure, by M
-    bool isDue_;      // to measure, by a period
-    bool isListing_;  // to search, and to answer by the list
+    uint16_t sinceMs_;    // they measure
+    bool isStarted_;      // the task has the bus
+    uint8_t wanted_;
     bool hasParasite_;
     uint8_t bytes_[10];
 };

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """check_sizes.py ROOT BUILD [--write]: flash and RAM in docs/sensors.md are those of sketches with that service alone, on an Uno, beyond
-one of the pins alone, as avr-size has them, to a hundredth or 16 bytes: compilers differ; with --write the page is written so."""
+one of the pins alone, as avr-size has them, to a hundredth or 16 bytes: compilers differ; with --write the page is written so. A sketch with
+sensors of three services does not grow beyond what a small chip has left."""
 import pathlib
 import re
 import subprocess
@@ -18,14 +19,20 @@ SERVICES = {
     "Steppers": "Stepper a(8, 9, 10, 11), b(2, 3, 4); Steppers s(a, b);",
     "Thermometers": "OneWireBus bus(2); ThermometersOf<8> s(bus);", "Tone": "Tone s(9);", "Weather": "Weather s;"}
 
+TOGETHER, MOST = ("I2cChips", "Thermometers", "Dht"), (12288, 550)
+
 
 def near(told, measured):
     return abs(int(told.replace(",", "")) - measured) <= max(16, measured // 100)
 
 
-def size(root, build, folder, service):
+def size(root, build, folder, *services):
     """Flash and RAM of a sketch, in bytes."""
-    include, declared, added = (f"#include <Asip{service}.h>\n", SERVICES[service], "board.add(s);") if service else ("", "", "")
+    include = "".join(f"#include <Asip{service}.h>\n" for service in services)
+    declared = "\n".join(SERVICES[service].replace(" s", f" s{at}", 1) if at else SERVICES[service] for at, service in enumerate(services))
+    added = "".join(f"board.add(s{at or ''});" for at in range(len(services)))
+    if services == TOGETHER:
+        declared = declared.replace("ThermometersOf<8>", "ThermometersOf<1>")
     (folder / "sketch.cpp").write_text(f"#include <Arduino.h>\n#include <Asip.h>\n#include <AsipFastSerial.h>\n{include}using namespace asip;\n{declared}\n"
                                        f'void setup() {{ {added} board.begin(ASIP_NAME("Sketch")); }}\nvoid loop() {{ board.run(); }}\n')
     chip = ["-mmcu=atmega328p", "-Os", "-g", "-flto"]
@@ -44,7 +51,7 @@ def main(root, build, writes):
     text, faults, seen = page.read_text(), 0, set()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        flash, ram = size(root, build, folder, None)
+        flash, ram = size(root, build, folder)
 
         def row(found):
             nonlocal faults
@@ -64,6 +71,17 @@ def main(root, build, writes):
             faults += 1
             print(f"docs/sensors.md: {pins}")
             text = text.replace(told[0], pins) if told else text
+        sizes = size(root, build, folder, *TOGETHER)
+        told = re.search(r"one DHT22 take ([\d,]+) and (\d+) together", text)
+        if not told or not near(told[1], sizes[0]) or not near(told[2], sizes[1]):
+            together = f"one DHT22 take {sizes[0]:,} and {sizes[1]} together"
+            faults += 1
+            print(f"docs/sensors.md: {together}")
+            text = text.replace(told[0], together) if told else text
+        if sizes[0] > MOST[0] or sizes[1] > MOST[1]:
+            faults += 1
+            print(f"{', '.join(TOGETHER)} take {sizes[0]} and {sizes[1]} bytes together, more than {MOST[0]} and {MOST[1]}")
+            writes = False
     for service in sorted(SERVICES.keys() - seen):
         print(f"docs/sensors.md has no row of Asip{service}.h")
         faults += 1

@@ -31,7 +31,7 @@ class Board {
 
     // True if claimPin() would give the pin to `service`, or has.
     bool canClaim(uint8_t pin, const Service& service) const;
-    bool ownsPin(uint8_t pin, const Service& service) const;
+    bool ownsPin(uint8_t pin, const Service& service) const __attribute__((noinline));
 
     // Gives back every pin of `service` as a free input.
     void releasePins(const Service& service);

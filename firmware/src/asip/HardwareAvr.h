@@ -163,6 +163,16 @@ inline uint8_t milliseconds() {
     return *reinterpret_cast<volatile uint8_t*>(&timer0_millis);
 }
 
+// The same up to 65535, for services that wait for longer.
+__attribute__((noinline)) inline uint16_t shortMilliseconds() {
+    const uint8_t status = SREG;
+    cli();
+    const uint8_t low = milliseconds();
+    const uint8_t high = reinterpret_cast<volatile uint8_t*>(&timer0_millis)[1];
+    SREG = status;
+    return static_cast<uint16_t>(high << 8 | low);
+}
+
 constexpr uint16_t kEepromEnd = E2END;
 inline bool eepromReady() {
     return eeprom_is_ready();

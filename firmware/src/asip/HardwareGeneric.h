@@ -103,6 +103,9 @@ inline uint16_t readAnalog(uint8_t channel) {
 inline uint8_t milliseconds() {
     return static_cast<uint8_t>(::millis());
 }
+inline uint16_t shortMilliseconds() {
+    return static_cast<uint16_t>(::millis());
+}
 
 #if ASIP_HAS_EEPROM
 // A core that keeps EEPROM in its flash: it is read once, and written back with the last byte of a name.

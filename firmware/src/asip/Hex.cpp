@@ -3,6 +3,14 @@
 
 namespace asip {
 
+void writeHex(const uint8_t* bytes, uint8_t count) {
+    for (; count != 0; --count) {
+        const uint8_t byte = *bytes++;
+        if (byte < 16) out.character('0');
+        out.hexByte(byte);
+    }
+}
+
 uint8_t hexValue(char c) {
     const uint8_t digit = static_cast<uint8_t>(c - '0');
     if (digit < 10) return digit;

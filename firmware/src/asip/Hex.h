@@ -6,10 +6,7 @@
 
 namespace asip {
 
-inline void writeHex(uint8_t byte) {
-    if (byte < 16) out.character('0');
-    out.hexByte(byte);
-}
+void writeHex(const uint8_t* bytes, uint8_t count);
 
 // The value of a digit, 255 if it is none.
 uint8_t hexValue(char c) __attribute__((noinline));

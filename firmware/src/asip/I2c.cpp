@@ -15,19 +15,22 @@ static constexpr uint8_t kTimeoutMs = 25;
 
 static constexpr uint8_t kGo = (1 << TWINT) | (1 << TWEN) | (1 << TWIE);
 static constexpr uint8_t kStop = (1 << TWINT) | (1 << TWEN) | (1 << TWSTO);
-static constexpr uint8_t kKeep = 1 << TWEN;  // the clock stays low
-static constexpr uint8_t kNothing = 0xF8;    // a status: nothing happened yet
-static constexpr uint8_t kReadMore = 0x50;   // a byte was read and acknowledged
+static constexpr uint8_t kKeep = 1 << TWEN;                  // the clock stays low
+static constexpr uint8_t kLast = (1 << TWEN) | (1 << TWIE);  // the interrupt before kKeep comes again
+static constexpr uint8_t kNothing = 0xF8;                    // a status: nothing happened yet
+static constexpr uint8_t kReadMore = 0x50;                   // a byte was read and acknowledged
 
 // The transfer under way.
 static volatile uint8_t result;
-static uint8_t address, firstByte, outLeft, inLeft, startedMs;
-static const uint8_t* outNext;
-static uint8_t* inNext;
+static uint8_t address, firstByte, left, readCount, startedMs;
+static uint8_t* next;
+static uint8_t* readTo;
 
-// Where no service transfers in parts these are never written, and compiled as the constants that they are.
+// Where no service transfers in parts, or none does otherwise, the first or the last are never written, and
+// compiled as the constants that they are.
 static uint8_t part;                        // its Way; 0: a whole transfer
 static volatile uint8_t status = kNothing;  // the last of the TWI in a part
+static bool hasWholes;
 
 static const Service* owner;  // of the pins
 
@@ -36,24 +39,23 @@ static const Service* owner;  // of the pins
 static void freeBus() {
     TWCR = 0;
     pinMode(SDA, INPUT_PULLUP);
-    pinMode(SCL, INPUT_PULLUP);
-    for (uint8_t clocks = 0; clocks < 9 && digitalRead(SDA) == LOW; ++clocks) {
+    for (uint8_t clocks = 9;; --clocks) {
+        pinMode(SCL, INPUT_PULLUP);
+        delayMicroseconds(5);
+        if (clocks == 0 || (hw::readPort(hw::portOf(SDA)) & hw::maskOf(SDA))) break;
         pinMode(SCL, OUTPUT);
         digitalWrite(SCL, LOW);
         delayMicroseconds(5);
-        pinMode(SCL, INPUT_PULLUP);
-        delayMicroseconds(5);
     }
     TWBR = static_cast<uint8_t>((F_CPU / kHertz - 16) / 2);
-    TWSR = 0;
     TWCR = kStop;
     result = I2c::kFree;
 }
 
 Error I2c::begin(const Service& service) {
     if (isEnabled()) return Error::kNone;
-    if (!board.canClaim(SDA, service) || !board.canClaim(SCL, service)) return Error::kI2cNotEnabled;
-    board.claimPin(SDA, service);
+    if (!board.canClaim(SCL, service) || board.claimPin(SDA, service) != Error::kNone)
+        return Error::kI2cNotEnabled;
     board.claimPin(SCL, service);
     owner = &service;
     hw::busPinsTaken = true;
@@ -68,12 +70,13 @@ bool I2c::isEnabled() {
 bool I2c::start(uint8_t chip, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                 uint8_t inCount) {
     if (result != kFree || !isEnabled()) return false;
+    hasWholes = true;
     address = static_cast<uint8_t>(chip << 1 | chip >> 7);
     firstByte = first;
-    outNext = out;
-    outLeft = outCount;
-    inNext = in;
-    inLeft = inCount;
+    next = const_cast<uint8_t*>(out);
+    left = outCount;
+    readTo = in;
+    readCount = inCount;
     startedMs = hw::milliseconds();
     result = kBusy;
     TWCR = static_cast<uint8_t>(kGo | (1 << TWSTA) | (TWCR & (1 << TWSTO)));
@@ -92,33 +95,33 @@ I2c::Result I2c::finish() {
 }
 
 __attribute__((always_inline)) static inline uint8_t writeOn() {
-    --outLeft;
-    TWDR = *outNext++;
+    --left;
+    TWDR = *next++;
     return kGo;
 }
 
 // The last byte is not acknowledged, unless another part goes on.
 __attribute__((always_inline)) static inline uint8_t readOn() {
-    return inLeft > 1 || (part & I2c::kMore) ? kGo | (1 << TWEA) : kGo;
+    return left > 1 || (part & I2c::kMore) ? kGo | (1 << TWEA) : kGo;
 }
 
 // As start(): the address says which way, also behind a repeated START.
 bool I2c::startPart(uint8_t way, uint8_t chip, uint8_t* bytes, uint8_t count) {
-    if ((result != kFree && result != kKept) || !isEnabled()) return false;
+    if (result != kFree && result != kKept) return false;
     part = static_cast<uint8_t>(way | kParts);
-    outNext = inNext = bytes;
-    outLeft = inLeft = count;
+    next = bytes;
+    left = count;
     startedMs = hw::milliseconds();
-    const bool goesOn = way & kGoOn;
-    status = goesOn ? 0 : kNothing;
+    status = 0;
     result = kBusy;
-    if (!goesOn) {
+    if (!(way & kGoOn)) {
+        status = kNothing;
         address = static_cast<uint8_t>(chip << 1 | (way & kRead));
         TWCR = static_cast<uint8_t>(kGo | (1 << TWSTA) | (TWCR & (1 << TWSTO)));
     } else if (way & kRead) {
         TWCR = readOn();
     } else {
-        TWCR = writeOn();
+        TWCR = kLast;
     }
     return true;
 }
@@ -161,56 +164,46 @@ I2c::Fault I2c::endParts() {
     return kNoFault;
 }
 
-static uint8_t end(I2c::Result how) {
+__attribute__((always_inline)) static inline uint8_t end(I2c::Result how) {
     result = how;
-    return kStop;
-}
-
-static uint8_t endPart() {
-    if (part & I2c::kStop) return end(I2c::kDone);
-    result = I2c::kKept;
-    return kKeep;
+    return how == I2c::kKept ? kKeep : kStop;
 }
 
 // What the TWI has just done, by the status codes of the chip's data sheet, and what comes next.
-static inline uint8_t next(uint8_t now) {
-    if (part) status = now;
-    switch (now) {
-        case 0x08:  // started
-            TWDR = address;
-            return kGo;
-        case 0x10:  // started again, to read
-            TWDR = part ? address : address | 1;
-            return kGo;
-        case 0x18:  // addressed to write
-            if (!part) {
-                TWDR = firstByte;
-                return kGo;
-            }
-            // fall through
-        case 0x28:  // a byte was written
-            if (outLeft != 0) return writeOn();
-            if (part) return endPart();
-            return inLeft != 0 ? kGo | (1 << TWSTA) : end(I2c::kDone);
-        case kReadMore:
-            *inNext++ = TWDR;
-            --inLeft;
-            if (part && inLeft == 0) return endPart();
-            return readOn();
-        case 0x40:  // addressed to read
-            return readOn();
-        case 0x58:  // the last byte was read
-            *inNext = TWDR;
-            return part ? endPart() : end(I2c::kDone);
-        default:
-            return end(I2c::kFailed);
+static inline uint8_t goOn(uint8_t now) {
+    if (part == 0 && !hasWholes) __builtin_unreachable();
+    const bool isPart = part != 0 || !hasWholes;
+    if (isPart) status = now;
+    if (now == 0x08 || now == 0x10) {  // started, or started again: to read, if it is a whole transfer
+        TWDR = isPart || now == 0x08 ? address : address | 1;
+        return kGo;
     }
+    if (!isPart && now == 0x18) {
+        TWDR = firstByte;
+        return kGo;
+    }
+    if (now == 0x18 || now == 0x28) {  // addressed to write, or a byte was written
+        if (left != 0) return writeOn();
+        if (!isPart && readCount != 0) return kGo | (1 << TWSTA);
+    } else if (now == kReadMore || now == 0x58) {  // a byte was read, or the last one
+        *next++ = TWDR;
+        --left;
+        if (now == kReadMore && (!isPart || left != 0)) return readOn();
+    } else {
+        if (now != 0x40) return end(I2c::kFailed);
+        if (!isPart) {
+            next = readTo;
+            left = readCount;
+        }
+        return readOn();  // addressed to read
+    }
+    return end(!isPart || (part & I2c::kStop) ? I2c::kDone : I2c::kKept);
 }
 
 }  // namespace asip
 
 ISR(TWI_vect) {
-    TWCR = asip::next(TWSR & 0xF8);
+    TWCR = asip::goOn(TWSR & 0xF8);
 }
 
 #elif defined(ARDUINO)

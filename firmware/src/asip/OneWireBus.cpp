@@ -47,180 +47,158 @@ bool OneWireBus::isHigh() const {
 }
 #endif
 
-void OneWireBus::begin(const Service& service) {
+bool OneWireBus::begin(const Service& service) {
     phase_ = kIdle;
-    if (isAvailable() || board.claimPin(pin_, service) != Error::kNone) return;
+    if (isAvailable()) return true;
+    if (board.claimPin(pin_, service) != Error::kNone) return false;
     owner_ = &service;
     pinMode(pin_, INPUT);
 #ifdef __AVR__
     input_ = portInputRegister(digitalPinToPort(pin_));
     mask_ = digitalPinToBitMask(pin_);
 #endif
+    return true;
 }
 
 bool OneWireBus::isAvailable() const {
     return owner_ != nullptr && board.ownsPin(pin_, *owner_);
 }
 
-// The last bit is over, too.
-bool OneWireBus::isFree() const {
-    return phase_ == kIdle && isAvailable() && passedSince(since_) >= kSlot;
-}
-
-bool OneWireBus::begin(Phase phase) {
-    bit_ = step_ = 0;
-    next_ = phase;
-    phase_ = kResetting;
+// Holds the line low, or lets go of it, from now on.
+void OneWireBus::hold(bool low) {
     noInterrupts();
-    pullDown();
+    if (low) {
+        pullDown();
+    } else {
+        release();
+    }
     interrupts();
     since_ = now();
-    return true;
 }
 
-bool OneWireBus::start(uint8_t* bytes, uint8_t outCount, uint8_t inCount, bool reset) {
-    if (!isFree()) return false;
+__attribute__((noinline)) bool OneWireBus::start(uint8_t* bytes, uint8_t outCount, uint8_t inCount,
+                                                 bool reset) {
+    if (phase_ != kIdle || passedSince(since_) < kSlot) return false;
     bytes_ = bytes;
     outBits_ = static_cast<uint8_t>(8 * outCount);
     inBits_ = static_cast<uint8_t>(8 * inCount);
-    if (reset) return begin(kBits);
-    bit_ = 0;
+    bit_ = step_ = 0;
     phase_ = kBits;
+    if (reset) {
+        phase_ = kResetting;
+        hold(true);
+    }
     return true;
 }
 
-bool OneWireBus::search(uint8_t* id, uint8_t branch) {
-    if (!isFree()) return false;
-    bytes_ = id;
+bool OneWireBus::search(uint8_t* bytes, uint8_t branch) {
+    bytes[0] = kSearchIds;
+    if (!start(bytes, 1, 9)) return false;
+    step_ = 1;
     branch_ = branch;
     newBranch_ = 0;
-    return begin(kSearchCommand);
+    return true;
+}
+
+bool OneWireBus::waitWhile(bool high, uint8_t within) const {
+    while (isHigh() == high)
+        if (passedSince(since_) > within) return false;
+    return true;
 }
 
 // Whether a device says that it is there, just behind a reset. Its low lasts longer than any interrupt.
 bool OneWireBus::sawPresence() const {
-    while (!isHigh())
-        if (passedSince(since_) > kRise) return false;
-    while (isHigh())
-        if (passedSince(since_) > kPresenceWithin) return false;
-    return true;
+    return waitWhile(false, kRise) && waitWhile(true, kPresenceWithin);
 }
 
-OneWireBus::Result OneWireBus::finish() {
+__attribute__((noinline)) OneWireBus::Result OneWireBus::finish() {
+    if (phase_ == kIdle) return kFree;
+    if (passedSince(since_) < (phase_ == kBits ? kSlot : kReset)) return kBusy;
     Result result = kBusy;
-    const uint16_t passed = passedSince(since_);
-    switch (phase_) {
-        case kResetting:
-            if (passed < kReset) return kBusy;
-            noInterrupts();
-            release();
-            interrupts();
-            since_ = now();
-            step_ = sawPresence();
-            phase_ = kPresence;
-            return kBusy;
-        case kPresence:
-            if (passed < kReset) return kBusy;
-            if (!isHigh()) {
-                result = kShorted;
-            } else if (step_ == 0) {
-                result = kNobody;
-            }
-            phase_ = next_;
-            step_ = 0;
-            break;
-        case kBits:
-            if (passed < kSlot) return kBusy;
-            result = doBit();
-            break;
-        case kSearchCommand:
-            if (passed < kSlot) return kBusy;
-            write(kSearchIds >> bit_ & 1);
-            bit_ = static_cast<uint8_t>(bit_ + 1);
-            if (bit_ < 8) return kBusy;
-            bit_ = 0;
-            phase_ = kSearching;
-            return kBusy;
-        case kSearching:
-            if (passed < kSlot) return kBusy;
-            result = doSearchStep();
-            break;
-        default:
-            return kFree;
+    if (phase_ == kBits) {
+        result = doBit();
+    } else if (phase_ == kResetting) {
+        hold(false);
+        phase_ = sawPresence() ? kPresence : kAbsence;
+    } else {
+        if (!isHigh()) {
+            result = kShorted;
+        } else if (phase_ == kAbsence) {
+            result = kNobody;
+        }
+        phase_ = kBits;
     }
     if (result != kBusy) phase_ = kIdle;
     return result;
 }
 
-// What is written stands at the beginning of the bytes, and what is read is put there.
+static void shiftIn(uint8_t& byte, bool bit) {
+    byte = static_cast<uint8_t>(byte / 2U);
+    if (bit) byte |= 0x80;
+}
+
+// What is written stands at the beginning of the bytes, and what is read is put there; what a search finds
+// stands behind its command.
 OneWireBus::Result OneWireBus::doBit() {
     uint8_t& byte = bytes_[bit_ / 8];
-    if (outBits_ != 0) {
-        write(byte >> bit_ % 8 & 1);
-        bit_ = static_cast<uint8_t>(bit_ + 1);
-        if (bit_ == outBits_) outBits_ = bit_ = 0;
-        return kBusy;
+    if (outBits_ == 0) {
+        if (bit_ == inBits_) return kDone;
+        if (step_ != 0) return doSearchStep(byte);
     }
-    if (bit_ == inBits_) return kDone;
+    shiftIn(byte, doSlot(outBits_ == 0 || (byte & 1)));
     bit_ = static_cast<uint8_t>(bit_ + 1);
-    byte = static_cast<uint8_t>(byte >> 1 | (read() ? 0x80 : 0));
+    if (bit_ == outBits_) {
+        outBits_ = 0;
+        if (step_ == 0) bit_ = 0;
+    }
     return kBusy;
 }
 
 // Each bit of an id is sent by all devices that are still meant, as it is and turned over; then the one that
 // goes on is written. Where both kinds of devices are there the way to 0 is gone first, and the last such
 // place is the branch.
-OneWireBus::Result OneWireBus::doSearchStep() {
-    if (bit_ == 64) return kDone;
-    const uint8_t which = step_ & 3;
-    if (which < 2) {
-        // The two bits are kept above the count.
-        step_ = static_cast<uint8_t>((step_ + 1) | (read() ? 0x80 >> which : 0));
-        return step_ == (0xC0 | 2) ? kNobody : kBusy;
+OneWireBus::Result OneWireBus::doSearchStep(uint8_t& byte) {
+    uint8_t step = step_;  // 1, and the two bits behind it
+    if (step < 4) {
+        step = static_cast<uint8_t>(step << 1);
+        if (doSlot(true)) ++step;
+        step_ = step;
+        return step == 7 ? kNobody : kBusy;
     }
-    uint8_t& byte = bytes_[bit_ / 8];
-    const uint8_t mask = static_cast<uint8_t>(1 << bit_ % 8);
     const uint8_t place = static_cast<uint8_t>(bit_ + 1);
-    bool way = step_ & 0x80;
-    if ((step_ & 0xc0) == 0) {
-        way = place == branch_ || (place < branch_ && (byte & mask));
+    bool way = step & 2;
+    if (step == 4) {
+        way = place == branch_ || (place < branch_ && (byte & 1));
         if (!way) newBranch_ = place;
     }
-    byte = static_cast<uint8_t>(way ? byte | mask : byte & ~mask);
-    write(way);
-    step_ = 0;
+    shiftIn(byte, way);
+    doSlot(way);
+    step_ = 1;
     bit_ = place;
     return kBusy;
 }
 
-// The look at the clock comes behind the fall: an interrupt between them makes the bit longer, not too short.
-void OneWireBus::write(bool bit) {
+// Writes a bit; to read one is to write 1. The look at the clock comes behind the fall: an interrupt between
+// them makes the bit longer, not too short.
+bool OneWireBus::doSlot(bool bit) {
     noInterrupts();
     pullDown();
     if (bit) {
         delayMicroseconds(kLow);
         release();
+        delayMicroseconds(kLook);
+        bit = isHigh();
+        interrupts();
+        since_ = now();
+        return bit;
     }
     interrupts();
-    since_ = now();
-    if (bit) return;
-    while (passedSince(since_) < kSlot) {
+    const uint16_t since = now();
+    while (passedSince(since) < kSlot) {
     }
-    noInterrupts();
-    release();
-    interrupts();
-}
-
-bool OneWireBus::read() {
-    noInterrupts();
-    pullDown();
-    delayMicroseconds(kLow);
-    release();
-    delayMicroseconds(kLook);
-    const bool bit = isHigh();
-    interrupts();
-    since_ = now();
-    return bit;
+    hold(false);
+    since_ = since;
+    return false;
 }
 
 // x^8 + x^5 + x^4 + 1, the lowest bit first.
@@ -228,8 +206,11 @@ uint8_t OneWireBus::checksum(const uint8_t* bytes, uint8_t count) {
     uint8_t sum = 0;
     for (; count > 0; --count) {
         sum ^= *bytes++;
-        for (uint8_t i = 0; i < 8; ++i)
-            sum = static_cast<uint8_t>(sum & 1 ? sum >> 1 ^ 0x8C : sum >> 1);
+        for (uint8_t i = 0; i < 8; ++i) {
+            const bool isOdd = sum & 1;
+            sum = static_cast<uint8_t>(sum / 2U);
+            if (isOdd) sum ^= 0x8C;
+        }
     }
     return sum;
 }

@@ -24,19 +24,21 @@ class OneWireBus {
     // A bus has to be a global: what is not set here is zero.
     explicit OneWireBus(uint8_t pin) : pin_(pin) {}
 
-    // Takes the pin, for all services of the bus: call when the service begins.
-    void begin(const Service& service);
+    // Takes the pin, for all services of the bus: call when the service begins. False if the pin is in use
+    // elsewhere: then nothing may be started.
+    bool begin(const Service& service);
 
-    // False if the pin is in use elsewhere.
+    // The same at any time.
     bool isAvailable() const;
 
     // Resets the bus, unless told not to, writes the `outCount` bytes of `bytes`, and then reads `inCount`
     // into it, each up to 16. They last until the end. False if the bus is busy.
     bool start(uint8_t* bytes, uint8_t outCount, uint8_t inCount, bool reset = true);
 
-    // Finds a device and puts its id of eight bytes into `id`. With `branch` 0 it is the first, and with the
-    // branch and the id that the last search left it is the next one; the branch is 0 behind the last.
-    bool search(uint8_t* id, uint8_t branch);
+    // Finds a device and puts its id of eight bytes behind the first of `bytes`. With `branch` 0 it is the
+    // first, and with the branch and the id that the last search left it is the next one; the branch is 0
+    // behind the last.
+    bool search(uint8_t* bytes, uint8_t branch);
     uint8_t branch() const { return newBranch_; }
 
     // How the transfer of the caller stands. Once it is over it is kDone, kNobody or kShorted once, and the
@@ -47,28 +49,27 @@ class OneWireBus {
     static uint8_t checksum(const uint8_t* bytes, uint8_t count);
 
   private:
-    enum Phase : uint8_t { kIdle, kResetting, kPresence, kBits, kSearchCommand, kSearching };
+    enum Phase : uint8_t { kIdle, kResetting, kPresence, kAbsence, kBits };
 
-    bool begin(Phase phase);
-    bool isFree() const;
+    bool waitWhile(bool high, uint8_t within) const;
     bool sawPresence() const;
     Result doBit();
-    Result doSearchStep();
+    Result doSearchStep(uint8_t& byte);
+    bool doSlot(bool bit);
+    void hold(bool low);
     void pullDown() const;
     void release() const;
     bool isHigh() const;
-    void write(bool bit);
-    bool read();
 
     const Service* owner_;  // of the pin
     uint8_t* bytes_;
     uint16_t since_;  // microseconds
     uint8_t pin_;
     uint8_t phase_;
-    uint8_t next_;  // phase behind the reset
     uint8_t bit_;
-    uint8_t outBits_, inBits_;           // outBits_ is 0 once they are written
-    uint8_t step_, branch_, newBranch_;  // of a search
+    uint8_t outBits_, inBits_;  // outBits_ is 0 once they are written
+    uint8_t step_;              // of a search, 0 of other transfers
+    uint8_t branch_, newBranch_;
 #ifdef __AVR__
     volatile uint8_t* input_;  // the register of the pin's direction is the next one
     uint8_t mask_;

@@ -23,7 +23,7 @@ void Out::text(const char* text) {
         character(c);
 }
 
-void Out::number(uint16_t value) {
+void Out::digits(uint16_t value, uint8_t point) {
     // By subtraction: a division by ten takes 200 cycles on AVR, more than a byte at 1,000,000 baud.
     static const uint16_t kPowers[] PROGMEM = {10000, 1000, 100, 10};
     bool leading = true;
@@ -34,19 +34,27 @@ void Out::number(uint16_t value) {
             value -= power;
             ++digit;
         }
-        if (digit != '0') leading = false;
+        const bool isBeforePoint = i == point;
+        if (digit != '0' || isBeforePoint) leading = false;
         if (!leading) character(digit);
+        if (isBeforePoint) character('.');
     }
     character(static_cast<char>('0' + value));
 }
 
-void Out::signedNumber(int16_t value) {
+void Out::pair(uint8_t first, uint8_t second) {
+    number(first);
+    character(':');
+    number(second);
+}
+
+void Out::signedDigits(int16_t value, uint8_t point) {
     uint16_t magnitude = static_cast<uint16_t>(value);
     if (value < 0) {
         character('-');
         magnitude = static_cast<uint16_t>(-magnitude);
     }
-    number(magnitude);
+    digits(magnitude, point);
 }
 
 void Out::longNumber(uint32_t value) {

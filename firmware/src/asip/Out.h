@@ -19,17 +19,22 @@ class Out {
     void character(char c);
     void text(FlashText text);
     void text(const char* text);
-    void number(uint16_t value);
-    void signedNumber(int16_t value);
+    void number(uint16_t value) { digits(value, kNoPoint); }
+    void signedNumber(int16_t value) { signedDigits(value, kNoPoint); }
     void longNumber(uint32_t value);
     void signedLongNumber(int32_t value);
-    void hundredths(int32_t value);  // 2105 as 21.05
-    void hexByte(uint8_t value);     // without leading zero
+    void shortHundredths(int16_t value) { signedDigits(value, 2); }  // 2105 as 21.05
+    void hundredths(int32_t value);
+    void pair(uint8_t first, uint8_t second);  // 1:2
+    void hexByte(uint8_t value);               // without leading zero
 
     // Begins an event or an answer: @S,t
     void event(char service, char tag);
     // The same with a comma behind it: @S,t,
     void answer(char service, char tag);
+
+    // The same with `kind` in the place of @.
+    void head(char kind, char service, char tag);
 
     // A whole line: ~S,t,NUMBER{TEXT}
     void error(char service, char tag, Error error);
@@ -56,7 +61,9 @@ class Out {
     bool isHeld() const { return held_; }
 
   private:
-    void head(char kind, char service, char tag);
+    static constexpr uint8_t kNoPoint = 255;  // else the digit of five before it, from 0
+    void digits(uint16_t value, uint8_t point);
+    void signedDigits(int16_t value, uint8_t point);
     void hexDigit(uint8_t value);
 
     uint8_t checksum_;

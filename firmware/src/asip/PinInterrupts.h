@@ -27,9 +27,9 @@ class PinInterrupts {
     static bool enable(uint8_t pin, Slot slot, Handler handler);
     static void disable(uint8_t pin);
 
-    // The same for one more handler, which is called ahead of the others: for pulses that are timed closely.
-    // Where nothing calls this it costs nothing.
-    static bool enableAlone(uint8_t pin, Handler handler);
+    // The same for DhtPulses::onPinChange(), which is called ahead of the others, as its pulses are timed
+    // closely. Where nothing calls this it costs nothing.
+    static bool enableDht(uint8_t pin);
 };
 
 }  // namespace asip

@@ -13,34 +13,47 @@ namespace asip {
 // for 70 if it is 1. From fall to fall these are 78 and 120 us, so an interrupt may come 20 us late. The
 // first two falls begin and end the 160 us with which a sensor says that it is there.
 static constexpr uint8_t kMicrosecondsOfOne = 100;
-static constexpr uint8_t kFallsBefore = 2;
+static constexpr uint8_t kFallsBefore = 2, kBits = 40;
+
+#ifdef __AVR__
+// The timer of millis() counts on each 64 cycles of the clock: to read it takes no call.
+typedef uint8_t Time;
+static constexpr Time kOne = static_cast<Time>(kMicrosecondsOfOne * clockCyclesPerMicrosecond() / 64);
+static inline Time now() {
+    return TCNT0;
+}
+#else
+typedef uint16_t Time;
+static constexpr Time kOne = kMicrosecondsOfOne;
+static inline Time ASIP_FROM_INTERRUPT now() {
+    return static_cast<Time>(micros());
+}
+#endif
 
 static QuickPin line;
-static volatile uint8_t falls;
+static volatile uint8_t falls = kBits + kFallsBefore;
 static bool wasHigh;
-static uint16_t since;  // microseconds
-static uint8_t received[DhtPulses::kBits / 8];
+static Time since;
+static uint8_t received[kBits / 8];
 
-bool DhtPulses::start(uint8_t pin) {
+void DhtPulses::start(uint8_t pin) {
     line = QuickPin(pin);
-    falls = 0;
     wasHigh = false;
-    const bool hasInterrupt = PinInterrupts::enableAlone(pin, onPinChange);
+    falls = 0;
+    PinInterrupts::enableDht(pin);
     pinMode(pin, INPUT_PULLUP);
-    return hasInterrupt;
 }
 
-uint8_t DhtPulses::bits() {
-    const uint8_t count = falls;
-    return count <= kFallsBefore ? 0 : static_cast<uint8_t>(count - kFallsBefore);
+bool DhtPulses::areComplete() {
+    return falls == kBits + kFallsBefore;
+}
+
+bool DhtPulses::areNone() {
+    return falls <= kFallsBefore;
 }
 
 const uint8_t* DhtPulses::bytes() {
     return received;
-}
-
-void DhtPulses::stop(uint8_t pin) {
-    PinInterrupts::disable(pin);
 }
 
 // Called for the pins of other services too.
@@ -50,12 +63,13 @@ void ASIP_FROM_INTERRUPT DhtPulses::onPinChange() {
     wasHigh = high;
     const uint8_t before = falls;
     if (high || before == kBits + kFallsBefore) return;
-    const uint16_t now = static_cast<uint16_t>(micros());
+    const Time time = now();
     if (before >= kFallsBefore) {
         uint8_t& byte = received[static_cast<uint8_t>(before - kFallsBefore) / 8];
-        byte = static_cast<uint8_t>(byte << 1 | (static_cast<uint16_t>(now - since) > kMicrosecondsOfOne));
+        byte = static_cast<uint8_t>(byte << 1);
+        if (static_cast<Time>(time - since) > kOne) ++byte;
     }
-    since = now;
+    since = time;
     falls = static_cast<uint8_t>(before + 1);
 }
 

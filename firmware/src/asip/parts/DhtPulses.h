@@ -8,17 +8,14 @@ namespace asip {
 
 class DhtPulses {
   public:
-    static constexpr uint8_t kBits = 40;
+    // Lets go of the pin, at which the sensor begins to answer. Its interrupt stays, and is heard up to the
+    // last bit; none comes from a pin that has no interrupt.
+    static void start(uint8_t pin);
 
-    // False if the pin has no interrupt. Lets go of the pin, at which the sensor begins to answer.
-    static bool start(uint8_t pin);
-
-    // How many bits came so far, up to kBits. Complete ones are in bytes().
-    static uint8_t bits();
+    // Whether all bits of the answer came, which are in bytes(), or none of them.
+    static bool areComplete();
+    static bool areNone();
     static const uint8_t* bytes();
-
-    // Listens no more.
-    static void stop(uint8_t pin);
 
     // The level of the pin may have changed: for the interrupt.
     static void onPinChange();

@@ -3,13 +3,13 @@
 
 #ifdef ARDUINO
 
+#include <Arduino.h>
+
 #include "asip/parts/DhtPulses.h"
 
 namespace asip {
 
-// From the data sheets: a DHT11 hears a low of 18 ms, an AM2302 one of 1 ms (20 at most). Both want two
-// seconds of rest, also after power came. Their answer takes 5 ms.
-static constexpr uint8_t kWakingMs[] = {20, 2};
+// From the data sheets: they want two seconds of rest, also after power came. Their answer takes 5 ms.
 static constexpr uint16_t kRestMs = 2000, kOldMs = 5000;
 static constexpr uint8_t kAnswerMs = 8;
 
@@ -17,15 +17,19 @@ FlashText Dht::name() const {
     return ASIP_NAME("Climate");
 }
 
+Dht::Sensor& Dht::at(uint8_t sensor) {
+    return sensors_[sensor];
+}
+
 void Dht::begin() {
-    if (state_ == kListening) DhtPulses::stop(pins_[sensor_]);
     state_ = kIdle;
-    restedMs_ = 0;
     isOld_ = true;
-    lastMs_ = hw::milliseconds();
+    sinceMs_ = hw::shortMilliseconds();
     for (uint8_t i = 0; i < count(); ++i) {
         board.claimPin(pins_[i], *this);
-        sensors_[i] = {kNoValue, kNoValue, 0, 0};
+        Sensor& sensor = at(i);
+        sensor.temperature = kNoValue;
+        sensor.damaged = sensor.silent = 0;
     }
 }
 
@@ -46,98 +50,81 @@ void Dht::reportValues() {
 }
 
 void Dht::reportValue(uint8_t index) {
-    const Sensor& sensor = sensors_[index];
-    if (board.listTag() == 'E') {
-        out.number(sensor.damaged);
-        out.character(':');
-        return out.number(sensor.silent);
-    }
+    const Sensor& sensor = at(index);
+    if (board.listTag() == 'E') return out.pair(sensor.damaged, sensor.silent);
     if (sensor.temperature == kNoValue) return;
-    out.hundredths(sensor.temperature * 10L);
+    out.shortHundredths(static_cast<int16_t>(sensor.temperature * 10));
     out.character(':');
-    out.hundredths(sensor.humidity * 10L);
+    out.shortHundredths(static_cast<int16_t>(sensor.humidity * 10));
 }
 
-// A sensor whose pin is in use elsewhere is passed over. Behind the last, old answers are asked for again.
-void Dht::turnTo(uint8_t sensor) {
-    while (sensor < count() && !board.ownsPin(pins_[sensor], *this))
-        ++sensor;
-    sensor_ = sensor;
-    waitedMs_ = 0;
-    if (sensor < count()) return wake();
-    state_ = isOld_ ? kResting : kReporting;
-    isOld_ = false;
-    restedMs_ = 0;
+// Two bytes of an answer: a whole number and tenths, or tenths, with the sign in the highest bit of these.
+int16_t Dht::tenths(const uint8_t* bytes) const {
+    const bool isDht11 = kind_ == kDht11;
+    const uint8_t high = bytes[0], low = bytes[1];
+    const int16_t value = static_cast<int16_t>(isDht11 ? high * 10 + (low & 0x7f) : (high & 0x7f) << 8 | low);
+    return (isDht11 ? low : high) & 0x80 ? static_cast<int16_t>(-value) : value;
 }
 
-void Dht::wake() {
-    digitalWrite(pins_[sensor_], LOW);
-    pinMode(pins_[sensor_], OUTPUT);
-    state_ = kWaking;
-}
-
-void Dht::listen() {
-    waitedMs_ = 0;
-    state_ = kListening;
-    if (!DhtPulses::start(pins_[sensor_])) take(0);
-}
-
-static void countUp(uint8_t& counter) {
+// Ends the answer of a sensor.
+void Dht::take() {
+    Sensor& sensor = at(sensor_++);
+    state_ = kNext;
+    sensor.temperature = kNoValue;
+    const uint8_t* const bytes = DhtPulses::bytes();
+    uint8_t sum = 0;
+    for (uint8_t i = 0; i < 4; ++i)
+        sum = static_cast<uint8_t>(sum + bytes[i]);
+    if (DhtPulses::areComplete() && sum == bytes[4]) {
+        sensor.humidity = tenths(bytes);
+        sensor.temperature = tenths(bytes + 2);
+        return;
+    }
+    uint8_t& counter = DhtPulses::areNone() ? sensor.silent : sensor.damaged;
     if (counter != 255) ++counter;
 }
 
-// Ends the answer of a sensor, of which so many bits came.
-void Dht::take(uint8_t bits) {
-    DhtPulses::stop(pins_[sensor_]);
-    Sensor& sensor = sensors_[sensor_];
-    sensor.temperature = kNoValue;
-    const uint8_t* const bytes = DhtPulses::bytes();
-    if (bits == 0) {
-        countUp(sensor.silent);
-    } else if (bits < DhtPulses::kBits ||
-               static_cast<uint8_t>(bytes[0] + bytes[1] + bytes[2] + bytes[3]) != bytes[4]) {
-        countUp(sensor.damaged);
-    } else if (kind_ == kDht11) {
-        // Whole numbers and tenths; the sign is with the tenths.
-        const int16_t magnitude = static_cast<int16_t>(bytes[2] * 10 + (bytes[3] & 0x7f));
-        sensor.humidity = static_cast<int16_t>(bytes[0] * 10 + bytes[1]);
-        sensor.temperature = bytes[3] & 0x80 ? static_cast<int16_t>(-magnitude) : magnitude;
-    } else {
-        const int16_t magnitude = static_cast<int16_t>((bytes[2] & 0x7f) << 8 | bytes[3]);
-        sensor.humidity = static_cast<int16_t>(bytes[0] << 8 | bytes[1]);
-        sensor.temperature = bytes[2] & 0x80 ? static_cast<int16_t>(-magnitude) : magnitude;
+// A sensor whose pin is in use elsewhere is passed over. Behind the last, old answers are asked for again.
+void Dht::turnToNext() {
+    if (sensor_ == count()) {
+        state_ = isOld_ ? kResting : kReporting;
+        isOld_ = false;
+        return;
     }
-    turnTo(static_cast<uint8_t>(sensor_ + 1));
-}
-
-bool Dht::isPassed(uint16_t ms) {
-    return waitedMs_ > ms;
+    const uint8_t pin = pins_[sensor_];
+    if (!board.ownsPin(pin, *this)) {
+        ++sensor_;
+        return;
+    }
+    digitalWrite(pin, LOW);
+    pinMode(pin, OUTPUT);
+    state_ = kWaking;
 }
 
 void Dht::poll() {
-    const uint8_t now = hw::milliseconds();
-    const uint8_t elapsed = static_cast<uint8_t>(now - lastMs_);
-    lastMs_ = now;
-    if (restedMs_ <= kOldMs) restedMs_ = static_cast<uint16_t>(restedMs_ + elapsed);
-    if (restedMs_ > kOldMs && state_ == kIdle) isOld_ = true;
-    waitedMs_ = static_cast<uint16_t>(waitedMs_ + elapsed);
-    switch (state_) {
-        case kResting:
-            if (restedMs_ > kRestMs) turnTo(0);
-            return;
-        case kWaking:
-            if (isPassed(kWakingMs[kind_])) listen();
-            return;
-        case kListening:
-            if (DhtPulses::bits() == DhtPulses::kBits || isPassed(kAnswerMs)) take(DhtPulses::bits());
-            return;
-        case kReporting:
-            if (!out.hasRoom()) return;
-            state_ = kIdle;
-            board.sendList(*this, 'e', count());
-            return;
-        default:
-            return;
+    const uint16_t ms = hw::shortMilliseconds();
+    const uint16_t passed = static_cast<uint16_t>(ms - sinceMs_);
+    if (state_ == kIdle) {
+        if (passed <= kOldMs) return;
+        isOld_ = true;
+        sinceMs_ = static_cast<uint16_t>(ms - kOldMs);  // however long it lasts
+    } else if (state_ == kResting) {
+        if (passed <= kRestMs) return;
+        sensor_ = 0;
+        state_ = kNext;
+    } else if (state_ == kNext) {
+        sinceMs_ = ms;
+        turnToNext();
+    } else if (state_ == kWaking) {
+        if (passed <= kind_) return;
+        sinceMs_ = ms;
+        state_ = kListening;
+        DhtPulses::start(pins_[sensor_]);
+    } else if (state_ == kListening) {
+        if (DhtPulses::areComplete() || passed > kAnswerMs) take();
+    } else if (out.hasRoom()) {
+        state_ = kIdle;
+        board.sendList(*this, 'e', count());
     }
 }
 

@@ -8,7 +8,8 @@
 
 namespace asip {
 
-static constexpr uint8_t kNowhere = 0, kToChip = 1, kFromChip = 2, kOver = 3;
+// Beside a way to the chip, 0, and from it, I2c::kRead.
+static constexpr uint8_t kNowhere = 2, kOver = 3;
 
 FlashText I2cChips::name() const {
     return ASIP_NAME("I2C");
@@ -17,45 +18,59 @@ FlashText I2cChips::name() const {
 void I2cChips::begin() {
     I2c::begin(*this);
     close();
-    step_ = kIdle;
-    board.setBusy(*this, false);
+    finish();
 }
 
+uint8_t I2cChips::traitsOf(char tag) {
+    static const uint8_t kTraits[] PROGMEM = {
+        's', kEnds,
+        't', kHasAddress | kHasCount | kHasBytes | kEnds,
+        'o', kHasNumber | kHasAddress | kHasBytes | kIsSilent,
+        'w', kHasNumber | kHasBytes | kIsSilent,
+        'r', kHasNumber | kHasCount | kHasMore,
+        'e', kHasNumber | kHasCount | kHasBytes | kEnds,
+        0,   0,
+    };
+    const uint8_t* next = kTraits;
+    for (;;) {
+        const uint8_t of = pgm_read_byte(next++);
+        const uint8_t traits = pgm_read_byte(next++);
+        if (of == static_cast<uint8_t>(tag) || of == 0) return traits;
+    }
+}
+
+// What is kept of the transfer that is open changes only once the request is seen to be good.
 Error I2cChips::processRequest(Request& request) {
     const char tag = request.tag();
-    const bool opens = tag == 'o', goesOn = tag == 'w' || tag == 'r' || tag == 'e';
-    if (tag != 's' && tag != 't' && !opens && !goesOn) return Error::kUnknownRequest;
-    const uint8_t number = opens || goesOn ? static_cast<uint8_t>(request.number(255)) : 0;
-    const uint8_t address = tag == 't' || opens ? static_cast<uint8_t>(request.number(127)) : address_;
-    const bool reads = tag == 't' || tag == 'r' || tag == 'e';
-    const uint8_t count = reads ? static_cast<uint8_t>(request.number(kMaxIn)) : 0;
-    const bool more = tag == 'r' && request.number(1) != 0;
-    uint8_t written = 0;
-    if (!request.good() || (tag == 'r' && count == 0)) return Error::kBadArgument;
-    if (tag != 's' && tag != 'r' && !readHex(request.text(), bytes_, kMaxOut, written))
+    const uint8_t traits = traitsOf(tag);
+    if (traits == 0) return Error::kUnknownRequest;
+    const uint8_t number = static_cast<uint8_t>(traits & kHasNumber ? request.number(255) : 0);
+    const uint8_t address = static_cast<uint8_t>(traits & kHasAddress ? request.number(127) : kFirst);
+    outCount_ = inCount_ = 0;
+    if (traits & kHasCount) inCount_ = static_cast<uint8_t>(request.number(kMaxIn));
+    more_ = (traits & kHasMore) && request.number(1) != 0 ? I2c::kMore : 0;
+    if ((traits & kHasBytes) && !readHex(request.text(), bytes_, kMaxOut, outCount_))
         return Error::kBadArgument;
-    if (!request.complete()) return Error::kBadArgument;
+    if (!request.complete() || ((traits & kHasMore) && inCount_ == 0)) return Error::kBadArgument;
     if (!I2c::isEnabled()) return Error::kI2cNotEnabled;
-    const bool isOwn = isOpen_ && number == number_;
-    if (goesOn && !isOwn) return Error::kWrongMode;
-    if (!goesOn && isOpen_ && !(opens && isOwn)) return Error::kDeviceNotAvailable;
-    tag_ = tag;
-    number_ = number;
-    address_ = tag == 's' ? kFirst : address;
-    outCount_ = written;
-    inCount_ = count;
-    isMore_ = more;
-    isOpen_ = opens || goesOn;
-    if (opens || tag == 't') direction_ = kNowhere;
-    const bool looks = tag == 't' || tag == 's' || (tag == 'e' && direction_ == kNowhere);
-    writes_ = written != 0 || (count == 0 && looks);
-    if (tag == 's') {
-        for (uint8_t& byte : bytes_)
-            byte = 0;
+    const bool goesOn = (traits & (kHasNumber | kHasAddress)) == kHasNumber;
+    if (!isOpen_ || !(traits & kHasNumber) || number != number_) {
+        if (goesOn) return Error::kWrongMode;
+        if (isOpen_) return Error::kDeviceNotAvailable;
     }
+    tag_ = tag;
+    traits_ = traits;
+    isOpen_ = traits & kHasNumber;
+    number_ = number;
+    if (!goesOn) {
+        address_ = address;
+        direction_ = kNowhere;
+    }
+    const bool looks = (traits & kEnds) && direction_ == kNowhere;
+    writes_ = outCount_ != 0 || (inCount_ == 0 && looks);
     step_ = kStarting;
-    if (fault_ != 0 || (!writes_ && count == 0)) settle();
-    board.setBusy(*this, step_ != kIdle);
+    board.setBusy(*this, true);
+    if (fault_ != 0 || (!writes_ && inCount_ == 0)) settle();
     return Error::kNone;
 }
 
@@ -75,23 +90,21 @@ void I2cChips::poll() {
 }
 
 bool I2cChips::start() {
-    const uint8_t direction = writes_ ? kToChip : kFromChip;
-    uint8_t way = direction == direction_ ? I2c::kGoOn : 0;
-    if (!writes_) way |= I2c::kRead;
-    if (isMore_) way |= I2c::kMore;
-    if (tag_ == 's' || (ends() && (!writes_ || inCount_ == 0))) way |= I2c::kStop;
+    uint8_t way = writes_ ? 0 : I2c::kRead;
+    if (way == direction_) way |= I2c::kGoOn;
+    way |= more_;
+    if ((traits_ & kEnds) && (!writes_ || inCount_ == 0)) way |= I2c::kStop;
     return I2c::startPart(way, address_, bytes_, writes_ ? outCount_ : inCount_);
 }
 
 void I2cChips::finishPart() {
     const I2c::Result result = I2c::finishPart();
     if (result == I2c::kBusy) return;
-    const bool failed = result == I2c::kFailed;
-    const uint8_t fault = failed ? I2c::fault() : I2c::kNoFault;
-    if (tag_ == 's' && (!failed || fault == I2c::kNoAddress)) return found(!failed);
+    const uint8_t fault = result == I2c::kFailed ? I2c::fault() : I2c::kNoFault;
+    if (tag_ == 's' && fault <= I2c::kNoAddress) return found(fault == I2c::kNoFault);
     fault_ = fault;
-    direction_ = writes_ ? kToChip : isMore_ ? kFromChip : kOver;
-    const bool turns = writes_ && inCount_ != 0 && !failed;
+    direction_ = writes_ ? 0 : more_ != 0 ? static_cast<uint8_t>(I2c::kRead) : kOver;
+    const bool turns = writes_ && inCount_ != 0 && fault == I2c::kNoFault;
     writes_ = false;
     if (turns) {
         step_ = kStarting;
@@ -101,9 +114,10 @@ void I2cChips::finishPart() {
 }
 
 void I2cChips::found(bool there) {
-    const uint8_t bit = static_cast<uint8_t>(address_ - kFirst);
+    uint8_t& byte = bytes_[static_cast<uint8_t>(address_ - kFirst) / 8];
+    byte = static_cast<uint8_t>(byte / 2U);
     if (there) {
-        bytes_[bit / 8] |= static_cast<uint8_t>(1 << bit % 8);
+        byte |= 0x80;
         ++inCount_;
     }
     step_ = address_++ < kLast ? kStarting : kAnswering;
@@ -111,18 +125,22 @@ void I2cChips::found(bool there) {
 
 // All of a request is done that concerns the bus, or nothing of it can be.
 void I2cChips::settle() {
-    sinceMs_ = hw::milliseconds();
-    if (tag_ != 'o' && tag_ != 'w') {
+    if (traits_ & kIsSilent) {
+        finish();
+    } else {
         step_ = kAnswering;
-        return;
     }
+}
+
+void I2cChips::finish() {
+    sinceMs_ = hw::milliseconds();
     step_ = kIdle;
     board.setBusy(*this, false);
 }
 
 void I2cChips::answer() {
 #ifndef __AVR__
-    if (fault_ == 0 && ends()) fault_ = I2c::endParts();  // Wire sends a last write only now
+    if (fault_ == 0 && (traits_ & kEnds)) fault_ = I2c::endParts();  // Wire sends a last write only now
 #endif
     const uint8_t fault = fault_;
     if (fault != 0) {
@@ -131,14 +149,11 @@ void I2cChips::answer() {
         board.sendList(*this, 's', inCount_);
     } else {
         out.answer(id(), tag_);
-        for (uint8_t i = 0; i < inCount_; ++i)
-            writeHex(bytes_[i]);
+        writeHex(bytes_, inCount_);
         out.end();
     }
-    if (fault != 0 || ends()) close();
-    sinceMs_ = hw::milliseconds();
-    step_ = kIdle;
-    board.setBusy(*this, false);
+    if (fault != 0 || (traits_ & kEnds)) close();
+    finish();
 }
 
 // As out.error(), with the address: ~J,t,12{ADDRESS_NOT_ACKNOWLEDGED 118}
@@ -154,11 +169,7 @@ void I2cChips::sendFault() const {
         while (pgm_read_byte(text++) != 0) {
         }
     }
-    out.character('~');
-    out.character(id());
-    out.character(',');
-    out.character(tag_);
-    out.character(',');
+    out.head('~', id(), tag_);
     out.number(static_cast<uint8_t>(11 + fault_));
     out.character('{');
     out.text(flashText(text));

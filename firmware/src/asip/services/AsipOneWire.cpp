@@ -81,9 +81,11 @@ void OneWire::answer() {
 void OneWire::answerBytes() {
     if (tag_ == 'R') return out.number(result_ == OneWireBus::kDone);
     if (result_ != OneWireBus::kDone) return;
-    const uint8_t count = tag_ == 'S' ? 8 : inCount_;
-    for (uint8_t i = 0; i < count; ++i)
-        writeHex(bytes_[i]);
+    if (tag_ == 'S') {
+        writeHex(bytes_ + 1, 8);
+    } else {
+        writeHex(bytes_, inCount_);
+    }
 }
 
 void OneWire::finish() {

@@ -89,8 +89,7 @@ void Spi::poll() {
     }
     if (!out.hasRoom()) return;
     out.answer(id(), 't');
-    for (uint8_t i = 0; i < count_; ++i)
-        writeHex(bytes_[i]);
+    writeHex(bytes_, count_);
     out.end();
     sinceMs_ = hw::milliseconds();
     step_ = kIdle;

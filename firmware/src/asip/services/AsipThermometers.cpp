@@ -2,6 +2,9 @@
 #include "AsipThermometers.h"
 
 #ifdef ARDUINO
+#include <string.h>
+
+#include "asip/Hex.h"
 
 namespace asip {
 
@@ -21,12 +24,11 @@ FlashText Thermometers::name() const {
 
 // A is the core's, whether any is there or not: reports begin once one is found.
 void Thermometers::begin() {
-    bus_.begin(*this);
-    const bool available = bus_.isAvailable();
+    const bool available = bus_.begin(*this);
     setCount(available ? 1 : 0);
     known_ = 0;
-    isAsked_ = isDue_ = isListing_ = hasParasite_ = false;
-    lastMs_ = hw::milliseconds();
+    wanted_ = 0;
+    hasParasite_ = isStarted_ = false;
     turnTo(available ? kSearch : kIdle);
 }
 
@@ -43,13 +45,13 @@ Error Thermometers::processRequest(Request& request) {
         return Error::kNone;
     }
     if (count() == 0) return Error::kDeviceNotAvailable;
-    (tag == 'S' ? isListing_ : isAsked_) = true;
+    wanted_ |= tag == 'S' ? kList : kByRequest;
     return Error::kNone;
 }
 
 // What is under way is the answer to this too.
 void Thermometers::reportValues() {
-    isDue_ = true;
+    wanted_ |= kByPeriod;
 }
 
 bool Thermometers::canMeasure() const {
@@ -60,53 +62,37 @@ void Thermometers::reportValue(uint8_t index) {
     const Thermometer& one = all_[index];
     const char tag = board.listTag();
     if (tag == 'E') {
-        out.number(one.damaged);
-        out.character(':');
-        return out.number(one.silent);
-    }
-    if (tag == 'e') {
-        if (one.sixteenths != kNoValue) out.hundredths(one.sixteenths * 25L / 4);
-        return;
-    }
-    for (uint8_t i = 0; i <= kIdBytes; ++i) {
-        const uint8_t byte = i < kIdBytes ? one.id[i] : OneWireBus::checksum(one.id, kIdBytes);
-        if (byte < 16) out.character('0');
-        out.hexByte(byte);
+        out.pair(one.damaged, one.silent);
+    } else if (tag != 'e') {
+        writeHex(one.id, kIdBytes);
+    } else if (one.sixteenths != kNoValue) {
+        out.shortHundredths(static_cast<int16_t>(one.sixteenths * 6 + one.sixteenths / 4));
     }
 }
 
 void Thermometers::turnTo(Task task) {
     task_ = task;
-    isStarted_ = false;
-    waitedMs_ = 0;
     branch_ = damagedIds_ = 0;
 }
 
 void Thermometers::poll() {
-    const uint8_t now = hw::milliseconds();
-    waitedMs_ = static_cast<uint16_t>(waitedMs_ + static_cast<uint8_t>(now - lastMs_));
-    lastMs_ = now;
-    switch (task_) {
-        case kIdle:
-            if (isListing_ || isAsked_ || isDue_) turnTo(isListing_ || !canMeasure() ? kSearch : kPrepare);
+    if (task_ >= kSearch) {
+        if (!isStarted_) {
+            isStarted_ = startTask();
             return;
-        case kWait:
-            if (waitedMs_ > kMeasureMs) nextThermometer(0);
-            return;
-        case kReport:
-        case kReportIds:
-            if (!out.hasRoom()) return;
-            board.sendList(*this, task_ == kReport ? 'e' : 'I', known_);
-            return turnTo(kIdle);
-        default:
-            break;
+        }
+        const OneWireBus::Result result = bus_.finish();
+        if (result != OneWireBus::kBusy) finishTask(result);
+    } else if (task_ == kIdle) {
+        if (wanted_ != 0) turnTo((wanted_ & kList) || !canMeasure() ? kSearch : kPrepare);
+    } else if (task_ == kWait) {
+        if (static_cast<uint16_t>(hw::shortMilliseconds() - sinceMs_) <= kMeasureMs) return;
+        index_ = 0;
+        task_ = kRead;
+    } else if (out.hasRoom()) {
+        board.sendList(*this, task_ == kReport ? 'e' : 'I', known_);
+        task_ = kIdle;
     }
-    if (!isStarted_) {
-        isStarted_ = startTask();
-        return;
-    }
-    const OneWireBus::Result result = bus_.finish();
-    if (result != OneWireBus::kBusy) finishTask(result);
 }
 
 // Each thermometer is told the number of the round before it measures, and has to tell it with its value: one
@@ -114,108 +100,101 @@ void Thermometers::poll() {
 // number.
 bool Thermometers::startTask() {
     if (task_ == kSearch) return bus_.search(bytes_, branch_);
+    uint8_t outCount = 2, inCount = 0;
     bytes_[0] = kSkipId;
-    switch (task_) {
-        case kAskPower:
-            bytes_[1] = kHasPower;
-            return bus_.start(bytes_, 2, 1);
-        case kPrepare:
-            bytes_[1] = kWriteAll;
-            bytes_[2] = ++round_;
-            bytes_[3] = static_cast<uint8_t>(~round_);
-            bytes_[4] = kTwelveBits;
-            return bus_.start(bytes_, 5, 0);
-        case kConvert:
-            bytes_[1] = kMeasure;
-            return bus_.start(bytes_, 2, 0);
-        default:
-            bytes_[0] = kMatchId;
-            for (uint8_t i = 0; i < kIdBytes; ++i)
-                bytes_[i + 1] = all_[index_].id[i];
-            bytes_[8] = OneWireBus::checksum(bytes_ + 1, kIdBytes);
-            bytes_[9] = kReadAll;
-            return bus_.start(bytes_, 10, 9);
+    if (task_ == kAskPower) {
+        bytes_[1] = kHasPower;
+        inCount = 1;
+    } else if (task_ == kPrepare) {
+        bytes_[1] = kWriteAll;
+        bytes_[2] = ++round_;
+        bytes_[3] = static_cast<uint8_t>(~round_);
+        bytes_[4] = kTwelveBits;
+        outCount = 5;
+    } else if (task_ == kConvert) {
+        bytes_[1] = kMeasure;
+    } else {
+        bytes_[0] = kMatchId;
+        memcpy(bytes_ + 1, all_[index_].id, kIdBytes);
+        bytes_[9] = kReadAll;
+        outCount = 10;
+        inCount = 9;
     }
+    return bus_.start(bytes_, outCount, inCount);
 }
 
 void Thermometers::finishTask(OneWireBus::Result result) {
     const bool done = result == OneWireBus::kDone;
     isStarted_ = false;
-    switch (task_) {
-        case kSearch:
-            branch_ = bus_.branch();
-            if (done) found();
-            if (!done || branch_ == 0 || damagedIds_ == kMaxDamagedIds) turnTo(kAskPower);
-            return;
-        case kAskPower:
-            hasParasite_ = done && bytes_[0] != 0xFF;
-            return finishSearch();
-        case kPrepare:
-            return turnTo(kConvert);
-        case kConvert:
-            return turnTo(kWait);
-        default:
-            take(result);
-            return nextThermometer(static_cast<uint8_t>(index_ + 1));
+    if (task_ == kSearch) {
+        branch_ = bus_.branch();
+        if (done) found();
+        if (!done || branch_ == 0 || damagedIds_ == kMaxDamagedIds) task_ = kAskPower;
+    } else if (task_ == kAskPower) {
+        hasParasite_ = done && bytes_[0] != 0xFF;
+        finishSearch();
+    } else if (task_ == kPrepare) {
+        task_ = kConvert;
+    } else if (task_ == kConvert) {
+        sinceMs_ = hw::shortMilliseconds();
+        task_ = kWait;
+    } else {
+        take(done);
+        if (++index_ < known_) return;
+        wanted_ &= kList;
+        task_ = kReport;
     }
 }
 
 // Keeps the id that a search found, behind those that are known.
 void Thermometers::found() {
-    if (OneWireBus::checksum(bytes_, kIdBytes + 1) != 0) {
-        ++damagedIds_;
-        return;
-    }
+    const uint8_t* const id = bytes_ + 1;
+    ++damagedIds_;
+    if (OneWireBus::checksum(id, kIdBytes) != 0) return;
     damagedIds_ = 0;
-    const uint8_t family = bytes_[0];
+    const uint8_t family = id[0];
     if (family != kFamilyB20 && family != kFamilyS20 && family != kFamily22 && family != kFamily25) return;
-    for (uint8_t at = 0; at < known_; ++at) {
-        uint8_t same = 0;
-        while (same < kIdBytes && all_[at].id[same] == bytes_[same])
-            ++same;
-        if (same == kIdBytes) return;
+    Thermometer* one = all_;
+    for (uint8_t left = known_; left != 0; --left) {
+        if (memcmp(one->id, id, kIdBytes) == 0) return;
+        ++one;
     }
     if (known_ == room_) return;
-    Thermometer& one = all_[known_++];
-    for (uint8_t i = 0; i < kIdBytes; ++i)
-        one.id[i] = bytes_[i];
-    one.sixteenths = kNoValue;
-    one.damaged = one.silent = 0;
+    ++known_;
+    memcpy(one->id, id, kIdBytes);
+    one->sixteenths = kNoValue;
+    one->damaged = one->silent = 0;
 }
 
 void Thermometers::finishSearch() {
-    if (isListing_) {
-        isListing_ = false;
-        return turnTo(kReportIds);
+    if (wanted_ & kList) {
+        wanted_ &= static_cast<uint8_t>(~kList);
+        task_ = kReportIds;
+        return;
     }
     if (!canMeasure()) {
         if (!out.hasRoom()) return;  // comes here again
-        if (isAsked_)
+        if (wanted_ & kByRequest)
             out.error(id(), 'e', hasParasite_ ? Error::kModeUnavailable : Error::kDeviceNotAvailable);
-        isAsked_ = isDue_ = false;
+        wanted_ = 0;
     }
-    turnTo(kIdle);
+    task_ = kIdle;
 }
 
-void Thermometers::nextThermometer(uint8_t index) {
-    index_ = index;
-    if (index < known_) return turnTo(kRead);
-    isAsked_ = isDue_ = false;
-    turnTo(kReport);
-}
-
-void Thermometers::take(OneWireBus::Result result) {
+void Thermometers::take(bool done) {
     Thermometer& one = all_[index_];
     one.sixteenths = kNoValue;
-    uint8_t& counter =
-        result == OneWireBus::kDone && (bytes_[4] & bytes_[8]) != 0xFF ? one.damaged : one.silent;
-    if (result == OneWireBus::kDone && OneWireBus::checksum(bytes_, 9) == 0 && bytes_[2] == round_ &&
-        bytes_[3] == static_cast<uint8_t>(~round_)) {
-        const int16_t raw = static_cast<int16_t>(bytes_[1] << 8 | bytes_[0]);
-        one.sixteenths = one.id[0] == kFamilyS20 ? static_cast<int16_t>(raw * 8) : raw;
-    } else if (counter != 255) {
-        ++counter;
+    uint8_t* counter = &one.silent;
+    if (done) {
+        if (OneWireBus::checksum(bytes_, 9) == 0 && bytes_[2] == round_ &&
+            bytes_[3] == static_cast<uint8_t>(~round_)) {
+            const int16_t raw = static_cast<int16_t>(bytes_[1] << 8 | bytes_[0]);
+            one.sixteenths = one.id[0] == kFamilyS20 ? static_cast<int16_t>(raw * 8) : raw;
+            return;
+        }
+        if ((bytes_[4] & bytes_[8]) != 0xFF) counter = &one.damaged;
     }
+    if (*counter != 255) ++*counter;
 }
 
 }  // namespace asip
