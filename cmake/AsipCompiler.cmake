@@ -80,8 +80,9 @@ if(ASIP_SANITIZE)
   # At fixed addresses: what the sanitizers note of each line is a million pointers, which each start of a program would
   # have to relocate.
   # Libraries that fuzz targets explore note their branches, too (AsipPrecompile): everywhere that costs a third more.
-  # Checks of each pointer cost the compiler a fifth; AddressSanitizer sees what is worth seeing of null and of objects' sizes.
-  add_compile_options(-fsanitize=address,undefined -fno-sanitize=null,object-size,vptr -fno-sanitize-recover=all
+  # Checks of each pointer cost the compiler a third; AddressSanitizer sees what is worth seeing of null and of objects' sizes,
+  # and the one source that takes bytes for an object aligns them.
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize=null,alignment,object-size,vptr -fno-sanitize-recover=all
     -fno-omit-frame-pointer -fno-pie)
   # The deprecated get_temporary_buffer is used by stable_sort of libstdc++ 12 itself.
   add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-Wno-deprecated-declarations>)

@@ -18,11 +18,9 @@ add_custom_target(integration-tests DEPENDS quick-tests more-tests long-tests)
 add_custom_target(fuzz-targets)
 add_dependencies(quick-tests unit-tests)
 
-# Code of tests: compiled quickly, whatever the code under test is compiled with. Without the checks of each pointer the
-# sanitized tests take the compiler a quarter less, and AddressSanitizer still sees what is worth seeing there.
+# Code of tests: compiled quickly, whatever the code under test is compiled with.
 add_library(asip_test_options INTERFACE)
-target_compile_options(asip_test_options INTERFACE $<$<CONFIG:Dev>:-O0>
-  $<$<CONFIG:Sanitize>:-fno-sanitize=null,alignment,object-size,vptr>)
+target_compile_options(asip_test_options INTERFACE $<$<CONFIG:Dev>:-O0>)
 
 # One executable of unit tests, one CTest entry: starting it costs more than most tests in it. TIER more: ./run test leaves it
 # out. SANITIZED: ./run test more has it with sanitizers, too.
