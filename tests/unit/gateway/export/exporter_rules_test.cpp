@@ -188,25 +188,6 @@ TEST_P(ExporterRules, ConnectionIsLostBeforeOldValuesAreTakenBack_TheyAreAfterwa
                   dialect().state_text(world.boards["uno1"].board.properties[property], nullptr));
 }
 
-TEST_P(ExporterRules, BoardIsAwayWhileTheBrokerIsReadBack_AndIsBackBeforeThatIsSaid_IsShownWhole) {
-    show_one_board();
-    world.start();
-    world.pass(5s);
-    const auto document = dialect().document_topic("uno1");
-    const auto shown = document.empty() ? distance() : document;
-    ASSERT_TRUE(world.retained.contains(shown));
-    world.restart_broker(true);
-    auto board = world.boards.extract("uno1");
-    world.room = 0;
-    world.pass(2s);
-    world.boards.insert(std::move(board));
-    world.changed("uno1");
-    world.room = 1000;
-    world.pass(5s);
-    EXPECT_TRUE(world.retained.contains(shown));
-    EXPECT_EQ(world.retained[distance()], "42");
-}
-
 TEST_P(ExporterRules, BoardOfTheSameSession_KeepsItsValues_OverAnyNumberOfStarts) {
     show_one_board();
     auto* gateway = &world.start();
