@@ -22,15 +22,15 @@ static constexpr uint8_t kReadMore = 0x50;                   // a byte was read 
 
 // The transfer under way.
 static volatile uint8_t result;
-static uint8_t address, firstByte, left, readCount, startedMs;
+static uint8_t address, firstByte, left, startedMs;
 static uint8_t* next;
 static uint8_t* readTo;
 
 // Where no service transfers in parts, or none does otherwise, the first or the last are never written, and
 // compiled as the constants that they are.
+static uint8_t readCount;                   // bytes of a whole transfer to read, and 1
 static uint8_t part;                        // its Way; 0: a whole transfer
 static volatile uint8_t status = kNothing;  // the last of the TWI in a part
-static bool hasWholes;
 
 static const Service* owner;  // of the pins
 
@@ -70,13 +70,12 @@ bool I2c::isEnabled() {
 bool I2c::start(uint8_t chip, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                 uint8_t inCount) {
     if (result != kFree || !isEnabled()) return false;
-    hasWholes = true;
     address = static_cast<uint8_t>(chip << 1 | chip >> 7);
     firstByte = first;
     next = const_cast<uint8_t*>(out);
     left = outCount;
     readTo = in;
-    readCount = inCount;
+    readCount = static_cast<uint8_t>(inCount + 1);
     startedMs = hw::milliseconds();
     result = kBusy;
     TWCR = static_cast<uint8_t>(kGo | (1 << TWSTA) | (TWCR & (1 << TWSTO)));
@@ -171,8 +170,8 @@ __attribute__((always_inline)) static inline uint8_t end(I2c::Result how) {
 
 // What the TWI has just done, by the status codes of the chip's data sheet, and what comes next.
 static inline uint8_t goOn(uint8_t now) {
-    if (part == 0 && !hasWholes) __builtin_unreachable();
-    const bool isPart = part != 0 || !hasWholes;
+    if (part == 0 && readCount == 0) __builtin_unreachable();
+    const bool isPart = part != 0 || readCount == 0;
     if (isPart) status = now;
     if (now == 0x08 || now == 0x10) {  // started, or started again: to read, if it is a whole transfer
         TWDR = isPart || now == 0x08 ? address : address | 1;
@@ -184,7 +183,7 @@ static inline uint8_t goOn(uint8_t now) {
     }
     if (now == 0x18 || now == 0x28) {  // addressed to write, or a byte was written
         if (left != 0) return writeOn();
-        if (!isPart && readCount != 0) return kGo | (1 << TWSTA);
+        if (!isPart && readCount != 1) return kGo | (1 << TWSTA);
     } else if (now == kReadMore || now == 0x58) {  // a byte was read, or the last one
         *next++ = TWDR;
         --left;
@@ -193,7 +192,7 @@ static inline uint8_t goOn(uint8_t now) {
         if (now != 0x40) return end(I2c::kFailed);
         if (!isPart) {
             next = readTo;
-            left = readCount;
+            left = static_cast<uint8_t>(readCount - 1);
         }
         return readOn();  // addressed to read
     }
