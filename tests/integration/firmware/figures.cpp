@@ -205,7 +205,7 @@ std::vector<Figure> measure_figures() {
         {"two DHT22: static RAM", "B", static_cast<double>(climate.data + climate.bss), 370, 363},
         {"two DHT22: flash", "B", static_cast<double>(climate.text + climate.data), 9000, 8806},
         {"eight thermometers: static RAM", "B", static_cast<double>(thermometers.data + thermometers.bss),
-         450, 439},
+         450, 443},
         {"eight thermometers: flash", "B", static_cast<double>(thermometers.text + thermometers.data), 10200,
          10074},
         {"eight thermometers and OneWire: static RAM", "B", static_cast<double>(one_wire.data + one_wire.bss),
