@@ -63,7 +63,8 @@ std::vector<Really> Judge::possible(const View& view, const BoardTruth& truth, T
     if (!truth.in_vain) return possible;
     const Time at = truth.in_vain->at;
     if (view.heard(at) && view.connected_at() < at) return possible;
-    if (view.started_at() > at) return {truth.in_vain->really(now)};
+    if (view.started_at() > at) return {truth.in_vain->really(now), truth.last_in_vain.really(now)};
+    possible.push_back(truth.last_in_vain.really(now));
     possible.push_back(truth.in_vain->really(now));
     possible.push_back({true, BoardState::kLost, StateReason::kExpired, at, at});
     return possible;

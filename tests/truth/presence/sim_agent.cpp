@@ -132,8 +132,8 @@ void BoardTruth::leave_to_word(const Really& what, int lease_seconds, bool store
 void BoardTruth::describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now) {
     if (stored) stored_until = std::min(stored_until, now);
     if (stored) vain_at = now;
-    if (stored || in_vain)
-        in_vain = {what, in_vain ? in_vain->at : now, now + std::chrono::seconds(lease_seconds)};
+    last_in_vain = {what, now, now + std::chrono::seconds(lease_seconds)};
+    if (stored) in_vain = {what, in_vain ? in_vain->at : now, last_in_vain.lease_end};
     const bool ends = now > lease_end - kReordered;
     if (ends) at_end = {what, now, now + std::chrono::seconds(lease_seconds)};
     words.push_back({word_of(what), ends ? std::nullopt : std::optional(described_at)});

@@ -48,7 +48,8 @@ struct BoardTruth {
         Really really(Time now) const;
     };
     std::optional<Stored> in_vain;
-    Time vain_at{};  ///< last, also where its agent is gone since
+    Stored last_in_vain;  ///< the same, also where the broker does not store it
+    Time vain_at{};       ///< last, also where its agent is gone since
     /// What the other one said, where an earlier session spoke as the lease of the later one ended: messages
     /// take a while, so the lease is not over in each view at the same moment.
     std::optional<Stored> at_end;
