@@ -4,7 +4,7 @@
 //   asip::Lcd lcd;
 //
 // L,W,0,Hello writes a line (what stood there before is gone, what is too long is cut), L,C clears all,
-// L,G,2,{0:50,1:100} draws bars of so many percent in their lines. A line is on the display within 40 ms, all
+// L,G,2,{0:50,1:100} draws bars of so many percent in their lines. A line is on the display within 42 ms, all
 // of them within 150 ms, and the sketch does not wait. A display that is missing is error 8, pins in use
 // elsewhere 9.
 #pragma once
