@@ -128,8 +128,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     bool write_armed_ = false;
     unsigned duplicates_ = 0;  ///< counts the sockets that were watched
     bool serving_ = false;
-    bool comes_back_ = false;  // for what TLS has read
-    bool closing_ = false;     ///< what the broker still sends is thrown away
+    bool comes_back_ = false;    // for what TLS has read
+    bool closing_ = false;       ///< what the broker still sends is thrown away
     unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more
     int connack_code_ = 0;
     std::uint8_t max_qos_ = 2;
