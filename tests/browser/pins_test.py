@@ -115,10 +115,10 @@ class Pins(PageTest):
 
     def test_TakenPins_SayWhoseTheyAreAndOfferNothing(self):
         self.open_board()
-        self.assertIn("servo", self.pin("9").get_attribute("title"))
+        self.assertIn("Servo", self.pin("9").get_attribute("title"))
         self.assertIn("board itself", self.pin("0").get_attribute("title"))
         self.pin("9").click()
-        self.assertIn("servo", self.browser.shown(".pin-panel").text)
+        self.assertIn("Servo", self.browser.shown(".pin-panel").text)
         self.assertEqual(self.browser.find(".pin-panel .chips"), [], "nothing that sets it")
 
 
