@@ -12,9 +12,11 @@ import asyncio
 import contextlib
 import os
 import pathlib
+import socket
 import subprocess
 import sys
 import tempfile
+import time
 
 PROGRAMS = pathlib.Path(os.environ["ASIP_BUILD"]) / "bin"
 ANSWERS = {
@@ -82,6 +84,12 @@ class Bus:
         conf.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\nset_tcp_nodelay true\nmax_queued_messages 0\n")
         path = f"{os.environ.get('PATH', '')}:/usr/sbin"
         self.broker = subprocess.Popen(["mosquitto", "-c", conf], stderr=subprocess.DEVNULL, env={**os.environ, "PATH": path})
+        while self.broker.poll() is None:
+            try:
+                return socket.create_connection(("127.0.0.1", self.port)).close()
+            except OSError:
+                time.sleep(0.05)
+        raise RuntimeError(f"mosquitto ended with status {self.broker.returncode}")
 
     async def online(self, boards, seconds=300):
         """Until so many boards are online."""
