@@ -65,7 +65,7 @@ class I2cChips : public Service {
     uint8_t traits_;
     bool isOpen_, writes_;
     uint8_t more_;       // I2c::kMore or 0
-    uint8_t number_;     // of the transfer that is open
+    uint8_t number_;     // of the transfer that is open, or of chips that were found
     uint8_t direction_;  // in which the part before went, and a part may go on
     uint8_t fault_;
     uint8_t address_;

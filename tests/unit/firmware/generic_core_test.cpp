@@ -69,6 +69,16 @@ class GenericCoreTest : public testing::Test {
 
 std::string GenericCoreTest::banner_;
 
+TEST_F(GenericCoreTest, Scan_FindsTheChipThatIsThereAndNoOther) {
+    for (const int chip : {60, 41, 119}) {
+        Wire.chip = chip;
+        std::string found = ask("J,s");
+        found += pass_time(100);
+        EXPECT_NE(found.find("@J,s,1,{" + std::to_string(chip) + "}"), found.npos) << found;
+    }
+    Wire.chip = 60;
+}
+
 TEST_F(GenericCoreTest, Start_OpensTheLineAndNamesTheServices) {
     EXPECT_EQ(banner_, "!Generic running on Arduino with Services: I M E B R T D J \n");
     EXPECT_EQ(arduino.baud, 57600u);

@@ -118,7 +118,7 @@ void I2cChips::found(bool there) {
     byte = static_cast<uint8_t>(byte / 2U);
     if (there) {
         byte |= 0x80;
-        ++inCount_;
+        ++number_;
     }
     step_ = address_++ < kLast ? kStarting : kAnswering;
 }
@@ -146,7 +146,7 @@ void I2cChips::answer() {
     if (fault != 0) {
         sendFault();
     } else if (tag_ == 's') {
-        board.sendList(*this, 's', inCount_);
+        board.sendList(*this, 's', number_);
     } else {
         out.answer(id(), tag_);
         writeHex(bytes_, inCount_);
