@@ -62,7 +62,8 @@ void Dht::reportValue(uint8_t index) {
 int16_t Dht::tenths(const uint8_t* bytes) const {
     const bool isDht11 = kind_ == kDht11;
     const uint8_t high = bytes[0], low = bytes[1];
-    const int16_t value = static_cast<int16_t>(isDht11 ? high * 10 + (low & 0x7f) : (high & 0x7f) << 8 | low);
+    const int16_t value =
+        static_cast<int16_t>(isDht11 ? high * 10 + (low & 0x7f) : (high & 0x07) << 8 | low);  // 204.7 at most
     return (isDht11 ? low : high) & 0x80 ? static_cast<int16_t>(-value) : value;
 }
 
