@@ -94,7 +94,7 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
 
 /// Null for a demand and an announcement.
 const BusRequest* request_of(const Inbound& inbound);
-/// One program sent both, for one person: nobody else knows where its answers come.
+/// One program of one user sent both: answers to both go to the same client.
 bool same_client(const BusRequest& a, const BusRequest& b);
 /// By the agent's clock in both, `message` was sent behind `stop`.
 bool sent_behind(const Stop& stop, const Inbound& message);

@@ -21,8 +21,9 @@ class LineWatch {
     void received(std::string_view bytes, Time now) { add('<', bytes, now); }
     void sent(std::string_view bytes, Time now) { add('>', bytes, now); }
     std::optional<Time> next_deadline() const { return pieces_.empty() ? std::nullopt : std::optional(due_); }
-    /// JSON: `{"line":[["<",AGE,"@D,e,.."],[">",AGE,"D,M\n"]],"dropped":12}`, AGE in seconds, each byte a
-    /// character from 0 to 255, `dropped` so many bytes beyond the bound. Empty: it is not time yet.
+    /// JSON: `{"line":[["<",AGE,"@D,e,.."],[">",AGE,"D,M\n"]],"dropped":12}`. AGE is in seconds. A byte is
+    /// the character with its number, 0 to 255. `dropped` counts the bytes beyond the bound. Empty: it is not
+    /// time yet.
     std::string take(Time now);
 
   private:

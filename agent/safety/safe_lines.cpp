@@ -17,8 +17,8 @@ bool SafeLines::on_finished(const session::Finished& end, std::vector<Done>& don
         end.ending == Ending::kExecuted || end.ending == Ending::kUnproven || end.ending == Ending::kNoValue;
     pending->second.refused = refused ? pending->second.refused + 1 : 0;
     if (!executed && pending->second.refused < kRefusals) return true;
+    done.push_back({line, std::move(pending->second.sent), executed, end.code, end.text});
     pending_.erase(pending);
-    done.push_back({line, executed, end.code, end.text});
     return true;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "asip/session/board_session.hpp"
@@ -19,6 +20,7 @@ class SafeLines {
   public:
     struct Done {
         std::string line;
+        std::string sent;  ///< the same as the board got it
         bool executed = true;
         int code = 0;      ///< the board's error where it was not executed
         std::string text;  ///< the board's words
@@ -45,7 +47,8 @@ class SafeLines {
 
     struct Line {
         session::RequestId request = 0;  // 0: not under way
-        int refused = 0;                 // in a row
+        std::string sent{};
+        int refused = 0;  // in a row
     };
     std::map<std::string, Line, std::less<>> pending_;
     std::unordered_map<session::RequestId, std::string> requests_;
@@ -56,10 +59,11 @@ void SafeLines::send(Session& session, Time now, session::Actions& actions, Wire
     if (!session.accepts_requests()) return;
     for (auto& [line, state] : pending_) {
         if (state.request != 0) continue;
-        const auto id =
-            session.submit(wire(line), {.deadline = now + kAttempt, .urgent = true}, now, actions);
+        auto sent = wire(line);
+        const auto id = session.submit(sent, {.deadline = now + kAttempt, .urgent = true}, now, actions);
         if (!id) return;
         state.request = *id;
+        state.sent = std::move(sent);
         requests_.emplace(*id, line);
     }
 }

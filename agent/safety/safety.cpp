@@ -64,11 +64,10 @@ void Safety::on_finished(const session::Finished& end, Time now, Effects& out) {
 }
 
 void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
-    const auto sent = wire(line.line);
-    if (line.executed) values_.executed(sent, now);
+    if (line.executed) values_.executed(line.sent, now);
     if (const auto hold = expired_.find(line.line); hold != expired_.end()) {
         report(hold->second,
-               "not renewed within " + milliseconds(hold->second.length) + "; " + sent +
+               "not renewed within " + milliseconds(hold->second.length) + "; " + line.sent +
                    (line.executed ? " was executed" : " was refused by the board: " + line.text),
                out);
         expired_.erase(hold);
@@ -76,7 +75,7 @@ void Safety::done(const SafeLines::Done& line, Time now, Effects& out) {
     for (OpenStop& stop : stops_) {
         if (stop.open.erase(line.line) == 0) continue;
         if (line.executed) {
-            if (line.line != kQuestion) stop.executed.push_back(sent);
+            if (line.line != kQuestion) stop.executed.push_back(line.sent);
         } else if (!stop.error) {
             stop.error = line;
         }
@@ -184,7 +183,7 @@ void Safety::answer(const OpenStop& stop, bool in_time, Time now, Effects& out) 
         reply = bus::Reply::timeout(bus::kTimeoutBoardNotThere);
         reply.error = "the board did not confirm it; it is stopped as soon as it answers";
     } else if (stop.error) {
-        reply = bus::Reply::board_error(stop.error->code, stop.error->line + ": " + stop.error->text);
+        reply = bus::Reply::board_error(stop.error->code, stop.error->sent + ": " + stop.error->text);
     }
     nlohmann::json done{{"executed", stop.executed}, {"refused", stop.refused}};
     if (stop.latched) done["latched"] = true;

@@ -74,8 +74,8 @@ std::optional<TopicRef> parse_board(std::string_view board, std::string_view sec
     if (second == "$link")
         return valid_demander(rest) ? std::optional(TopicRef{TopicKind::kLink, board, {}, rest})
                                     : std::nullopt;
-    if (second == kLineService && rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
-    if (!model::valid_name(second)) return std::nullopt;
+    // No service has the name that stands for the line.
+    if (!model::valid_name(second) && !(second == kLineService && rest == "out")) return std::nullopt;
     if (rest == "out") return TopicRef{TopicKind::kServiceOut, board, second};
     if (rest == "in") return TopicRef{TopicKind::kServiceIn, board, second};
     if (rest == "error") return TopicRef{TopicKind::kServiceError, board, second};

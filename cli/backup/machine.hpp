@@ -52,7 +52,7 @@ class BackupMachine {
     Outcome<std::vector<BackupItem>> list(const std::function<void(const std::string& why)>& left_out) const;
     /// Nothing: there is none. Fails where it is something else than a file of its owner.
     Outcome<std::optional<struct stat>> look(const BackupItem& item) const;
-    /// Of a file above kMaxFileBytes, one byte more than that. Nothing: there is none.
+    /// A file above kMaxFileBytes gives one byte more than that. Nothing: there is none.
     Outcome<std::optional<std::string>> read(const BackupItem& item) const;
     /// Whole or not at all, with mode and time of the item; folders are made.
     Outcome<void> write(const BackupItem& item, const std::string& text) const;

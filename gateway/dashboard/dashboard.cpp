@@ -12,12 +12,10 @@ namespace asip::gateway {
 using nlohmann::json;
 
 std::chrono::hours Widget::span_time() const {
-    using std::chrono::days;
-    return span == "hour" ? std::chrono::hours(1)
-                          : std::chrono::hours(days(span == "day"     ? 1
-                                                    : span == "week"  ? 7
-                                                    : span == "month" ? 31
-                                                                      : 0));
+    using std::chrono::hours;
+    constexpr std::array<hours, kSpans.size()> kTimes{hours(1), hours(24), hours(7 * 24), hours(31 * 24)};
+    const auto at = std::find(kSpans.begin(), kSpans.end(), span);
+    return at == kSpans.end() ? hours(0) : kTimes.at(static_cast<std::size_t>(at - kSpans.begin()));
 }
 
 const Widget* Dashboard::widget(std::string_view id) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -26,6 +27,7 @@ struct Widget {
     std::string text;             ///< of a text
     std::string span;             ///< of a plot: "hour", "day", "week" or "month"; empty: the last minute
 
+    static constexpr std::array<std::string_view, 4> kSpans{"hour", "day", "week", "month"};
     /// Zero: what a registry keeps is not shown at first.
     std::chrono::hours span_time() const;
     bool sends() const { return kind == Kind::kSwitch || kind == Kind::kSlider; }

@@ -22,7 +22,6 @@ using nlohmann::json;
 constexpr std::array<std::string_view, 8> kKinds{"value", "plot", "switch", "slider",
                                                  "lamp",  "stop", "gauge",  "text"};
 constexpr std::array<std::string_view, 3> kSizes{"small", "wide", "large"};
-constexpr std::array<std::string_view, 4> kSpans{"hour", "day", "week", "month"};
 constexpr std::array<std::string_view, 9> kMembers{"id",       "kind",   "title", "size", "board",
                                                    "property", "labels", "text",  "span"};
 constexpr std::size_t kMaxTitle = 100;
@@ -113,7 +112,7 @@ Expected<Widget> read_widget(const json& object, const std::string& place) {
     widget.kind = static_cast<Widget::Kind>(std::find(kKinds.begin(), kKinds.end(), kind) - kKinds.begin());
     widget.title = reader.word("title", kMaxTitle);
     widget.size = reader.choice("size", kSizes);
-    widget.span = reader.choice("span", kSpans);
+    widget.span = reader.choice("span", Widget::kSpans);
     if (!widget.span.empty() && widget.kind != Widget::Kind::kPlot) reader.fault("span is that of a plot");
     if (widget.kind == Widget::Kind::kText) {
         widget.text = reader.needed("text", kMaxText);

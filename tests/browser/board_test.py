@@ -211,7 +211,7 @@ class BoardPage(PageTest):
         eventually(lambda: text() == "", "nothing goes over the line")
         self.assertEqual(bus.asipctl("release", "desk", "--back").returncode, 0)
         eventually(lambda: "> #,?" in text() and "< @D,e," in text(), "the board is asked, and reports again", 60)
-        # Nobody looks: the agent tells nothing more.
+        # The monitor is closed: the agent tells nothing more.
         with Heard(bus, "asip/desk/$line/out") as told:
             eventually(lambda: told.messages, "it is told", 60)
             page.run("document.querySelector('details.monitor').open = false")

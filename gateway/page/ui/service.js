@@ -121,7 +121,7 @@ class Service extends Part {
     set_text(this.waiting, t("no-value-yet") + why);
   }
 
-  /// Forms are there for users who may send commands, and go when the right to it ends. What is entered in them stays while they are the same.
+  /// A user who may send commands has forms; they go when that right ends. A form that stays the same keeps what the user typed.
   show_commands() {
     const wanted = status.may_command && this.model !== undefined && this.simple !== undefined;
     const names = wanted ? command_order(this.model) : [];

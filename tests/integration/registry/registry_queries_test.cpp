@@ -14,6 +14,16 @@
 namespace asip::test {
 namespace {
 
+/// board0 to board1999; true once the registry has the last of them.
+bool announce_2000(MosquittoBroker& broker, BusProbe& probe) {
+    BusProbe boards(broker.port(), {"nothing"});
+    for (int i = 0; i < 2000; ++i) {
+        const std::string board = "board" + std::to_string(i);
+        boards.publish(announcement(board, description_text(board, "a", 1), 600));
+    }
+    return becomes(probe, "board1999", "online");
+}
+
 TEST(Registry, ForgottenBoard_LeavesNoRetainedTopicBehind) {
     MosquittoBroker broker;
     RunningRegistry registry(broker.address());
@@ -67,13 +77,8 @@ TEST(Registry, FloodOfQuestions_OthersAreAnsweredInTime_AndTheConnectionStays) {
     MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};
     RunningRegistry registry(broker.address());
     ASSERT_TRUE(registry.complete());
-    BusProbe boards(broker.port(), {"nothing"});
-    for (int i = 0; i < 2000; ++i) {
-        const std::string board = "board" + std::to_string(i);
-        boards.publish(announcement(board, description_text(board, "a", 1), 600));
-    }
     BusProbe probe(broker.port(), {"nothing"});
-    ASSERT_TRUE(becomes(probe, "board1999", "online"));
+    ASSERT_TRUE(announce_2000(broker, probe));
     BusProbe flood(broker.port(), {"asip/reply/eve/#"});
     for (int i = 0; i < 20'000; ++i)
         flood.publish("asip/registry/query",
@@ -94,13 +99,8 @@ TEST(Registry, ConnectionForAnswersIsAway_NoAnswerOfMegabytesIsDropped) {
                    [](std::string_view first) { return first.find("-answers") != std::string_view::npos; });
     RunningRegistry registry("127.0.0.1:" + std::to_string(relay.port()));
     ASSERT_TRUE(registry.complete());
-    BusProbe boards(broker.port(), {"nothing"});
-    for (int i = 0; i < 2000; ++i) {
-        const std::string board = "board" + std::to_string(i);
-        boards.publish(announcement(board, description_text(board, "a", 1), 600));
-    }
     BusProbe probe(broker.port(), {"nothing"});
-    ASSERT_TRUE(becomes(probe, "board1999", "online"));
+    ASSERT_TRUE(announce_2000(broker, probe));
     constexpr int kAskers = 10, kQuestions = 30;
     BusProbe askers(broker.port(), {"asip/reply/#"});
     registry.process().signal(SIGSTOP);

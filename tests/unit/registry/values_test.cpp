@@ -450,7 +450,7 @@ TEST(Values, DiskTakesLong_WhatIsAskedIsRefusedAtOnceAndAnsweredLater) {
     ValueKeeper keeper(io, {.path = kept.path()}, {}, at(0));
     io.run_one();  // the file is open
     keeper.set(kTemperature, 20, at(100));
-    keeper.tick(at(10'000));  // it is written, and as long as the loop does not run nobody says so
+    keeper.tick(at(10'000));  // the rows are written; the keeper learns of it when the loop runs
     std::vector<std::string> answers;
     const auto ask = [&](int milliseconds_) {
         bus::Query query;
