@@ -10,6 +10,7 @@
 #include "asip/model/object_text.hpp"
 #include "asip/property/property_json.hpp"
 #include "asip/text/json_reader.hpp"
+#include "asip/text/printable.hpp"
 
 namespace asip::property {
 namespace {
@@ -215,6 +216,7 @@ Expected<ValueDocument> parse_values(std::string_view text) {
     reader.required("values");
     for (auto& [id, each] : reader.ok() ? reader.members("values") : decltype(reader.members("values"))()) {
         if (result.values.size() >= kMaxProperties) reader.fault("values", "has too many members");
+        if (id.size() > kMaxWordBytes || !text::is_showable(id)) reader.fault("values", "has what is no id");
         if (!reader.ok()) break;
         result.values[id] = read_value(each);
     }

@@ -108,6 +108,7 @@ function readValues(document, now) {
   const values = own(document, 'values');
   const pins = own(document, 'pins', {});
   need(isObject(values) && Object.keys(values).length <= MAX_PROPERTIES && typeof own(document, 'clock', '') === 'string', 'values');
+  need(Object.keys(values).every(isShort), 'ids');
   need(isObject(pins) && Object.values(pins).every(isObject) && isWhole(own(document, 'left_out', 0), MAX_PROPERTIES), 'pins');
   need(isWhole(own(document, 'restarts', 0)), 'restarts');
   return new Map(Object.entries(values).map(([id, one]) => [id, readValue(one, now)]));

@@ -255,8 +255,12 @@ def _list(properties: Any) -> dict[str, Told]:
 
 def _text(one: dict[str, Any], name: str) -> str:
     text = one.get(name, "")
-    _need(isinstance(text, str) and len(text.encode("utf-8", "replace")) <= _MAX_BYTES and not any(ord(c) < 32 or ord(c) == 127 for c in text), name)
+    _need(_is_text(text), name)
     return str(text)
+
+
+def _is_text(text: Any) -> bool:
+    return isinstance(text, str) and len(text.encode("utf-8", "replace")) <= _MAX_BYTES and not any(ord(c) < 32 or ord(c) == 127 for c in text)
 
 
 def _usual(one: dict[str, Any]) -> dict[str, Any]:
@@ -279,6 +283,7 @@ def _call(call: Any) -> tuple[str, list[float | None]]:
 def _values(document: dict[str, Any], now: float) -> dict[str, Value]:
     values = document.get("values")
     _need(isinstance(values, dict) and len(values) <= _MAX_PROPERTIES and isinstance(document.get("clock", ""), str), "values")
+    _need(all(map(_is_text, values or ())), "ids")
     pins, left_out = document.get("pins", {}), document.get("left_out", 0)
     _need(whole(document.get("restarts", 0)), "restarts")
     _need(isinstance(pins, dict) and all(isinstance(one, dict) for one in pins.values()) and whole(left_out, _MAX_PROPERTIES), "pins")
