@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How properties were in hours, days and weeks, as a registry kept them.
-import { time_of } from "./text.js";
+import { csv_cell, time_of } from "./text.js";
 
 export const kMonthMs = 31 * 86_400_000;
 const kUnwrittenMs = 10_000; // a registry writes so often
@@ -24,8 +24,7 @@ export const points_within = (points, from, to) => points.filter(({ time }, i) =
 /// The columns of `asipctl values -o csv`, behind the name where there are several lines.
 export function kept_csv(lines) {
   const several = lines.length > 1;
-  const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
   const rows = lines.flatMap(({ name, points }) => points.map(({ time, ...numbers }) => (
-    [...(several ? [quoted(name)] : []), new Date(time).toISOString(), ...["value", "low", "high"].map((each) => (Number.isNaN(numbers[each]) ? "" : numbers[each]))].join(","))));
+    [...(several ? [csv_cell(name)] : []), new Date(time).toISOString(), ...["value", "low", "high"].map((each) => (Number.isNaN(numbers[each]) ? "" : numbers[each]))].join(","))));
   return [`${several ? "name," : ""}at,mean,min,max`, ...rows].join("\r\n") + "\r\n";
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values over time, for plots: bounded, oldest first.
+import { csv_cell } from "./text.js";
 
 /// More values of one event are neither shown nor kept: no user could read them.
 export const kMaxNumbers = 256;
@@ -84,8 +85,7 @@ export class Series {
 
   csv(from = -Infinity, to = Infinity) {
     const lines = [...this.lines.values()];
-    const quoted = (text) => (/[",\n]/.test(text) || /^[=+@-]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const rows = [["time", ...lines.map((line) => quoted(line.unit ? `${line.name} (${line.unit})` : line.name))].join(",")];
+    const rows = [["time", ...lines.map((line) => csv_cell(line.unit ? `${line.name} (${line.unit})` : line.name))].join(",")];
     for (let i = this.index_at(from); i < this.times.length && this.times[i] <= to; ++i) {
       const values = lines.map((line) => (Number.isNaN(line.values[i]) ? "" : line.values[i]));
       rows.push([new Date(this.times[i]).toISOString(), ...values].join(","));

@@ -89,6 +89,9 @@ export const title_of_service = ({ name, title }) => (title ? in_language(title)
 
 export const first_up = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
+/// A cell of a CSV file. What begins like a formula is one to a spreadsheet, also between quotes.
+export const csv_cell = (text) => `"${text.replace(/^(?=[=+@\t\r-])/, "'").replaceAll('"', '""')}"`;
+
 /// Milliseconds since 1970 from what the API gives: ISO text, seconds or milliseconds. Undefined: not a time.
 export function time_of(value) {
   if (typeof value === "number") return value < 1e11 ? value * 1000 : value;

@@ -46,6 +46,7 @@ test("a picture that follows the time asks again once that shows: after ten seco
 test("the CSV has the columns of asipctl, empty ones in a gap, and the name where there are several", () => {
   const line = { name: "Temperature", points: points_of(answer).slice(1, 3) };
   assert.equal(kept_csv([line]), `at,mean,min,max\r\n${at(2)},21,20,23.5\r\n${at(3)},,,\r\n`);
+  assert.match(kept_csv([line, { ...line, name: "=cmd|'x'" }]), /\r\n"'=cmd\|'x'",/);
   assert.match(kept_csv([line, { ...line, name: 'Out "door"' }]), /^name,at,mean,min,max\r\n"Temperature",.*\r\n.*\r\n"Out ""door""",/);
 });
 

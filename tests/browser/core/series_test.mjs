@@ -71,7 +71,7 @@ test("Csv_HasTimeUnitsAndAllPoints", () => {
   const series = new Series();
   series.add(0, [{ key: "0", name: "sensor 0", unit: "cm", value: 42 }]);
   series.add(1000, [{ key: "1", name: "=cmd, \"x\"", value: 7 }]);
-  assert.equal(series.csv(), 'time,sensor 0 (cm),"=cmd, ""x"""\r\n1970-01-01T00:00:00.000Z,42,\r\n1970-01-01T00:00:01.000Z,,7\r\n');
+  assert.equal(series.csv(), 'time,"sensor 0 (cm)","\'=cmd, ""x"""\r\n1970-01-01T00:00:00.000Z,42,\r\n1970-01-01T00:00:01.000Z,,7\r\n');
   assert.equal(series.csv(500, 2000).split("\r\n").length, 3);
 });
 
