@@ -11,6 +11,7 @@ namespace {
 
 constexpr Tick kDropEach = kHourTicks;
 constexpr int kFileVersion = 1;
+constexpr std::int64_t kDroppedAtOnce = 8 << 20, kRowBytes = 64;
 
 // In a row, `part` counts the parts of its level, and `at` is within its part.
 constexpr const char* kTables =
@@ -60,9 +61,9 @@ void ValueFile::open() {
     if (database_ == nullptr) throw HistoryFault("out of memory");
     if (result != SQLITE_OK) throw HistoryFault(database_, result);
     sqlite3_busy_timeout(database_, 1000);
-    execute(kTables);
     const auto version = number("PRAGMA user_version");
     if (version > kFileVersion) throw HistoryFault("a later version of this program wrote it");
+    execute(kTables);
     if (version == 0) execute("PRAGMA user_version=1");
 }
 
@@ -132,11 +133,9 @@ bool ValueFile::write(const ValueRows& rows) {
                 .bind(each.end)
                 .bind(each.offset)
                 .step();
-        if (!rows.stretches.empty()) {
-            write_properties(rows, all);
-            drop_old(rows.stretches.back().end);
-        }
+        if (!rows.stretches.empty()) write_properties(rows, all);
         execute("COMMIT");
+        if (!rows.stretches.empty()) drop_old(rows.stretches.back().end);
     } catch (const std::exception&) {
         sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
         forget_names();
@@ -193,7 +192,22 @@ bool ValueFile::drop_part(Level level, bool also_last) {
     const auto oldest = parts.integer(0);
     if (oldest == parts.integer(1) && !also_last) return false;
     parts.reset();
-    Statement(database_, "DELETE FROM " + table + " WHERE part=?").bind(oldest).step();
+    // What goes is written into the journal first: not all of it at once.
+    Statement rows(database_, "SELECT property,at," +
+                                  std::string(level == Level::kChanges ? "length(block)" : "0") + " FROM " +
+                                  table + " WHERE part=? ORDER BY property,at");
+    Statement drop(database_, "DELETE FROM " + table + " WHERE part=? AND (property,at)<=(?,?)");
+    for (bool more = true; more;) {
+        std::int64_t property = 0, at = 0, bytes = 0;
+        rows.reset().bind(oldest);
+        while (bytes < kDroppedAtOnce && (more = rows.step())) {
+            property = rows.integer(0);
+            at = rows.integer(1);
+            bytes += rows.integer(2) + kRowBytes;
+        }
+        rows.reset();
+        drop.reset().bind(oldest).bind(property).bind(at).step();
+    }
     return true;
 }
 
@@ -209,10 +223,12 @@ void ValueFile::drop_old(Tick now) {
             }
     if (now < dropped_at_ + kDropEach) return;
     dropped_at_ = now;
-    for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours})
-        Statement(database_, "DELETE FROM " + table_of(level) + " WHERE part<?")
-            .bind((now - options_.max_age[static_cast<std::size_t>(level)]) / part_ticks(level))
-            .step();
+    for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours}) {
+        const auto first = (now - options_.max_age[static_cast<std::size_t>(level)]) / part_ticks(level);
+        while (number(("SELECT min(part)<" + std::to_string(first) + " FROM " + table_of(level)).c_str()) !=
+               0)
+            drop_part(level, true);
+    }
     const auto oldest =
         now - options_.max_age[static_cast<std::size_t>(Level::kHours)] - part_ticks(Level::kHours);
     Statement(database_, "DELETE FROM stretches WHERE until<?").bind(oldest).step();

@@ -4,6 +4,7 @@
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -346,6 +347,44 @@ TEST(Values, OnePartOfChangesIsTooMuch_HoursOfBeforeStay) {
     const auto before = value_at(machine.ask(hours(60), 10), kMonday + 24 * 3'600'000);
     ASSERT_TRUE(before);
     EXPECT_EQ(before->mean, 1);
+}
+
+TEST(Values, PartThatGoes_JournalStaysSmall) {
+    constexpr std::uintmax_t kMegabyte = 1'000'000;
+    const HistoryFile disk;
+    ValueFile::Options options;
+    options.path = disk.path();
+    options.max_bytes = 60 * kMegabyte;
+    ValueFile file(options);
+    const auto used = [&](const char* suffix) { return std::filesystem::file_size(disk.path() + suffix); };
+    std::uintmax_t journal = 0;
+    ValueRows rows;
+    rows.stretches = {{0, 5 * kHourTicks, 0}};
+    for (int i = 0; i < 10'000; ++i)
+        rows.properties.push_back({kTemperature, std::vector<Change>(30), {}, {}});
+    for (Tick at = 0; at < 2 * kHourTicks;) {
+        for (auto& property : rows.properties)
+            for (auto& change : property.changes)
+                change = {at++, 0.1};
+        ASSERT_TRUE(file.write(rows));
+        journal = std::max(journal, used("-wal"));
+    }
+    EXPECT_GT(used(""), 50 * kMegabyte);
+    EXPECT_LT(journal, 50 * kMegabyte);
+}
+
+TEST(Values, FileOfALaterVersion_StaysAsItIs) {
+    const HistoryFile disk;
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(disk.path().c_str(), &database), SQLITE_OK);
+    sqlite3_exec(database, "PRAGMA user_version=2", nullptr, nullptr, nullptr);
+    ValueFile::Options options;
+    options.path = disk.path();
+    EXPECT_THROW(ValueFile{options}, HistoryFault);
+    Statement tables(database, "SELECT count(*) FROM sqlite_schema");
+    ASSERT_TRUE(tables.step());
+    EXPECT_EQ(tables.integer(0), 0);
+    sqlite3_close_v2(database);
 }
 
 TEST(Values, OneBoard_DoesNotTakeTheNamesOfOthers) {
