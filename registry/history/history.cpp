@@ -8,6 +8,8 @@
 namespace asip::registry {
 namespace {
 
+constexpr std::int64_t kHistoryVersion = 3;
+
 // `boards.state` is empty for a board that was forgotten: its name stays as long as it has changes.
 constexpr const char* kSchema =
     "PRAGMA auto_vacuum=INCREMENTAL;"  // before anything is written
@@ -85,6 +87,8 @@ void History::open() {
     if (database_ == nullptr) throw HistoryFault("out of memory");
     if (result != SQLITE_OK) throw HistoryFault(database_, result);
     sqlite3_busy_timeout(database_, 1000);
+    if (pragma("PRAGMA user_version") > kHistoryVersion)
+        throw HistoryFault("a later version of this program wrote it");
     execute(kSchema);
     for (const auto& [version, upgrade] :
          {std::pair(0, kUpgradeFrom0), std::pair(1, kUpgradeFrom1), std::pair(2, kUpgradeFrom2)}) {

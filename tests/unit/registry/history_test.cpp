@@ -140,6 +140,18 @@ TEST(History, FileOfTheSecondVersion_TakesCommands) {
     }
 }
 
+TEST(History, FileOfALaterVersion_IsAFaultAndStaysAsItIs) {
+    const HistoryFile file;
+    make(file, "PRAGMA user_version=4");
+    try {
+        History history({.path = file.path()});
+        FAIL();
+    } catch (const HistoryFault& fault) {
+        EXPECT_THAT(fault.what(), HasSubstr("later version"));
+        EXPECT_FALSE(fault.damaged);
+    }
+}
+
 TEST(History, Pages_HoldEachRowOnce) {
     const HistoryFile file;
     History history({.path = file.path()});
