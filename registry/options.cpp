@@ -111,7 +111,8 @@ Expected<std::vector<std::string>> parse_value_patterns(const std::string& text)
         const auto comma = std::min(text.find(',', at), text.size());
         const auto pattern = text.substr(at, comma - at);
         const auto slash = pattern.find('/');
-        const bool whole = slash != std::string::npos && slash > 0 && slash + 1 < pattern.size();
+        const bool whole = slash != std::string::npos && slash > 0 && slash + 1 < pattern.size() &&
+                           pattern.find(' ') == std::string::npos;
         if (pattern != "named" && !whole)
             return fail("\"" + pattern + "\" is neither named nor BOARD/PROPERTY, such as desk/temperature");
         if (whole) patterns.push_back(pattern);

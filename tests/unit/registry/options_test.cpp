@@ -35,6 +35,20 @@ TEST(RegistryOptions, Sizes_AreBytesWithAUnit) {
         EXPECT_FALSE(history_bytes(bad)) << bad;
 }
 
+TEST(RegistryOptions, PatternsOfValues_AreNamedOrBoardAndProperty) {
+    const auto patterns = [](const std::string& text) {
+        const TempDir folder;
+        const auto file = folder.write("asip.conf", "values = " + text + "\n");
+        const char* const arguments[] = {"asip-registry", "--config", file.c_str()};
+        const auto options = read_options(3, arguments);
+        return options ? std::optional(options->values) : std::nullopt;
+    };
+    EXPECT_EQ(patterns("named,desk/*,*/*/temperature"),
+              (std::vector<std::string>{"desk/*", "*/*/temperature"}));
+    for (const auto* bad : {"desk", "desk/", "/x", "named,", "none,desk/*", "desk/a, lamp/*", "named, */*"})
+        EXPECT_FALSE(patterns(bad)) << bad;
+}
+
 std::optional<std::array<Duration, 3>> ages_of_values(const std::string& text) {
     const TempDir folder;
     const auto file = folder.write("asip.conf", "values-age = " + text + "\n");
