@@ -36,7 +36,7 @@ Row row_of(const SecureFolder& folder, const SecuredUser& user) {
             user.made,
             {},
             std::filesystem::exists(file) ? file.string() : std::string(),
-            std::string(rights_of(user.role))};
+            rights_of(user.with_rights()) + (user.boards ? ": those with the labels " + user.selector : "")};
 }
 
 Row broker_row(const SecureFolder& folder, const SecuredBus& bus, Environment& environment) {
@@ -109,6 +109,7 @@ std::string stray_option(const SecureOptions& options) {
     if (options.dry_run && !init && action != "undo") return "--dry-run";
     if (options.yes && !init) return "--yes";
     if (options.here && action != "add") return "--here";
+    if (options.selector && (action != "add" || options.what != "operator")) return "--selector";
     if (!options.hosts.empty() && !init && !broker) return "--host";
     if (options.port != kDefaultPort && !init) return "--port";
     if (!options.mosquitto.empty() && !init) return "--mosquitto";
@@ -132,7 +133,7 @@ int run_secure(const SecureOptions& options, Environment& environment) {
     }
     SecureReport report(options.output, environment);
     const auto done = options.action == "init"  ? secure_init(options, environment, report)
-                      : options.action == "add" ? secure_add(options, report)
+                      : options.action == "add" ? secure_add(options, environment, report)
                       : options.action == "link" || options.action == "unlink" ? secure_link(options, report)
                       : options.action == "undo"   ? secure_undo(options, environment, report)
                       : options.action == "revoke" ? secure_revoke(options, environment, report)
@@ -166,6 +167,8 @@ Run declare_secure(Declaration& verb) {
                 "init: folder of the system broker's configuration; default for root: /etc/mosquitto/conf.d");
     verb.option("--reload-pid", "PID", options->reload_pid,
                 "Process of the broker that has to read the change; default: found by its pid file");
+    verb.option("-l,--selector", "SELECTOR", options->selector,
+                "add operator: of the boards that have these labels now, such as class=4b, and no others");
     verb.flag("--here", options->here, "add: for a service or board of this machine, the broker's");
     verb.flag("--yes", options->yes, "init: change the system without a question, for scripts");
     verb.flag("--dry-run", options->dry_run, "init, undo: say what would be done, and do nothing");
@@ -193,6 +196,7 @@ Verb secure_verb() {
         "  asipctl secure init --host pi.local\n"
         "  asipctl secure add board uno1\n"
         "  asipctl secure add operator ann\n"
+        "  asipctl secure add operator eve -l class=4b\n"
         "  asipctl secure add registry\n"
         "  asipctl secure link lamp desk\n"
         "  asipctl secure revoke uno1\n"

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
@@ -18,9 +19,10 @@ struct SecureOptions {
     std::vector<std::string> hosts;
     std::size_t port = 8883;
     std::optional<std::size_t> reload_pid;
-    bool here = false;     ///< add: for a service of this machine
-    bool yes = false;      ///< init: changes the system without a question
-    bool dry_run = false;  ///< init, undo: only say what would be done
+    SelectorText selector{};  ///< add operator: of the boards with these labels
+    bool here = false;        ///< add: for a service of this machine
+    bool yes = false;         ///< init: changes the system without a question
+    bool dry_run = false;     ///< init, undo: only say what would be done
     OutputOptions output{};
 };
 

@@ -212,7 +212,7 @@ Outcome<void> secure_init(const SecureOptions& options, const Environment& envir
     return done;
 }
 
-Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
+Outcome<void> secure_add(const SecureOptions& options, const Environment& environment, SecureReport& report) {
     const auto role = parse_role(options.what);
     if (!role) {
         return failure(
@@ -233,13 +233,26 @@ Outcome<void> secure_add(const SecureOptions& options, SecureReport& report) {
                        "--here is for root on the broker's machine, with the services of the packages "
                        "(/etc/asip/credentials is made by asip-common)");
     }
-    for (const auto& name : names)
+    const auto boards = labelled_boards(options.selector, environment, *folder, *bus);
+    if (!boards) return tl::unexpected(boards.error());
+    for (const auto& name : names) {
         if (auto done = ensure_user(*folder, *bus, name, *role, report); !done) return done;
+        if (*boards) give_boards(*bus, name, **boards, *options.selector, report);
+    }
     if (auto done = write_users(*folder, *bus); !done) return done;
     report_reload(*folder, *bus, options.reload_pid, report);
     if (options.here) {
         const auto changed = give_to_services(*folder, *bus, names, report);
         return changed ? restart_services(false, *changed, report) : tl::unexpected(changed.error());
+    }
+    if (*boards) {
+        std::string again = "asipctl secure" + in_folder(options) + " add operator";
+        for (const auto& name : names)
+            again += " " + name;
+        report.next(
+            "boards that get these labels later are not among them, and those that lose them stay: renew it "
+            "by",
+            again + " -l '" + *options.selector + "'");
     }
     for (const auto& name : names) {
         const auto file = folder->credentials(name);

@@ -10,7 +10,7 @@ namespace asip::cli {
 std::filesystem::path secure_folder(const SecureOptions& options);
 
 Outcome<void> secure_init(const SecureOptions& options, const Environment& environment, SecureReport& report);
-Outcome<void> secure_add(const SecureOptions& options, SecureReport& report);
+Outcome<void> secure_add(const SecureOptions& options, const Environment& environment, SecureReport& report);
 Outcome<void> secure_revoke(const SecureOptions& options, const Environment& environment,
                             SecureReport& report);
 Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report);

@@ -27,6 +27,16 @@ Expected<SecuredUser> read_user(const json& object) {
     if (!role) return fail("a user without a role");
     SecuredUser user{text_member(object, "name"), *role, text_member(object, "password"),
                      text_member(object, "made")};
+    if (const auto boards = object.find("boards"); boards != object.end()) {
+        if (!boards->is_array()) return fail("user " + user.name + " has boards that are no list");
+        user.boards.emplace();
+        for (const auto& board : *boards) {
+            if (!board.is_string() || !explain_user_name(board.get<std::string>(), Role::kBoard).empty())
+                return fail("user " + user.name + " has a board without a valid name");
+            user.boards->insert(board.get<std::string>());
+        }
+        user.selector = text_member(object, "selector");
+    }
     if (!explain_user_name(user.name, user.role).empty()) return fail("a user without a valid name");
     if (user.hash.find_first_of(" \r\n") != std::string::npos || !user.hash.starts_with("$7$"))
         return fail("user " + user.name + " has no password");
@@ -48,6 +58,7 @@ std::string write_bus(const SecuredBus& bus) {
                          {"role", std::string(name_of(user.role))},
                          {"password", user.hash},
                          {"made", user.made}});
+        if (user.boards) users.back().update({{"boards", *user.boards}, {"selector", user.selector}});
     }
     return model::dump_json_pretty({{"version", 1},
                                     {"hosts", bus.hosts},
@@ -97,7 +108,7 @@ std::string password_lines(const SecuredBus& bus) {
 std::string rule_lines(const SecuredBus& bus) {
     std::vector<RoleOfUser> users;
     for (const auto& user : bus.users)
-        if (user.role != Role::kBoard) users.push_back({user.name, user.role});
+        if (user.role != Role::kBoard) users.push_back(user.with_rights());
     return access_rules(bus.topic_root, users) + source_rules(bus);
 }
 

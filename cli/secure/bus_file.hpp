@@ -15,8 +15,12 @@ namespace asip::cli {
 struct SecuredUser {
     std::string name;
     Role role = Role::kViewer;
-    std::string hash;  ///< see mosquitto_hash()
-    std::string made;  ///< ISO 8601
+    std::string hash;        ///< see mosquitto_hash()
+    std::string made;        ///< ISO 8601
+    SomeBoards boards{};     ///< those that an operator commands
+    std::string selector{};  ///< labels by which they were found, for the command that finds them again
+
+    RoleOfUser with_rights() const { return {name, role, boards}; }
 };
 
 /// Everything that the broker reads follows from it.

@@ -119,7 +119,7 @@ Outcome<int> secure_check(const SecureOptions& options, Environment& environment
             return tl::unexpected(done.error());
     }
     for (const auto& [user, own] : users) {
-        auto trials = trials_of({user.name, user.role}, bus->topic_root, stranger);
+        auto trials = trials_of(user.with_rights(), bus->topic_root, stranger);
         if (user.role == Role::kBoard)
             for (auto& each : source_trials(*bus, user.name, stranger))
                 trials.push_back(std::move(each));

@@ -96,7 +96,7 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
         session->run_for(kBrokerPause);
     }
     if (!connected) return cannot(connected.error().text);
-    for (const auto& [name, role] : gone) {
+    for (const auto& [name, role, boards] : gone) {
         const auto left = clear_all_retained(admin, *session, filters_of(admin.topics, name));
         if (!left) return cannot(left.error().text);
         clear_links(admin, *session, name, folder.path().string(), report);
@@ -105,7 +105,7 @@ void clear_leftovers(const SecureFolder& folder, const SecuredBus& bus, const st
     }
     const auto retained = read_retained(admin, *session, {bus.topic_root + "/#", "homeassistant/device/#"});
     if (!retained) return cannot(retained.error().text);
-    for (const auto& [name, role] : gone) {
+    for (const auto& [name, role, boards] : gone) {
         const auto unnamed = unnamed_of(admin.topics, *retained, role);
         if (unnamed.empty()) continue;
         report.next(

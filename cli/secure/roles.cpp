@@ -96,9 +96,21 @@ Rights beyond_all(const TopicRule& rule, Role role) {
     return rights;
 }
 
+/// A viewer's lines, and those that command these boards.
+std::string lines_of_boards(const RoleOfUser& user, const std::string& root) {
+    std::string text;
+    for (const auto& rule : topic_rules()) {
+        text += lines_for(rule, beyond_all(rule, Role::kViewer), root, user.name);
+        if (!rule.of_some_boards()) continue;
+        for (const auto& board : *user.boards)
+            text += line_for(rule, "write", Right::kWriteOfBoard, root, board);
+    }
+    return text;
+}
+
 std::string section(const RoleOfUser& user, const std::string& root) {
-    std::string text = "\n# " + user.name + ", " + std::string(name_of(user.role)) + ": " +
-                       std::string(rights_of(user.role)) + "\nuser " + user.name + "\n";
+    std::string text = "\n# " + user.name + ", " + std::string(name_of(user.role)) + ": " + rights_of(user) +
+                       "\nuser " + user.name + "\n";
     if (user.role == Role::kBoard) return {};
     if (user.role == Role::kAdmin) {
         text += "topic readwrite " + root + "/#\n";
@@ -114,6 +126,7 @@ std::string section(const RoleOfUser& user, const std::string& root) {
             text += "topic deny " + root + "/" + whole.replace(whole.find("%u"), 2, user.name) + "\n";
         }
     }
+    if (user.boards) return text + lines_of_boards(user, root);
     if (user.role == Role::kOperator || user.role == Role::kGateway)
         for (const auto topic : kNoCommand)
             text += "topic deny " + root + "/" + std::string(topic) + "\n";
@@ -134,8 +147,10 @@ std::optional<Role> parse_role(std::string_view word) {
     return std::nullopt;
 }
 
-std::string_view rights_of(Role role) {
-    return description_of(role).rights;
+std::string rights_of(const RoleOfUser& user) {
+    if (!user.boards) return std::string(description_of(user.role).rights);
+    return "reads what boards report, asks registries, commands and stops " +
+           (user.boards->empty() ? "no board" : joined(*user.boards));
 }
 
 std::string explain_user_name(std::string_view name, Role role) {
@@ -147,6 +162,13 @@ std::string explain_user_name(std::string_view name, Role role) {
         return "'" + std::string(name) + "' is reserved: it ends the topics of services";
     if (name == "broker") return "'broker' is reserved for the broker itself";
     return model::explain_board_name(name);
+}
+
+std::string joined(const std::set<std::string>& names) {
+    std::string text;
+    for (const auto& name : names)
+        text += (text.empty() ? "" : ", ") + name;
+    return text;
 }
 
 std::string access_rules(const std::string& root, const std::vector<RoleOfUser>& users) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,14 +21,20 @@ enum class Role {
 
 std::string_view name_of(Role role);  ///< `board`, `operator`, ...
 std::optional<Role> parse_role(std::string_view word);
-/// "reads what boards report, commands boards".
-std::string_view rights_of(Role role);
+
+/// Nothing: every board.
+using SomeBoards = std::optional<std::set<std::string>>;
+
+std::string joined(const std::set<std::string>& names);  ///< "uno1, uno2"
 
 struct RoleOfUser {
     std::string name;
     Role role = Role::kViewer;
+    SomeBoards boards{};  ///< those that an operator commands
 };
 
+/// "reads what boards report, commands boards".
+std::string rights_of(const RoleOfUser& user);
 /// Empty: it can. Names are those of boards; `registry` is left to registries.
 std::string explain_user_name(std::string_view name, Role role);
 

@@ -10,11 +10,6 @@
 #include "cli/secure/users.hpp"
 
 namespace asip::cli {
-namespace {
-
-constexpr const char* kNoService = "$check";  // no service can be called so
-
-}  // namespace
 
 std::string source_rules(const SecuredBus& bus) {
     const bus::Topics topics(bus.topic_root);

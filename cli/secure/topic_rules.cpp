@@ -284,7 +284,9 @@ std::string_view level_named(const TopicRule& rule, std::string_view topic, std:
 
 bool allows(const TopicRule& rule, const RoleOfUser& user, std::string_view topic, bool write) {
     if (user.role == Role::kAdmin) return true;
-    const auto rights = rule.of(user.role);
+    if (write && user.boards && rule.of_some_boards())
+        return user.boards->contains(std::string(level_named(rule, topic, "BOARD")));
+    const auto rights = rule.of(user.boards ? Role::kViewer : user.role);
     return std::any_of(rights.begin(), rights.end(), [&](Right right) {
         switch (right) {
             case kRead:

@@ -32,6 +32,9 @@ struct TopicRule {
     Rights home_assistant{};  ///< Home Assistant, which may nothing else
     bool outside = false;     ///< `topic` stands beside the topic root, not below it
 
+    /// Where an operator of some boards commands these. Labels, firmware and what resumes a board come on
+    /// BOARD/in: those are for operators of all boards.
+    bool of_some_boards() const { return topic == "BOARD/$stop" || topic == "BOARD/SERVICE/in"; }
     Rights of(Role role) const;  ///< not for Role::kAdmin, who may do everything
 };
 

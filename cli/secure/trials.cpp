@@ -12,7 +12,8 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
     const bool admin = user.role == Role::kAdmin;
     const bool registry = user.role == Role::kRegistry;
     const bool home = user.role == Role::kHomeAssistant;
-    const bool commands = admin || user.role == Role::kOperator || user.role == Role::kGateway;
+    const bool commands =
+        admin || (user.role == Role::kOperator && !user.boards) || user.role == Role::kGateway;
     const std::vector<std::string> requests{topics.board_in(stranger), topics.service_in(stranger, "io"),
                                             topics.stop(stranger)};
     const std::vector<std::string> values{topics.board_out(stranger), topics.service_out(stranger, "io"),
@@ -46,6 +47,9 @@ std::vector<Trial> trials_of(const RoleOfUser& user, const std::string& root, co
     if (!admin) publish("name boards on the shared topic", false, {topics.board_names()});
     publish("answer for other boards", admin, {answers(stranger)});
     publish("command boards", commands, requests);
+    if (user.boards)
+        for (const auto& name : *user.boards)
+            made.push_back({user.name, "command " + name, true, {topics.service_in(name, kNoService)}, {}});
     if (!registry) {
         publish("demand values", !board && !home, {topics.demand(stranger, user.name + "/check")});
         publish("set links", commands, {topics.link(stranger, user.name + "/check")});

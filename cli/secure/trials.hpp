@@ -7,6 +7,9 @@
 
 namespace asip::cli {
 
+/// No service can be called so: what is published for it harms no board.
+inline constexpr const char* kNoService = "$check";
+
 /// What a user should, or should not, be able to do: one row of `asipctl secure check`.
 struct Trial {
     std::string user;  ///< empty: a connection without user

@@ -7,6 +7,8 @@
 #include "asip/text/file_text.hpp"
 #include "asip/text/nearest.hpp"
 #include "asip/text/wall_time.hpp"
+#include "cli/ask/board_source.hpp"
+#include "cli/secure/leftovers.hpp"
 #include "cli/secure/secrets.hpp"
 
 namespace asip::cli {
@@ -28,7 +30,9 @@ Outcome<bool> write_credentials(const SecureFolder& folder, const SecuredBus& bu
 }
 
 std::string who(const SecuredUser& user) {
-    return std::string(name_of(user.role)) + " " + user.name;
+    std::string text = std::string(name_of(user.role)) + " " + user.name;
+    if (user.boards) text += " of " + (user.boards->empty() ? "no board" : joined(*user.boards));
+    return text;
 }
 
 }  // namespace
@@ -68,6 +72,43 @@ Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std
     return {};
 }
 
+void give_boards(SecuredBus& bus, const std::string& name, const std::set<std::string>& boards,
+                 const std::string& selector, SecureReport& report) {
+    const auto user = std::find_if(bus.users.begin(), bus.users.end(),
+                                   [&name](const auto& one) { return one.name == name; });
+    const bool same = user->boards == boards && user->selector == selector;
+    user->boards = boards;
+    user->selector = selector;
+    report.did(same ? "kept" : "changed", "boards that " + name + " commands, which have the labels " +
+                                              selector + ": " + joined(boards));
+}
+
+Outcome<SomeBoards> labelled_boards(const SelectorText& selector, const Environment& environment,
+                                    const SecureFolder& folder, const SecuredBus& bus) {
+    if (!selector) return SomeBoards();
+    const auto labels = parse_selector(selector);
+    if (!labels) return tl::unexpected(labels.error());
+    auto mqtt = options_of(folder, "admin");
+    if (!mqtt) return tl::unexpected(mqtt.error());
+    Environment admin = environment;
+    admin.mqtt = std::move(*mqtt);
+    admin.topics = bus::Topics(bus.topic_root);
+    BusSession session(admin);
+    BoardSource source(admin, session);
+    if (auto connected = session.connect(); !connected) return tl::unexpected(connected.error());
+    const auto found = choose_boards(source, {.board = "*", .service = {}}, *labels);
+    if (!found) return tl::unexpected(found.error());
+    std::set<std::string> names;
+    // A registry could announce a board where something else of the bus is, such as reply.
+    for (const auto& [item, description, fault] : *found)
+        if (const auto* user = bus.find(item.board); user != nullptr && user->role == Role::kBoard)
+            names.insert(item.board);
+    if (names.empty())
+        return failure(program::kExitFailure, "no board with labels " + labels->text() +
+                                                  " has credentials of this bus: asipctl secure show");
+    return names;
+}
+
 Outcome<void> check_known(const SecuredBus& bus, const std::string& name) {
     if (bus.find(name) != nullptr) return {};
     std::vector<std::string> names;
@@ -103,6 +144,9 @@ Outcome<void> remove_user(const SecureFolder& folder, SecuredBus& bus, const std
     report.did("removed", who(*bus.find(name)));
     if (removed) report.did("removed", "its credentials", folder.credentials(name));
     std::erase_if(bus.users, [&name](const auto& one) { return one.name == name; });
+    // Another board of that name is nobody's yet.
+    for (auto& user : bus.users)
+        if (user.boards) user.boards->erase(name);
     bus.reads.erase(name);
     for (auto& [board, sources] : bus.reads)
         sources.erase(name);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "cli/find/chosen_boards.hpp"
 #include "cli/secure/folder.hpp"
 #include "cli/secure/report.hpp"
 
@@ -10,6 +11,13 @@ namespace asip::cli {
 /// changed and not yet saved.
 Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name, Role role,
                           SecureReport& report);
+
+/// Those that the labels choose now, as the administrator sees the bus; nothing: there is no selector.
+Outcome<SomeBoards> labelled_boards(const SelectorText& selector, const Environment& environment,
+                                    const SecureFolder& folder, const SecuredBus& bus);
+/// The operator, who must be there, commands these and no others from now on.
+void give_boards(SecuredBus& bus, const std::string& name, const std::set<std::string>& boards,
+                 const std::string& selector, SecureReport& report);
 
 /// Fails, with the nearest name, when there is no such user.
 Outcome<void> check_known(const SecuredBus& bus, const std::string& name);

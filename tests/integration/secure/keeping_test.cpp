@@ -18,7 +18,6 @@ class KeptBus : public SecuredBus {
         add({"board", "uno1", "uno2"});
         start_broker();
     }
-    Words reload() const { return {"--reload-pid", std::to_string(broker_->pid())}; }
     std::string all_files() const {
         return run({"sh", "-c",
                     "cd '" + folder() + "' && find . -type f ! -name '*.pid' | sort | xargs sha256sum"})
@@ -122,6 +121,53 @@ TEST_F(KeptBus, LinkedAgent_HearsItsSourceAloneUntilItIsUnlinkedOrTheSourceRevok
     ASSERT_EQ(secure(Words{"add", "board", "uno2"} + reload()).status, 0);
     EXPECT_TRUE(wait_until([&] { return may_publish("uno2", "asip/uno2/io/out"); }));
     EXPECT_FALSE(hears(heard.back())) << "another board of that name";
+}
+
+/// docs/tls-and-access.md, "Boards by label".
+TEST_F(KeptBus, OperatorByLabel_CommandsTheBoardsOfThatMomentUntilItIsRenewedOrTheBoardRevoked) {
+    const Words add_eve{"add", "operator", "eve", "-l", "class=4b"};
+    const auto none = secure(add_eve + reload());
+    EXPECT_NE(none.status, 0);
+    EXPECT_NE(none.errors.find("no board is like * with labels class=4b"), std::string::npos) << none.errors;
+    EXPECT_FALSE(std::filesystem::exists(credentials("eve")));
+    announce("uno1", R"({"class":"4b"})");
+    announce("uno2", R"({"class":"4a"})");
+    const auto added = secure(add_eve + reload());
+    ASSERT_EQ(added.status, 0) << added.errors;
+    EXPECT_NE(added.output.find("have the labels class=4b: uno1\n"), std::string::npos) << added.output;
+    EXPECT_NE(added.output.find("add operator eve -l 'class=4b'"), std::string::npos) << added.output;
+    const auto commands = [&](const char* topic) { return may_publish("eve", topic); };
+    EXPECT_TRUE(wait_until([&] { return commands("asip/uno1/io/in"); }));
+    EXPECT_TRUE(commands("asip/uno1/$stop"));
+    for (const char* topic : {"asip/uno1/in", "asip/uno1/$link/eve/c", "asip/uno2/io/in", "asip/uno2/$stop",
+                              "asip/registry/forget", "asip/export/dashboard/n1"})
+        EXPECT_FALSE(commands(topic)) << topic;
+    EXPECT_TRUE(may_read("eve", "asip/uno2/io/out"));
+    const auto shown = secure({"show", "eve"});
+    EXPECT_NE(shown.output.find("uno1: those with the labels class=4b"), std::string::npos) << shown.output;
+    EXPECT_EQ(secure({"check", "eve"}).status, 0);
+
+    announce("uno2", R"({"class":"4b"})");
+    EXPECT_FALSE(commands("asip/uno2/io/in")) << "a label that is set later gives nobody a right";
+    const auto kept = secure(Words{"add", "operator", "eve"} + reload());
+    EXPECT_NE(kept.output.find("kept     operator eve of uno1"), std::string::npos) << kept.output;
+    EXPECT_FALSE(commands("asip/uno2/io/in")) << "nor does the name alone";
+    ASSERT_EQ(secure(add_eve + reload()).status, 0);
+    EXPECT_TRUE(wait_until([&] { return commands("asip/uno2/io/in"); }));
+    ASSERT_EQ(secure(Words{"revoke", "uno2"} + reload()).status, 0);
+    ASSERT_EQ(secure(Words{"add", "board", "uno2"} + reload()).status, 0);
+    EXPECT_TRUE(wait_until([&] { return may_publish("uno2", "asip/uno2/io/out"); }));
+    EXPECT_FALSE(commands("asip/uno2/io/in")) << "another board of that name";
+    EXPECT_TRUE(commands("asip/uno1/io/in"));
+}
+
+TEST_F(KeptBus, LabelsForAnotherRole_AreRefused_AndNothingIsDone) {
+    for (const char* role : {"viewer", "board", "gateway"}) {
+        const auto refused = secure(Words{"add", role, "eve", "-l", "class=4b"} + reload());
+        EXPECT_EQ(refused.status, 2) << role;
+        EXPECT_NE(refused.errors.find("has no --selector"), std::string::npos) << refused.errors;
+    }
+    EXPECT_EQ(secure({"show", "eve"}).status, 1);
 }
 
 /// No topic says whose a command is. It would be executed again by whatever subscribes to it.

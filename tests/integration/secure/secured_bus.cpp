@@ -41,6 +41,16 @@ BusProbe::Options SecuredBus::probe_options(const std::string& user) const {
     return options;
 }
 
+void SecuredBus::announce(const std::string& board, const std::string& labels) const {
+    auto agent = probe(board, {});
+    agent.publish("asip/servicebus/" + board + "/$description",
+                  R"({"board":")" + board +
+                      R"(","session":"5f3a9c01","seq":1,"lease":600,"services":[],"labels":)" + labels + "}",
+                  true);
+    agent.publish("asip/servicebus/" + board + "/$state", "online", true);
+    if (!wait_until([&] { return agent.all_acknowledged(); })) throw std::runtime_error(broker_log());
+}
+
 bool SecuredBus::may_publish(const std::string& user, const std::string& topic) const {
     // A program and a connection of its own: libmosquitto may lose the connection over a refusal.
     const auto options = probe_options(user);

@@ -49,6 +49,9 @@ class SecuredBus : public ::testing::Test {
     bool may_read(const std::string& user, const std::string& topic) const;
     /// Whether the broker accepts a connection with these options of mosquitto_pub.
     bool may_connect(const Words& options) const;
+    /// The board announces itself, as far as its labels.
+    void announce(const std::string& board, const std::string& labels) const;
+    Words reload() const { return {"--reload-pid", std::to_string(broker_->pid())}; }
     std::string broker_log() const { return broker_->errors(); }
 
     TempDir place_;

@@ -51,9 +51,11 @@ class TableOfRules : public SecuredBus {
     }
     void try_all(const RoleOfUser& user) {
         std::vector<cli::Trial> trials;
+        Words boards{user.name, "uno2", "registry"};
+        if (user.boards) boards.insert(boards.end(), user.boards->begin(), user.boards->end());
         for (const auto& rule : cli::topic_rules()) {
             for (const auto& asker : {user.name, std::string("carol")}) {
-                for (const auto& board : {user.name, std::string("uno2"), std::string("registry")}) {
+                for (const auto& board : boards) {
                     // No person may be taken for a board of its name: see below.
                     const bool person = user.role != Role::kBoard && user.role != Role::kRegistry;
                     if (person && board == user.name) continue;
@@ -89,6 +91,12 @@ TEST_F(TableOfRules, Viewer) {
 }
 TEST_F(TableOfRules, Operator) {
     try_all({"ann", Role::kOperator});
+}
+TEST_F(TableOfRules, OperatorOfSomeBoards) {
+    announce("uno1", R"({"class":"4b"})");
+    ASSERT_EQ(secure(Words{"add", "operator", "eve", "-l", "class=4b"} + reload()).status, 0);
+    ASSERT_TRUE(wait_until([&] { return may_publish("eve", "asip/uno1/$stop"); }));
+    try_all({"eve", Role::kOperator, {{"uno1"}}});
 }
 TEST_F(TableOfRules, Registry) {
     try_all({"registry", Role::kRegistry});

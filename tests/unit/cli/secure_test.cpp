@@ -91,6 +91,20 @@ TEST(SecureRoles, ViewerAndRegistry_HaveNoLineThatCommands) {
     }
 }
 
+TEST(SecureRoles, OperatorOfSomeBoards_HasTheLinesOfAViewerAndThoseOfItsBoards) {
+    const auto of = [](Role role, SomeBoards boards) {
+        const auto rules = access_rules("asip", {{"bob", role, std::move(boards)}});
+        return rules.substr(rules.find("user bob"));
+    };
+    auto rules = of(Role::kOperator, {{"uno1"}});
+    for (const std::string line : {"topic write asip/uno1/+/in\n", "topic write asip/uno1/$stop\n"}) {
+        ASSERT_THAT(rules, HasSubstr(line));
+        rules.erase(rules.find(line), line.size());
+    }
+    EXPECT_EQ(rules, of(Role::kViewer, {}));
+    EXPECT_EQ(of(Role::kOperator, std::set<std::string>()), of(Role::kViewer, {})) << "its boards are gone";
+}
+
 TEST(SecureRoles, Nobody_WritesWhereNoRuleCanTellTheSender) {
     const auto rules = access_rules("asip", {{"ann", Role::kOperator}, {"registry", Role::kRegistry}});
     EXPECT_THAT(rules, Not(HasSubstr("write asip/servicebus\n")));
@@ -184,7 +198,11 @@ TEST(SecureBusFile, ShippedConfiguration_IsTheOneThatIsMade) {
 }
 
 TEST(SecureBusFile, WrittenAndRead_IsTheSame) {
-    const auto bus = a_bus();
+    auto bus = a_bus();
+    bus.users.push_back(bus.users.back());
+    bus.users.back().name = "eve";
+    bus.users.back().boards = std::set<std::string>{"uno1"};
+    bus.users.back().selector = "class=4b";
     const auto read = read_bus(write_bus(bus));
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(write_bus(*read), write_bus(bus));
@@ -193,7 +211,9 @@ TEST(SecureBusFile, WrittenAndRead_IsTheSame) {
 }
 
 TEST(SecureBusFile, DamagedFile_IsRefusedAndGivesNobodyAccess) {
-    const auto good = write_bus(a_bus());
+    auto bus = a_bus();
+    bus.users.back().boards = std::set<std::string>{"b1"};
+    const auto good = write_bus(bus);
     const auto with = [&good](const std::string& what, const std::string& other) {
         auto text = good;
         text.replace(text.find(what), what.size(), other);
@@ -206,6 +226,9 @@ TEST(SecureBusFile, DamagedFile_IsRefusedAndGivesNobodyAccess) {
     EXPECT_FALSE(with("\"version\": 1", "\"version\": 2"));
     EXPECT_FALSE(with("\"operator\"", "\"king\""));
     EXPECT_FALSE(with("\"ann\"", "\"ann\\nuser x\""));
+    EXPECT_FALSE(with("\"b1\"", "\"+\""));
+    EXPECT_FALSE(with("\"b1\"", "\"reply\""));
+    EXPECT_FALSE(with("\"boards\": [", "\"boards\": 1, \"x\": ["));
     EXPECT_FALSE(with("$7$", "plain"));
     EXPECT_FALSE(with("8883", "88830"));
     EXPECT_FALSE(with("\"asip\"", "\"#\""));
