@@ -181,9 +181,8 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     // too, and the description that came with a stop may have come and gone while nothing was heard.
     const bool gone_otherwise =
         !there && !model::is_there(b.reported) && *reported != b.reported && (live || published);
-    // It was there again behind all that is known of it, and the broker has forgotten the description that
-    // said so: its lease is over, and when it ended is not known.
-    const bool was_back = there && b.says_state && !live && published && !model::is_there(b.effective) &&
+    // It was there again behind all that is known of it.
+    const bool was_back = there && !live && published && !model::is_there(b.effective) &&
                           *published > std::max(b.said_at, b.since);
     const bool again = !live && published && *published <= b.said_at + kApart && *reported == b.reported;
     if ((!b.says_state && !again) || (!there && model::is_there(b.reported)) || gone_otherwise || was_back) {
@@ -191,11 +190,17 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
         if (!live && published) since = *published;
         say(b, {*reported, model::reason_of_word(*reported)}, since, now);
     }
-    if (was_back) b.deadline = b.since = Time{};
+    const auto lease = std::chrono::seconds(b.lease_seconds);
+    if (there && published && b.described && !b.says_state)
+        b.deadline = std::max(b.deadline, *published + lease);
+    // The broker has forgotten the description that said so: when the lease ended is not known.
+    if (was_back && (b.says_state || b.deadline <= now)) b.deadline = b.since = Time{};
     if (!there && b.reported == *reported) b.epoch_gone = epoch_;
-    b.said_at = std::max(b.said_at, published.value_or(live ? now : Time{}));
+    // Beside descriptions that hold the state, a word that the board is there says nothing: the description
+    // that came with it may never be heard.
+    if (!there || !b.says_state) b.said_at = std::max(b.said_at, published.value_or(live ? now : Time{}));
     if (live && !b.says_state && there) {
-        b.deadline = now + std::chrono::seconds(b.lease_seconds);
+        b.deadline = now + lease;
         heard(b, now);
     } else if (live) {
         b.epoch_heard = epoch_;

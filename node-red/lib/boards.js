@@ -174,8 +174,8 @@ class Boards {
     this.heard = true;
     this.epoch += 1;
     for (const board of this.all.values()) {
-      // The lease of a board of which a word alone was heard is a guess.
-      if (isThereWord(board.effective)) board.deadline = Math.max(board.described ? board.deadline : -Infinity, now + Math.min(GRACE, board.lease));
+      if (!board.described) board.deadline = -Infinity; // the lease of a board of which words alone were heard was a guess
+      if (isThereWord(board.effective)) board.deadline = Math.max(board.deadline, now + Math.min(GRACE, board.lease));
       else board.keptUntil = now + GRACE;
     }
   }
@@ -227,17 +227,20 @@ class Boards {
     // The newer of two words counts, also where both say that it is not there: a will comes after a stop, too, and the description that came
     // with a stop may have come and gone while nothing was heard.
     const goneOtherwise = !there && !isThereWord(board.reported) && word !== board.reported && (!retained || published !== undefined);
-    // It was there again behind all that is known of it, and the broker has forgotten the description that said so: its lease is over, and
-    // when it ended is not known.
-    const wasBack = there && board.saysState && retained && !isThereWord(board.effective) && published > Math.max(board.saidAt, board.since);
+    // It was there again behind all that is known of it.
+    const wasBack = there && retained && !isThereWord(board.effective) && published > Math.max(board.saidAt, board.since);
     const again = retained && published <= board.saidAt + APART && word === board.reported;
     if ((!board.saysState && !again) || (!there && isThereWord(board.reported)) || goneOtherwise || wasBack) {
       const moment = !retained && (!known || word !== board.reported) ? now : -Infinity;
       board.say(word, REASON_OF_WORD[word] ?? '', retained && published !== undefined ? published : moment, now);
     }
-    if (wasBack) board.deadline = board.since = -Infinity;
+    if (there && published !== undefined && board.described && !board.saysState) board.deadline = Math.max(board.deadline, published + board.lease);
+    // The broker has forgotten the description that said so: when the lease ended is not known.
+    if (wasBack && (board.saysState || board.deadline <= now)) board.deadline = board.since = -Infinity;
     if (!there && board.reported === word) board.epochGone = this.epoch;
-    board.saidAt = Math.max(board.saidAt, published ?? (retained ? -Infinity : now));
+    // Beside descriptions that hold the state, a word that the board is there says nothing: the description that came with it may never be
+    // heard.
+    if (!there || !board.saysState) board.saidAt = Math.max(board.saidAt, published ?? (retained ? -Infinity : now));
     if (!retained && !board.saysState && there) Object.assign(board, { deadline: now + board.lease, lastHeard: now });
     if (!retained) board.epochHeard = this.epoch;
     return board.update(now, !known) ? board : undefined;

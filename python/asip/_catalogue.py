@@ -47,9 +47,10 @@ class Catalogue:
         self.unheard_since = None
         self._epoch += 1
         for entry in self.boards.values():
+            if not entry.described:  # the lease of a board of which words alone were heard was a guess
+                entry.deadline = NEVER
             if entry.effective in THERE:
-                # The lease of a board of which a word alone was heard is a guess.
-                entry.deadline = max(entry.deadline if entry.described else NEVER, now + min(_GRACE, entry.lease))
+                entry.deadline = max(entry.deadline, now + min(_GRACE, entry.lease))
             else:
                 entry.kept_until = now + _GRACE
 
@@ -230,9 +231,8 @@ class Catalogue:
         # The newer of two words counts, also where both say that it is not there: a will comes after a stop, too, and the description that
         # came with a stop may have come and gone while nothing was heard.
         gone_otherwise = not there and entry.reported not in THERE and word != entry.reported and (not retained or published is not None)
-        # It was there again behind all that is known of it, and the broker has forgotten the description that said so: its lease is over, and
-        # when it ended is not known.
-        was_back = (there and entry.says_state and retained and published is not None and entry.effective not in THERE
+        # It was there again behind all that is known of it.
+        was_back = (there and retained and published is not None and entry.effective not in THERE
                     and published > max(entry.said_at, entry.since))
         again = retained and published is not None and published <= entry.said_at + _APART and word == entry.reported
         if not entry.says_state and not again or not there and entry.reported in THERE or gone_otherwise or was_back:
@@ -240,11 +240,17 @@ class Catalogue:
             if retained and published is not None:
                 since = published
             self._say(entry, word, _REASON_OF_WORD.get(word, ""), since, now)
-        if was_back:
+        if there and published is not None and entry.described and not entry.says_state:
+            entry.deadline = max(entry.deadline, published + entry.lease)
+        # The broker has forgotten the description that said so: when the lease ended is not known.
+        if was_back and (entry.says_state or entry.deadline <= now):
             entry.deadline = entry.since = NEVER
         if not there and entry.reported == word:
             entry.epoch_gone = self._epoch
-        entry.said_at = max(entry.said_at, published if published is not None else NEVER if retained else now)
+        # Beside descriptions that hold the state, a word that the board is there says nothing: the description that came with it may
+        # never be heard.
+        if not there or not entry.says_state:
+            entry.said_at = max(entry.said_at, published if published is not None else NEVER if retained else now)
         if not retained and not entry.says_state and there:
             entry.deadline, entry.last_heard = now + entry.lease, now
         if not retained:

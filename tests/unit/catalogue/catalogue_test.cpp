@@ -199,6 +199,17 @@ TEST_F(CatalogueTest, Suspended_JudgesNoLeaseAndGivesGraceAfterwards) {
     EXPECT_EQ(state_of("uno2"), "online");
 }
 
+TEST_F(CatalogueTest, NamesWithAWordButNoDescription_HaveToBeHeardAgainBehindAnInterruption) {
+    give(board_name("uno1"));
+    give(state("uno1", "online"));
+    give(board_name("esp1"));  // takes part by names alone: its lease is the usual one
+    catalogue.suspend();
+    catalogue.resume(at(20s));
+    expire(31s);
+    EXPECT_EQ(state_of("uno1"), "lost");
+    EXPECT_EQ(state_of("esp1"), "online");
+}
+
 TEST_F(CatalogueTest, ChangesAreNumberedWithoutGap) {
     std::vector<std::uint64_t> numbers;
     const auto collect = [&](std::vector<Event> events) {
