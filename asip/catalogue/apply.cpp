@@ -193,8 +193,10 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     const auto lease = std::chrono::seconds(b.lease_seconds);
     if (there && published && b.described && !b.says_state)
         b.deadline = std::max(b.deadline, *published + lease);
+    // No description told a lease: behind an interruption the board has to be heard again.
+    if (!live && !b.described) b.deadline = std::min(b.deadline, now + options_.grace);
     // The broker has forgotten the description that said so: when the lease ended is not known.
-    if (was_back && (b.says_state || b.deadline <= now)) b.deadline = b.since = Time{};
+    if (was_back && (b.says_state || !b.described || b.deadline <= now)) b.deadline = b.since = Time{};
     if (!there && b.reported == *reported) b.epoch_gone = epoch_;
     // Beside descriptions that hold the state, a word that the board is there says nothing: the description
     // that came with it may never be heard.

@@ -146,8 +146,6 @@ void Catalogue::Impl::resume(Time now) {
     for (std::uint32_t slot = 0; slot < slots_; ++slot) {
         Board& b = board(slot);
         if (!b.in_use) continue;
-        // The lease of a board of which words and names alone were heard was a guess.
-        if (!b.described && b.state_said) b.deadline = Time{};
         const auto set = wheel_.due(slot);
         if (!model::is_there(b.effective)) {
             if (!set || *set < now + options_.grace) wheel_.set(slot, now + options_.grace, now);

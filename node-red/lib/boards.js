@@ -174,7 +174,6 @@ class Boards {
     this.heard = true;
     this.epoch += 1;
     for (const board of this.all.values()) {
-      if (!board.described) board.deadline = -Infinity; // the lease of a board of which words alone were heard was a guess
       if (isThereWord(board.effective)) board.deadline = Math.max(board.deadline, now + Math.min(GRACE, board.lease));
       else board.keptUntil = now + GRACE;
     }
@@ -235,8 +234,10 @@ class Boards {
       board.say(word, REASON_OF_WORD[word] ?? '', retained && published !== undefined ? published : moment, now);
     }
     if (there && published !== undefined && board.described && !board.saysState) board.deadline = Math.max(board.deadline, published + board.lease);
+    // No description told a lease: behind an interruption the board has to be heard again.
+    if (retained && !board.described) board.deadline = Math.min(board.deadline, now + GRACE);
     // The broker has forgotten the description that said so: when the lease ended is not known.
-    if (wasBack && (board.saysState || board.deadline <= now)) board.deadline = board.since = -Infinity;
+    if (wasBack && (board.saysState || !board.described || board.deadline <= now)) board.deadline = board.since = -Infinity;
     if (!there && board.reported === word) board.epochGone = this.epoch;
     // Beside descriptions that hold the state, a word that the board is there says nothing: the description that came with it may never be
     // heard.

@@ -47,8 +47,6 @@ class Catalogue:
         self.unheard_since = None
         self._epoch += 1
         for entry in self.boards.values():
-            if not entry.described:  # the lease of a board of which words alone were heard was a guess
-                entry.deadline = NEVER
             if entry.effective in THERE:
                 entry.deadline = max(entry.deadline, now + min(_GRACE, entry.lease))
             else:
@@ -242,8 +240,10 @@ class Catalogue:
             self._say(entry, word, _REASON_OF_WORD.get(word, ""), since, now)
         if there and published is not None and entry.described and not entry.says_state:
             entry.deadline = max(entry.deadline, published + entry.lease)
+        if retained and not entry.described:  # no description told a lease: behind an interruption the board has to be heard again
+            entry.deadline = min(entry.deadline, now + _GRACE)
         # The broker has forgotten the description that said so: when the lease ended is not known.
-        if was_back and (entry.says_state or entry.deadline <= now):
+        if was_back and (entry.says_state or not entry.described or entry.deadline <= now):
             entry.deadline = entry.since = NEVER
         if not there and entry.reported == word:
             entry.epoch_gone = self._epoch

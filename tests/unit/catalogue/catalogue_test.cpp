@@ -199,12 +199,12 @@ TEST_F(CatalogueTest, Suspended_JudgesNoLeaseAndGivesGraceAfterwards) {
     EXPECT_EQ(state_of("uno2"), "online");
 }
 
-TEST_F(CatalogueTest, NamesWithAWordButNoDescription_HaveToBeHeardAgainBehindAnInterruption) {
+TEST_F(CatalogueTest, NamesWithAStoredWordButNoDescription_HaveToBeHeardAgainBehindAnInterruption) {
     give(board_name("uno1"));
-    give(state("uno1", "online"));
     give(board_name("esp1"));  // takes part by names alone: its lease is the usual one
     catalogue.suspend();
     catalogue.resume(at(20s));
+    give(retained(state("uno1", "online")), 20s);
     expire(31s);
     EXPECT_EQ(state_of("uno1"), "lost");
     EXPECT_EQ(state_of("esp1"), "online");
