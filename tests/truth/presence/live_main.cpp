@@ -143,7 +143,7 @@ class Round {
         do {
             text = probe_->request("asip/registry/" + id + "/query", R"({"find":"boards","board":"uno1"})",
                                    kLimit);
-        } while (!text && machine_.passed(began) < kLimit);
+        } while (!text && machine_.pace().passed(began, Clock::now()) < kLimit);
         if (!text) return {"no answer", ""};
         const auto answer = json::parse(*text, nullptr, false);
         const auto items = answer.is_object() ? answer.value("items", json::array()) : json::array();
@@ -168,8 +168,9 @@ class Round {
         std::string wrong;
         do {
             wrong = difference(false);
-        } while (!wrong.empty() && machine_.passed(began) < 4 * limit + 3s);
-        const double took = std::chrono::duration<double>(machine_.passed(began)).count();
+        } while (!wrong.empty() && !machine_.pace().had_time(began, limit, Clock::now()));
+        const double took =
+            std::chrono::duration<double>(machine_.pace().passed(began, Clock::now())).count();
         slowest_ = std::max(slowest_, took / std::chrono::duration<double>(limit).count());
         if (!wrong.empty()) fail(after, wrong);
     }
@@ -180,7 +181,8 @@ class Round {
             const Time asked = Clock::now();
             const auto wrong = difference(true);
             if (wrong.empty()) continue;
-            if (!machine_.starved(asked - std::chrono::seconds(kLease))) return fail("all is quiet", wrong);
+            if (!machine_.pace().starved(asked - std::chrono::seconds(kLease), Clock::now()))
+                return fail("all is quiet", wrong);
             ++starved_;
             expect(really_, 3s, "the machine was busy");
         }

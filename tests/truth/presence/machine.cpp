@@ -2,25 +2,15 @@
 #include "tests/truth/presence/machine.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 
 namespace truth {
 
-using namespace std::chrono_literals;
 using asip::Clock;
 using asip::Duration;
 using asip::Time;
 
 namespace {
-
-constexpr Duration kSleep = 100ms;
-// More than a scheduler gives a thread at once because it slept: what comes behind that takes as long as it
-// takes a program that starts, or simulates a board.
-constexpr Duration kWork = 10ms;
-// A timer of a quiet machine is late by less.
-constexpr Duration kLateness = 1ms;
-constexpr Duration kStarved = 500ms;
 
 Duration processor_time() {
     timespec time{};
@@ -30,7 +20,28 @@ Duration processor_time() {
 
 }  // namespace
 
-Machine::Machine() : measured_{{Clock::now(), Duration{}}}, thread_([this] { measure(); }) {}
+void Pace::woke(Time due, Time done) {
+    const double slower = std::max(
+        1.0, std::chrono::duration<double>(done - due) / std::chrono::duration<double>(kWork + kLateness));
+    const auto [before, had] = measured_.back();
+    measured_.emplace_back(done, had + std::chrono::duration_cast<Duration>((done - before) / slower));
+}
+
+Duration Pace::passed(Time from, Time to) const {
+    return std::max(at(to) - at(from), Duration{});
+}
+
+Duration Pace::at(Time time) const {
+    const auto after = std::upper_bound(measured_.begin(), measured_.end(), time,
+                                        [](Time wanted, const auto& one) { return wanted < one.first; });
+    if (after == measured_.begin()) return {};
+    const auto& [before, had] = *std::prev(after);
+    // What is not measured yet is at the most what a quiet machine needs.
+    if (after == measured_.end()) return had + std::min<Duration>(time - before, kSleep + kWork);
+    const double part =
+        std::chrono::duration<double>(time - before) / std::chrono::duration<double>(after->first - before);
+    return had + std::chrono::duration_cast<Duration>((after->second - had) * part);
+}
 
 Machine::~Machine() {
     {
@@ -43,42 +54,17 @@ Machine::~Machine() {
 
 void Machine::measure() {
     for (;;) {
-        const Time due = Clock::now() + kSleep;
+        const Time due = Clock::now() + Pace::kSleep;
         {
             std::unique_lock lock(mutex_);
             if (ends_.wait_until(lock, due, [this] { return end_; })) return;
         }
         const Duration begin = processor_time();
-        while (processor_time() < begin + kWork) {
+        while (processor_time() < begin + Pace::kWork) {
         }
-        const Time done = Clock::now();
-        const double slower = std::max(1.0, std::chrono::duration<double>(done - due) /
-                                                std::chrono::duration<double>(kWork + kLateness));
         const std::lock_guard lock(mutex_);
-        const auto [before, had] = measured_.back();
-        measured_.emplace_back(done, had + std::chrono::duration_cast<Duration>((done - before) / slower));
+        pace_.woke(due, Clock::now());
     }
-}
-
-Duration Machine::at(Time time) const {
-    const auto after = std::upper_bound(measured_.begin(), measured_.end(), time,
-                                        [](Time wanted, const auto& one) { return wanted < one.first; });
-    if (after == measured_.begin()) return {};
-    const auto& [before, had] = *std::prev(after);
-    // What is not measured yet is at the most what a quiet machine needs.
-    if (after == measured_.end()) return had + std::min<Duration>(time - before, kSleep + kWork);
-    const double part =
-        std::chrono::duration<double>(time - before) / std::chrono::duration<double>(after->first - before);
-    return had + std::chrono::duration_cast<Duration>((after->second - had) * part);
-}
-
-Duration Machine::passed(Time from, Time to) const {
-    const std::lock_guard lock(mutex_);
-    return std::max(at(to) - at(from), Duration{});
-}
-
-bool Machine::starved(Time from, Time to) const {
-    return (to - from) - passed(from, to) >= kStarved;
 }
 
 }  // namespace truth
