@@ -8,6 +8,7 @@
 
 #include "asip/bus/topics.hpp"
 #include "asip/model/description.hpp"
+#include "asip/model/json.hpp"
 #include "asip/mqtt/options.hpp"
 #include "asip/text/duration.hpp"
 #include "asip/text/wall_time.hpp"
@@ -122,11 +123,22 @@ Findings check_broker(const Observations& seen) {
 }
 
 Findings check_registry(const Observations& seen) {
-    if (!seen.registry.empty()) return {fine("registry " + seen.registry + " answers")};
-    if (!seen.registries.empty()) {
+    if (!seen.registry.empty()) {
+        Findings result{fine("registry " + seen.registry + " answers")};
+        for (const auto& id : seen.registries) {
+            const auto stats = model::parse_json(retained_payload(seen, seen.topics.registry_stats(id)))
+                                   .value_or(nlohmann::json());
+            for (const std::string what : {"history", "values"})
+                if (const auto why = stats.find(what + "_fault"); why != stats.end() && why->is_string())
+                    result.push_back(problem(
+                        fmt::format("registry {} cannot keep {}: {}", id, what, why->get<std::string>()),
+                        "look at its disk; its log: journalctl -u asip-registry"));
+        }
+        return result;
+    }
+    if (!seen.registries.empty())
         return {problem("registry " + some_of(seen.registries) + " is reported online, but does not answer",
                         "restart it: systemctl restart asip-registry")};
-    }
     return {note("no registry runs; what follows comes from the bus itself",
                  "start one: asip-registry, or systemctl enable --now asip-registry")};
 }

@@ -182,6 +182,16 @@ TEST(Doctor, RegistryMissingOrSilent_IsReported) {
     EXPECT_EQ(check_registry(seen)[0].level, Level::kProblem);
 }
 
+TEST(Doctor, RegistryThatCannotKeep_SaysWhatAndWhy) {
+    auto seen = healthy();
+    seen.registries = {"r1", "r2", "r3"};
+    seen.retained.push_back({"asip/registry/r1/$stats", R"({"values_fault":"the disk is full"})"});
+    seen.retained.push_back({"asip/registry/r2/$stats", R"({"history_fault":7,"values_lost":1})"});
+    seen.retained.push_back({"asip/registry/r3/$stats", "[]"});
+    EXPECT_THAT(problems(check_registry(seen)),
+                ElementsAre("registry r1 cannot keep values: the disk is full"));
+}
+
 TEST(Doctor, OnlineBoardNobodyAnswersFor_AndAgentWithoutBoard_AreDistinguished) {
     auto seen = healthy();
     seen.pings["uno1"].reply.reset();
