@@ -27,6 +27,12 @@ Outcome<text::WallTime> moment_of(const char* option, const std::string& text, t
     return *moment;
 }
 
+std::string csv_cell(std::string text) {
+    for (auto at = text.find('"'); at != std::string::npos; at = text.find('"', at + 2))
+        text.insert(at, 1, '"');
+    return '"' + text + '"';
+}
+
 /// What a registry kept of one property, or the list of those of which it keeps something.
 class KeptValues : OnTheBus {
   public:
@@ -80,7 +86,16 @@ class KeptValues : OnTheBus {
         return failure(program::kExitFailure, text::printable(why));
     }
 
+    bool is_csv() const { return options_.output.form == Output::kCsv && options_.output.format.empty(); }
+
     int list(const std::vector<bus::KeptProperty>& kept) {
+        if (is_csv()) {
+            environment_.out << "board,property\n";
+            for (const auto& each : kept)
+                environment_.out << each.board << ',' << csv_cell(each.property) << '\n';
+            environment_.out << std::flush;
+            return program::kExitOk;
+        }
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"BOARD"}, {"PROPERTY"}});
         for (const auto& each : kept)
@@ -100,7 +115,7 @@ class KeptValues : OnTheBus {
     void print(const bus::Answer& answer) {
         RecordPrinter records(options_.output, RecordPrinter::Count::kList, environment_.out);
         Table table({{"AT"}, {"MEAN", true}, {"MIN", true}, {"MAX", true}});
-        const bool csv = options_.output.form == Output::kCsv && options_.output.format.empty();
+        const bool csv = is_csv();
         if (csv) environment_.out << "at,mean,min,max\n";
         for (const auto& point : answer.values) {
             const auto at = text::iso_time(point.at);
