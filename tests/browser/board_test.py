@@ -101,12 +101,12 @@ class BoardPage(PageTest):
         print(f"first value {time.monotonic() - began:.1f} s after the board was plugged in")
         self.bus.sim("set", "desk/distance", "42")
 
-    def test_Order_IsValuesControlsPinsAbout_AndTheRestIsUnderAdvanced(self):
+    def test_Order_IsValuesControlsPinsLinksAbout_AndTheRestIsUnderAdvanced(self):
         self.open_board()
         self.value()
         self.setter("Servo 0 angle")
         heads = [head.text for head in self.browser.find("asip-board h2") if head.is_displayed()]
-        self.assertEqual(heads, ["Values", "Controls", "Pins", "About", "History"])
+        self.assertEqual(heads, ["Values", "Controls", "Pins", "Links", "About", "History"])
         self.assertEqual([each.text for each in self.browser.find("input[type=number]") if each.is_displayed() and "Period" in each.text], [])
         shown = self.browser.text("asip-board")
         for rare in ("proof", "ASIP 0.", "Agent", "Period", "bits"):
@@ -168,7 +168,7 @@ class BoardPage(PageTest):
         self.dashboard("lit", {"title": "Lit", "widgets": [{"kind": "lamp", "board": "lamp", "property": "io/12"}]})
         self.bus.post("/api/dashboards/lit/links", {})
         wire = re.compile(r"\b(io|loopback|complete|[A-Z]+_[A-Z_]+)\b|\b[A-Z],\w|[\[{]\S|\bmode \d|\blatched\b")
-        for route, there in (("", "Pins, Distance"), ("board/desk", "Servo 0 angle"), ("history", "Set the mode of pin 13: unallocated"), ("settings", "Gateway"), ("dashboards", "changed by this machine"),
+        for route, there in (("", "Pins, Distance"), ("board/desk", "Servo 0 angle"), ("history", "Set the mode of pin 13: no mode"), ("settings", "Gateway"), ("dashboards", "changed by this machine"),
                              ("dashboard/lit", "has no pin 12 now")):
             self.open(route, anew=True)
             if route == "history":

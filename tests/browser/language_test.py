@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page in its five languages: the browser's by default, a chosen one remembered; on every screen nothing is found by axe-core, and no
-text is cut at 390 px."""
+"""The page in its five languages: the browser's by default, a chosen one remembered; on every screen nothing is found by axe-core, no
+text is cut at 390 px, and no English word is left over."""
 
 import itertools
+import json
 import os
+import re
 import unittest
 from unittest import mock
 
 import axe_test
-from rig import PageTest, eventually
+from rig import ROOT, PageTest, eventually
 from selenium.webdriver.support.ui import Select
 
 LANGUAGES = ("de", "en", "es", "fr", "it")
@@ -70,7 +72,7 @@ class Choice(PageTest):
         self.begin("board/desk")
         self.all_pins()
         self.browser.run("document.querySelectorAll('main details').forEach((each) => { each.open = true; })")
-        form = self.browser.shown("form[aria-label='servo: Use these pins instead']")
+        form = self.browser.shown("form[aria-label='servo: Utiliser plutôt ces broches']")
         eventually(lambda: form.find_element("css selector", ".list-row input").is_displayed() and not self.browser.run("return arguments[0].closest('[inert]')", form), "a form that can be used")
         form.find_element("css selector", ".list-row input").send_keys("400")
         form.find_element("css selector", ".actions button").click()
@@ -95,6 +97,97 @@ class Screens(axe_test.Axe):
                     self.browser.run("document.querySelectorAll('main details').forEach((each) => { each.open = true; })")
                     self.check(f"{language}-{route.split('/')[0]}")
         self.browser.run("localStorage.clear()")
+
+
+def words(text):
+    return {word.lower() for word in re.findall(r"[^\W\d_]{3,}", text)}
+
+
+def table(language):
+    texts = json.loads((ROOT / "gateway/page/languages" / f"{language}.json").read_text()).values()
+    return words(" ".join(" ".join(text.values()) if isinstance(text, dict) else text for text in texts))
+
+
+def of_models():
+    """What models say to people: titles, arguments and their choices."""
+    def told(value, inside=""):
+        if isinstance(value, dict):
+            yield from (each for key, part in value.items() for each in ((key,) if inside in ("commands", "names") else ()) + tuple(told(part, key)) if key not in ("examples", "match", "events"))
+        elif isinstance(value, list):
+            yield from (each for part in value for each in told(part, inside))
+        elif inside in ("title", "name", "element"):
+            yield value
+    return words(" ".join(each for file in (ROOT / "services").glob("*.json") if file.name != "schema.json" for each in told(json.loads(file.read_text()))))
+
+
+class German(axe_test.Axe):
+    """What is shown, and told to those who hear the page, on each screen."""
+
+    names = words(json.dumps(axe_test.WHOLE)) | {"desk", "lamp", "greenhouse", "board", "boards", "first", "form", "home", "pin", "serial", "token", "sim", "mosquitto"}
+
+    def check(self, name):
+        shown = self.browser.run("""const seen = [...document.querySelectorAll("body *")].filter((each) => !each.closest("code, pre, script, style, #language, .command-line, .card details dt") && each.checkVisibility());
+            return seen.flatMap((each) => [...["aria-label", "placeholder", "title", "aria-valuetext"].map((name) => each.getAttribute(name) ?? ""),
+              ...[...each.childNodes].filter((part) => part.nodeType === Node.TEXT_NODE).map((part) => part.data)]).filter((text) => text.trim() !== "");""")
+        self.assertGreater(len(shown), 5, name)
+        english = (table("en") | of_models()) - table("de") - self.names
+        left = {text for text in shown if words(text) & english}
+        with self.subTest(name):
+            self.assertEqual(left, set())
+
+    def unfold(self):
+        self.browser.run("document.querySelectorAll('main details').forEach((each) => { each.open = true; })")
+
+    def test_NoEnglishWord_IsLeftOnAnyScreen(self):
+        axe_test.Screens.put_dashboard(self)
+        self.bus.asipctl("send", "desk/servo", "write", "7", "90")
+        self.bus.asipctl("label", "lamp", "form=4b")
+        self.browser.driver.get(self.bus.url)
+        self.browser.run("localStorage.setItem('asip-language', 'de')")
+        self.start()
+        self.browser.shown(".filler .row a")
+        self.browser.run("document.querySelectorAll('.c-pick input')[1].click()")
+        for each in (2, 3):  # what is sent, then labels
+            self.browser.shown("asip-selection .toolbar button")
+            self.browser.run("document.querySelectorAll('asip-selection .toolbar > button')[arguments[0]].click()", each)
+            self.browser.shown("asip-selection form")
+            self.check("boards")
+        for route, there in (("add", ".add-board .link-list button"), ("add/desk", ".add-board form"), ("board/lamp", "asip-board .all-pins"), ("dashboards", ".dashboard-list a"),
+                             ("dashboard/nowhere", "main h1"), ("history", "asip-history tbody tr"), ("settings", "asip-exports .card"), ("class", "form.open-lesson"),
+                             ("join", "input.class-code"), ("nowhere", "main h1")):
+            with self.subTest(route):
+                self.go(route, there)
+                self.unfold()
+                self.check(route)
+        self.go("board/desk", ".setters input[type=range]")
+        self.all_pins()
+        self.browser.shown(".pin:not(.taken)").click()
+        self.browser.run("document.querySelectorAll('asip-add-widget > button').forEach((each) => each.click())")
+        self.unfold()
+        eventually(lambda: self.browser.find("asip-history tbody tr"), "its history")
+        self.every_command()
+        self.check("board")
+        self.go("dashboard/greenhouse", ".kind-gauge")
+        self.check("dashboard")
+        self.browser.button("Bearbeiten").click()
+        self.browser.shown(".widget-list li")
+        self.unfold()
+        self.check("dashboard-editor")
+
+    def test_WhatIsRefused_IsToldInGerman(self):
+        self.browser.driver.get(self.bus.url)
+        self.browser.run("localStorage.setItem('asip-language', 'de')")
+        self.start()
+        self.go("join/ABCDEF", "input.class-code")
+        self.browser.button("Beitreten").click()
+        eventually(lambda: "Keine Stunde hat diesen Code" in self.browser.text(), "why")
+        self.go("board/desk", "asip-board .all-pins")
+        self.all_pins()
+        self.unfold()
+        form = self.browser.shown("form[aria-label='servo: Einen Servo auf einen Winkel drehen']")
+        self.fill(form, "Winkel", "400")
+        self.send(form)
+        self.answered(form, "refused", "Winkel liegt über 180.")
 
 
 if __name__ == "__main__":

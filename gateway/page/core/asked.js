@@ -2,7 +2,7 @@
 // What was asked of a board, in the words of the service's model: no screen but "Advanced" shows the wire.
 import { button_text } from "./form.js";
 import { t } from "./language.js";
-import { service_text, with_unit, words } from "./text.js";
+import { argument_word, choice_word, service_text, with_unit, word_text, words } from "./text.js";
 
 /// The model of a service: that of its name, also where a board has several ("servo2"). Undefined: it is not known.
 export const model_name = (service, names) => [service, service.replace(/-?\d+$/, "")].find((each) => names.includes(each));
@@ -32,9 +32,9 @@ function pairs_of(command, args) {
 
 /// "angle 90°", of one that has a word only that: "output".
 function pair_text([argument, value], alone) {
-  const called = Object.entries(argument.names ?? {}).find(([, number]) => number === value)?.[0];
-  if (called) return words(called).toLowerCase();
-  return alone ? with_unit(value, argument.unit) : `${argument.name} ${with_unit(value, argument.unit)}`;
+  const called = Object.entries(argument.names ?? {}).find(([name, number]) => number === value || name === value)?.[0];
+  if (called) return choice_word(called);
+  return alone ? with_unit(value, argument.unit) : `${argument_word(argument.name)} ${with_unit(value, argument.unit)}`;
 }
 
 const on_off = { low: t("off"), high: t("on"), off: t("off") };
@@ -56,9 +56,9 @@ function model_text(model, name, args, pins) {
   const set = set_text(model, pairs, chosen, pins);
   if (set) return set;
   const title = button_text(command, name, model.element, chosen === undefined ? undefined : String(chosen));
-  const rest = (pairs ?? []).filter(([argument]) => argument.name !== model.element || !title.includes(`${model.element} ${chosen}`));
+  const rest = (pairs ?? []).filter(([argument]) => argument.name !== model.element || !title.split(" ").includes(String(chosen)));
   const told = rest.map((each) => pair_text(each, rest.length === 1 && each[0].name !== model.element)).join(", ");
-  const of = `${title} ${told}`.toLowerCase().includes(model.element ?? model.name) ? "" : ` (${service_text(model.name)})`;
+  const of = `${title} ${told}`.toLowerCase().includes(word_text(model.element ?? model.name).toLowerCase()) ? "" : ` (${service_text(model.name)})`;
   return [title + of, pairs ? told : "…"].filter(Boolean).join(": ");
 }
 

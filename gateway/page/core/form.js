@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Forms for commands, made from the service model.
 import { known_text, locale, t } from "./language.js";
-import { first_up, words } from "./text.js";
+import { argument_word, first_up, title_text, words } from "./text.js";
 
 const kMaxSliderSteps = 1023;
 
@@ -41,7 +41,11 @@ export function fields_of(command, model, service = {}) {
 
 /// What its button says: "Stop motor 0", "Set the brightness". `chosen`: the number of the `element` that it is about.
 export function button_text(command, name, element, chosen) {
-  const title = (command.title ?? words(name)).split(/[;,] /)[0];
+  const whole = command.title ?? words(name);
+  const about = chosen && known_text(`do.${whole}`, { n: chosen });
+  if (about) return about;
+  if (title_text(whole) !== whole) return title_text(whole).split(/ ?[;,:(]/)[0];
+  const title = whole.split(/[;,] /)[0];
   const told = chosen ? title.replace(new RegExp(`\\b(an?|one) ${element}\\b`), `${element} ${chosen}`) : title;
   return told.includes(`${element} ${chosen}`) || !command.args?.length ? told.split(" to ")[0] : told.split(/ (?:of|to|that) /)[0];
 }
@@ -95,20 +99,20 @@ export function parse_field(field, text) {
     if (text.length > field.max_length) return { error: t("longer-than", { max_length: field.max_length }) };
     return { value: text };
   }
-  if (text === undefined || String(text).trim() === "") return { error: "is missing" };
+  if (text === undefined || String(text).trim() === "") return { error: t("field-missing") };
   if (field.kind === "color") return { value: text };
   return parse_number(field, String(text));
 }
 
 function parse_list(field, rows) {
-  if (!rows?.length) return { error: "is empty" };
+  if (!rows?.length) return { error: t("field-empty") };
   if (rows.length > field.max_length) return { error: t("more-than", { max_length: field.max_length }) };
   const items = [];
   for (const [index, row] of rows.entries()) {
     const item = {};
     for (const [i, part] of field.items.entries()) {
       const { value, error } = parse_field(part, row[i]);
-      if (error) return { error: `${index + 1}: ${part.name} ${error}` };
+      if (error) return { error: `${index + 1}: ${words_of(part)} ${error}` };
       item[part.name] = value;
     }
     items.push(field.items.length === 1 ? item[field.items[0].name] : item);
@@ -127,7 +131,7 @@ export function arguments_of(fields, entered) {
   return { args };
 }
 
-function words_of(field) { return field.name.replace(/[-_]/g, " "); }
+const words_of = (field) => argument_word(field.name);
 
 /// The command that undoes `name` with `args` (by name), as its model says: {command, args}. Undefined: none.
 export function safe_form(model, name, args) {
@@ -157,20 +161,24 @@ export function answer_text(answer) {
   }
 }
 
-const say_more = ["invalid", "not-kept", "not-loaded", "partly"]; // reasons beside which it is told what exactly
+/// Reasons beside which it is told what exactly.
+export const says_more = (reason) => ["invalid", "not-kept", "not-loaded", "partly"].includes(reason);
 
 /// Why there is no proof, or why it was not sent. What is said beside the reason is in English: others read the reason's own sentence first.
 export function why_text({ status, reason, error }) {
   const known = known_text(`answer.${status}.${reason}`) ?? (status === "timeout" ? t("answer.timeout.") : undefined);
   if (error !== undefined && (!known || locale.startsWith("en"))) return error;
   const whole = (known ?? reason ?? "") + (status === "timeout" && reason !== "no-value" ? t("maybe") : "");
-  return error !== undefined && say_more.includes(reason) ? `${whole} (${error})` : whole;
+  return error !== undefined && says_more(reason) ? `${whole} (${error})` : whole;
 }
 
 const sentence = (text) => `${first_up(text)}.`;
 
 /// "invalid device number" for INVALID_DEVICE_NUMBER.
-export function words_of_error(error) { return String(error ?? t("unknown")).toLowerCase().replaceAll("_", " "); }
+export function words_of_error(error) {
+  const told = String(error ?? t("unknown")).toLowerCase().replaceAll("_", " ");
+  return known_text(`error.${told}`) ?? told;
+}
 
 function value_text(answer) {
   return Object.values(answer ?? {}).map((value) => JSON.stringify(value)).join(" ").replace(/[{}"[\]]/g, " ")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened, in sentences; searched, and folded: what is equal, what befell many boards at once, and commands that follow each other.
 import { asked_text } from "./asked.js";
+import { words_of_error } from "./form.js";
 import { known_text, t } from "./language.js";
 import { first_up, reason_text, state_text, time_of, who_text, words } from "./text.js";
 
@@ -12,7 +13,7 @@ const happenings = { added: t("first-seen"), state: "", description: t("descript
 /// How a command ended, where it was not executed; "" else.
 function end_text({ status, reason = "" }) {
   if (status === "ok" || status === "sent") return "";
-  return known_text(`answer.${status}.${reason}`) ?? [ends[status] ?? status, reason && words(reason).toLowerCase()].filter(Boolean).join(", ");
+  return known_text(`answer.${status}.${reason}`) ?? [ends[status] ?? status, reason && words_of_error(words(reason))].filter(Boolean).join(", ");
 }
 
 /// A change or command of the API as a row: {board, at, until, state, text, raw, times}; of a command also `by`, and `failed` of `times`.

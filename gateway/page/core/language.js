@@ -27,7 +27,7 @@ export function t(name, values = {}) {
 }
 
 /// The same where there may be none of that name: undefined then.
-export const known_text = (name) => (Object.hasOwn(texts, name) ? t(name) : undefined);
+export const known_text = (name, values) => (Object.hasOwn(texts, name) ? t(name, values) : undefined);
 
 /// The language for a reader who wants these, the dearest first: "de" for ["pt-BR", "de-AT", "en"].
 export const language_for = (wanted) => wanted.map((each) => String(each).toLowerCase().split("-")[0]).find((each) => Object.hasOwn(kLanguages, each)) ?? "en";

@@ -52,7 +52,7 @@ export function moment_text(ms, now = Date.now()) {
 export function number_text(value) { return Math.abs(value) < 1e15 && typeof value === "number" ? measured.format(value) : String(value); }
 
 const units = { degrees: "°", us: "µs" };
-export function unit_text(unit) { return unit === undefined ? "" : units[unit] ?? unit; }
+export function unit_text(unit) { return unit === undefined ? "" : units[unit] ?? known_text(`arg.${unit}`) ?? unit; }
 
 export function with_unit(value, unit) {
   const text = unit_text(unit);
@@ -81,11 +81,18 @@ export function words(name) {
   return in_language(text) ?? first_up(text);
 }
 
+/// A title of a model, an argument of its commands and a choice of that. What is English stands in the models alone.
+export const title_text = (title) => known_text(`model.${title}`) ?? title;
+export const argument_word = (name) => known_text(`arg.${name}`) ?? word_text(name.replace(/[-_]/g, " "));
+export const argument_text = (name) => first_up(argument_word(name));
+export const choice_word = (name) => known_text(`mode.${name}`) ?? known_text(`arg.${name}`) ?? words(name).toLowerCase();
+export const choice_text = (name) => first_up(choice_word(name));
+
 /// A property with its name in the reader's language, unless a person has named it.
 export const named = (property) => ({ ...property, name: in_language(property.name) ?? property.name });
 
 /// What a service is, as its board says.
-export const title_of_service = ({ name, title }) => (title ? in_language(title) ?? title : words(name));
+export const title_of_service = ({ name, title }) => (title ? known_text(`model.${title}`) ?? in_language(title) ?? title : words(name));
 
 export const first_up = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a tab knows of the gateway: subscriptions, commands, requests.
-import { t } from "../core/language.js";
+import { known_text, locale, t } from "../core/language.js";
+import { says_more } from "../core/form.js";
 import { answer_ms } from "../core/link.js";
 import { named } from "../core/text.js";
 import { Hub } from "./hub.js";
@@ -125,6 +126,18 @@ export class Problem extends Error {
   }
 }
 
+const exact = [400, 409]; // beside the sentence of these it is told in English what exactly
+
+/// Why the gateway did not do it. Its own sentence is English: others read that of their table first.
+function problem_text(path, status, json) {
+  const { detail, title, reason } = json ?? {};
+  const told = detail ?? title ?? t("gateway-answers", { status });
+  if (locale.startsWith("en")) return told;
+  const own = known_text(`status.${path.split("/")[1]}.${status}`) ?? known_text(`status.${reason}`) ?? known_text(`answer.refused.${reason}`);
+  const known = own ?? known_text(`status.${status}`) ?? told;
+  return detail && (own ? says_more(reason) : exact.includes(status)) ? `${known} (${detail})` : known;
+}
+
 /// What the gateway answers as JSON; throws a Problem with a sentence for people.
 export async function request(path, options) { return (await request_with_tag(path, options)).body; }
 
@@ -143,7 +156,7 @@ export async function request_with_tag(path, { method = "GET", body, headers = {
   }
   const json = await response.json().catch(() => undefined);
   if (response.ok) return { body: json, tag: response.headers.get("ETag") ?? undefined };
-  throw Object.assign(new Problem(response.status, json?.detail ?? json?.title ?? t("gateway-answers", { status: response.status })), { reason: json?.reason });
+  throw Object.assign(new Problem(response.status, problem_text(path, response.status, json)), { reason: json?.reason });
 }
 
 export const path_of = (...parts) => "api/" + parts.map(encodeURIComponent).join("/");

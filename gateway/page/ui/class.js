@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A class: the teacher opens a lesson and sees its pupils, a pupil joins by a code and sees whose board this is.
+import { answer_text } from "../core/form.js";
 import { blinks, light_of } from "../core/identify.js";
 import { t } from "../core/language.js";
 import { qr_of } from "../core/qr.js";
@@ -24,7 +25,7 @@ async function identify(name) {
   const { values = {} } = light.output ? await request(path_of("boards", name, "values")) : {};
   for (const [command, args] of blinks(light, values[`io/${light.pin}`]?.value === true)) {
     const answer = await bus.command(name, "io", command, args).answer;
-    if (answer.status !== "ok") return answer.error ?? answer.reason ?? answer.status;
+    if (answer.status !== "ok") return answer_text(answer).text;
     await pause(kBlinkMs);
   }
   return t("lesson-blinked");
@@ -242,7 +243,7 @@ class Pupil extends Part {
 
 /// `problem`: why this browser has no rights; it may be that its lesson is over.
 export function join_screen(code, problem) {
-  const over = problem?.reason === "lesson-over" && h("p", { role: "alert" }, problem.message, " ", h("button", { onclick: leave }, t("lesson-over")));
+  const over = problem?.reason === "lesson-over" && [h("p", { role: "alert" }, t("lesson-was")), h("p", {}, h("button", { onclick: leave }, t("lesson-over")))];
   return [t("lesson-join-class"), h("div", { class: "sign-in" }, h("h1", { tabindex: "-1" }, t("lesson-join-class")), over, document.createElement("asip-join").begin(code))];
 }
 export function lend_screen() {

@@ -2,7 +2,7 @@
 // A form for one command, made from the model of its service.
 import { answer_text, arguments_of, button_text, fields_of, hint_of, parse_field, safe_form, why_text } from "../core/form.js";
 import { t } from "../core/language.js";
-import { unit_text, words } from "../core/text.js";
+import { argument_text, choice_text, title_text, unit_text, words } from "../core/text.js";
 import { bus } from "../net/bus.js";
 import { answer_line, fresh_id, h, Part, set_text } from "./dom.js";
 import { status } from "./model.js";
@@ -22,16 +22,19 @@ class Command extends Part {
   }
 
   shown() {
-    const title = this.command.title ?? words(this.name);
+    const title = this.command.title ? title_text(this.command.title) : words(this.name);
     this.inputs = new Map();
     this.answer = answer_line();
     this.actions = h("span", { class: "actions" }, this.buttons());
     this.form = h("form", { "aria-label": `${this.service.name}: ${title}`, novalidate: true, class: this.fields.length === 0 ? "bare" : "", onchange: () => this.name_button(),
       onsubmit: (event) => { event.preventDefault(); this.send(); } },
-      h("div", { class: "title" }, h("span", {}, title), this.answer), this.fields.map((field) => this.control(field)), this.actions);
+      h("div", { class: "title" }, h("span", { class: this.says_all(title) ? "hidden" : "" }, title), this.answer), this.fields.map((field) => this.control(field)), this.actions);
     this.name_button();
     this.append(this.form);
   }
+
+  /// The button says what the title says.
+  says_all(title) { return this.fields.length === 0 && !this.held_kind && title === button_text(this.command, this.name, this.model.element); }
 
   get held_kind() { return this.command.safe !== undefined && !this.ask; }
   /// The model says so: it moves something, and runs only while its button is down.
@@ -56,7 +59,7 @@ class Command extends Part {
 
   control(field) {
     const id = fresh_id("field");
-    const label = h("label", { for: id }, words(field.name), field.unit ? h("span", { class: "muted" }, ` ${unit_text(field.unit)}`) : "");
+    const label = h("label", { for: id }, argument_text(field.name), field.unit ? h("span", { class: "muted" }, ` ${unit_text(field.unit)}`) : "");
     const known = last_values.get(this.key)?.[field.name];
     const input = makers[field.kind]?.(this, field, id, known) ?? make_number(this, field, id, known);
     this.inputs.set(field.name, input);
@@ -176,7 +179,7 @@ function make_number(form, field, id, known = field.preset) {
   const value = () => number.value;
   if (!field.slider) return { elements: [number], focusable: number, value };
   const slider = h("input", { type: "range", min: field.min, max: field.max, step: field.kind === "integer" ? 1 : (field.max - field.min) / 1000,
-    "aria-label": `${words(field.name)}, ${hint}`, onchange: () => form.slid() });
+    "aria-label": `${argument_text(field.name)}, ${hint}`, onchange: () => form.slid() });
   const show = (text) => {
     slider.value = text;
     slider.classList.remove("unknown");
@@ -199,7 +202,7 @@ function make_number(form, field, id, known = field.preset) {
 }
 
 function make_choice(form, field, id, known) {
-  const options = field.choices.map(({ value, name }) => h("option", { value }, words(name)));
+  const options = field.choices.map(({ value, name }) => h("option", { value }, choice_text(name)));
   const select = h("select", { id }, options);
   const preset = known ?? field.preset;
   if (preset === undefined) select.prepend(h("option", { value: "" }, t("choose")));
@@ -219,15 +222,15 @@ function make_color(form, field, id, known) {
 
 function make_list(form, field, id) {
   const rows = [];
-  const list = h("div", { class: "list", role: "group", "aria-label": words(field.name) });
+  const list = h("div", { class: "list", role: "group", "aria-label": argument_text(field.name) });
   const add = h("button", { id, type: "button", onclick: () => append() }, t("add"));
   const append = () => {
     const parts = field.items.map((item) => {
       const part_id = fresh_id("field");
       const input = makers[item.kind]?.(form, item, part_id) ?? make_number(form, { ...item, slider: false }, part_id);
-      return { input, element: h("span", { class: "part" }, h("label", { for: part_id, class: field.items.length === 1 ? "hidden" : "" }, words(item.name)), input.elements) };
+      return { input, element: h("span", { class: "part" }, h("label", { for: part_id, class: field.items.length === 1 ? "hidden" : "" }, argument_text(item.name)), input.elements) };
     });
-    const remove = h("button", { type: "button", "aria-label": t("remove-name", { name: `${words(field.name)} ${rows.length + 1}` }), onclick: () => {
+    const remove = h("button", { type: "button", "aria-label": t("remove-name", { name: `${argument_text(field.name)} ${rows.length + 1}` }), onclick: () => {
       rows.splice(rows.indexOf(row), 1);
       row.element.remove();
       add.disabled = false;

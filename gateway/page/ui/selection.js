@@ -4,7 +4,7 @@ import { command_order } from "../core/form.js";
 import { parse_assignments } from "../core/labels.js";
 import { t } from "../core/language.js";
 import { for_each_board, lists_of, many_text, result_of } from "../core/many.js";
-import { service_text, words } from "../core/text.js";
+import { service_text, title_text, words } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import "./command.js";
 import { answer_line, field, fresh_id, h, muted, Part, set_text } from "./dom.js";
@@ -110,7 +110,7 @@ class Selection extends Part {
       const known = board && await request(path_of("boards", board, "services", service.value)).catch(() => undefined);
       model = known?.model;
       const names = model ? command_order(model) : [];
-      command.replaceChildren(...names.map((name) => h("option", { value: name }, model.commands[name].title ?? words(name))));
+      command.replaceChildren(...names.map((name) => h("option", { value: name }, title_text(model.commands[name].title ?? words(name)))));
       if (names.length > 0) choose_command();
       else form.replaceChildren(muted(t("no-model")));
     };

@@ -97,7 +97,7 @@ class Settings extends Part {
   show_lost() {
     const gone = boards.catalogue.view({ sort: "since" }).filter((row) => !alive(row.state));
     const now = Date.now();
-    set_text(this.lost_note, gone.length === 0 ? t("every-board") : gone.length > kMaxLost ? t("latest-most", { most: kMaxLost, gone: gone.length }) : "");
+    set_text(this.lost_note, boards.catalogue.rows.size === 0 ? t("lesson-no-board") : gone.length === 0 ? t("every-board") : gone.length > kMaxLost ? t("latest-most", { most: kMaxLost, gone: gone.length }) : "");
     this.lost_table.hidden = gone.length === 0;
     this.lost_body.replaceChildren(...gone.slice(0, kMaxLost).map((row) => h("tr", {},
       h("td", {}, h("a", { href: page_of("board", row.name) }, row.called || row.name)), h("td", {}, state_mark(row.state)),

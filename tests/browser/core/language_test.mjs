@@ -3,7 +3,9 @@ import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import test from "node:test";
 import { kLanguages, language_for, speak, t } from "../../../gateway/page/core/language.js";
-import { named, title_of_service, words } from "../../../gateway/page/core/text.js";
+import { asked_text } from "../../../gateway/page/core/asked.js";
+import { button_text, words_of_error } from "../../../gateway/page/core/form.js";
+import { argument_text, choice_text, named, title_of_service, title_text, with_unit, words } from "../../../gateway/page/core/text.js";
 
 const page = new URL("../../../gateway/page/", import.meta.url);
 const read = (path) => readFileSync(new URL(path, page), "utf8");
@@ -11,6 +13,9 @@ const vector = (name) => JSON.parse(readFileSync(new URL(`../../vectors/${name}.
 const tables = Object.fromEntries(readdirSync(new URL("languages/", page)).map((file) => [file.replace(".json", ""), JSON.parse(read(`languages/${file}`))]));
 const sources = read("files.txt").trim().split("\n").filter((file) => file.endsWith(".js"))
   .map((file) => [file, read(file).replace(/^\s*\/\/.*$|\s+\/\/ [^"'`\n]*$/gm, "")]);
+const models = readdirSync(new URL("../../../services/", import.meta.url)).filter((file) => file.endsWith(".json") && file !== "schema.json")
+  .map((file) => JSON.parse(readFileSync(new URL(`../../../services/${file}`, import.meta.url))));
+const reference = { ...tables.de, ...tables.en }; // what is English in the models alone stands in the other tables
 const forms_of = (entry) => (typeof entry === "string" ? [entry] : Object.values(entry));
 const places_in = (text) => [...new Set([...text.matchAll(/\{(\w+)\}/g)].map((each) => each[1]))].sort();
 
@@ -60,7 +65,7 @@ test("Values_HaveAPlaceInEveryLanguage", () => {
   for (const { file, name, given } of asked) assert.deepEqual(given, [...new Set(forms_of(tables.en[name]).flatMap(places_in))].sort(), `${file}: ${name}`);
   for (const [language, table] of Object.entries(tables)) {
     for (const [name, entry] of Object.entries(table)) {
-      for (const text of forms_of(entry)) assert.deepEqual(places_in(text), [...new Set(forms_of(tables.en[name]).flatMap(places_in))].sort(), `${language}: ${name}`);
+      for (const text of forms_of(entry)) assert.deepEqual(places_in(text), [...new Set(forms_of(reference[name]).flatMap(places_in))].sort(), `${language}: ${name}`);
     }
   }
 });
@@ -69,7 +74,7 @@ test("Numbers_HaveTheFormsOfTheLanguage", () => {
   for (const [language, table] of Object.entries(tables)) {
     const forms = new Set([...Array(200).keys()].map((n) => new Intl.PluralRules(language).select(n)));
     for (const [name, entry] of Object.entries(table)) {
-      assert.equal(typeof entry === "object", typeof tables.en[name] === "object", `${language}: ${name}`);
+      assert.equal(typeof entry === "object", typeof reference[name] === "object", `${language}: ${name}`);
       if (typeof entry === "object") assert.deepEqual(Object.keys(entry).sort(), [...forms].sort(), `${language}: ${name}`);
     }
   }
@@ -78,7 +83,7 @@ test("Numbers_HaveTheFormsOfTheLanguage", () => {
 test("NoTable_KeepsAnEnglishSentence", () => {
   for (const [language, table] of Object.entries(tables)) {
     if (language === "en") continue;
-    const same = Object.keys(table).filter((name) => forms_of(table[name]).some((text) => forms_of(tables.en[name]).includes(text) && / \w+ \w+/.test(text)));
+    const same = Object.keys(table).filter((name) => forms_of(table[name]).some((text) => forms_of(tables.en[name] ?? name.replace(/^\w+\./, "")).includes(text) && / \w+ \w+/.test(text)));
     assert.deepEqual(same, [], language);
   }
 });
@@ -103,6 +108,35 @@ test("SentencesOfStatesAndAnswers_AreThoseOfTheVectors", () => {
   const { connection, ...refused } = of("answer.refused"); // the page's own, with the gateway
   assert.ok(connection);
   assert.deepEqual({ timeout: of("answer.timeout"), refused }, words);
+});
+
+test("TitlesOfModels_AndTheirArguments_StandInEveryLanguage", () => {
+  const entries = new Set(models.flatMap((model) => [model.title, ...(model.match ?? []).filter((title) => title.includes("Sensors")), ...Object.values(model.commands ?? {}).map((command) => command.title)]).filter(Boolean).map((title) => `model.${title}`));
+  const arguments_of = ({ name, names, items = [] }) => [name, ...Object.keys(names ?? {}), ...items.flatMap(arguments_of)];
+  const words_of_models = new Set(models.flatMap((model) => Object.values(model.commands ?? {}).flatMap((command) => command.args ?? [])).flatMap(arguments_of));
+  for (const [language, table] of Object.entries(tables).filter(([name]) => name !== "en")) {
+    const simple = (title) => title.toLowerCase().split(" ").every((word) => `word.${word}` in table);
+    assert.deepEqual([...entries].filter((entry) => !(entry in table) && !simple(entry.slice(6))), [], language);
+    assert.deepEqual(Object.keys(table).filter((name) => /^(?:model|do)\./.test(name) && !entries.has(name.replace("do.", "model."))), [], `${language}: of no model`);
+    assert.deepEqual([...words_of_models].filter((name) => ![`arg.${name}`, `mode.${name}`, `word.${name}`].some((key) => key in table)), [], language);
+    assert.deepEqual(Object.keys(tables.de).filter((name) => !(name in table)), [], language);
+  }
+});
+
+test("ButtonsAndTitles_AreInTheLanguage", () => {
+  const { commands, element } = models.find((model) => model.name === "motors");
+  const texts = (name, chosen) => [title_text(commands[name].title), button_text(commands[name], name, element, chosen)];
+  speak("de", tables.de);
+  assert.deepEqual([texts("stop", "0"), texts("stop-all"), texts("drive")], [["Einen Motor anhalten", "Motor 0 anhalten"], ["Alle Motoren anhalten", "Alle Motoren anhalten"],
+    ["Leistung der ersten beiden Motoren zugleich setzen", "Leistung der ersten beiden Motoren zugleich setzen"]]);
+  assert.equal(button_text({ title: "Report periodically; 0 stops" }, "report"), "Regelmäßig melden");
+  assert.deepEqual([argument_text("power0"), argument_text("valve"), choice_text("input-pullup"), choice_text("high"), words_of_error("INVALID_PIN")], ["Leistung 0", "Valve", "Eingang mit Pull-up", "Hoch", "diesen Pin gibt es nicht"]);
+  const io = new Map(models.filter((model) => model.name === "io").map((model) => ["io", model]));
+  assert.equal(asked_text('{"mode":[13,"output"]}', "io", io), "Modus von Pin 13 setzen: Ausgang");
+  assert.deepEqual([with_unit(3, "steps"), title_of_service({ name: "bump", title: "Bump Sensors" })], ["3\u00a0Schritte", "Stoßsensoren"]);
+  assert.deepEqual(texts("stop", "1"), ["Einen Motor anhalten", "Motor 1 anhalten"]);
+  speak("en", tables.en);
+  assert.deepEqual([texts("stop", "0"), argument_text("power0"), choice_text("high")], [["Stop one motor", "Stop motor 0"], "Power0", "High"]);
 });
 
 test("Text_HasItsValuesAndTheFormOfItsNumber", () => {
