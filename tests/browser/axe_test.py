@@ -52,7 +52,7 @@ class Axe(PageTest):
             if device == "phone":
                 self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 390, name)
                 self.assertTrue(all(each.rect["height"] == 48 for each in self.browser.find("header") if each.is_displayed()), f"{name}: the header has one line")
-                self.browser.screenshot(f"axe-{name}-{scheme}")
+            self.browser.screenshot(f"axe-{name}-{device}-{scheme}")
         self.browser.color_scheme("light")
         self.browser.desktop()
 

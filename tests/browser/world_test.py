@@ -62,15 +62,21 @@ class World(PageTest):
         eventually(lambda: len(self.browser.find("asip-world .way")) <= 1, "no ways")
 
     def test_RobotsPage_IsTwoScreensOfAPhone_AndItsMotorsComeFirst(self):
-        self.browser.size(390, 844, mobile=True)
-        self.open("board/mirto")
-        self.browser.shown("asip-board.drives .controls-box form")
-        eventually(lambda: self.browser.find("asip-board .value"), "its values")
-        height = self.browser.run("return document.documentElement.scrollHeight")
-        self.browser.size(390, height, mobile=True)
-        self.browser.screenshot("phone-robot")
-        self.assertLessEqual(height, 2 * 844)
-        self.assertEqual(self.browser.run("return document.querySelectorAll('asip-board details[open] asip-plot').length"), 0)
+        self.addCleanup(self.browser.run, "localStorage.clear()")
+        for language in ("en", "de", "es", "fr", "it"):
+            with self.subTest(language):
+                self.browser.run("localStorage.setItem('asip-language', arguments[0])", language)
+                self.browser.size(390, 844, mobile=True)
+                self.browser.driver.get("about:blank")
+                self.browser.driver.get(f"{self.bus.url}/#/board/mirto")
+                self.browser.shown("asip-board.drives .controls-box form")
+                self.browser.shown("asip-link .sign.good", seconds=30)
+                eventually(lambda: self.browser.find("asip-board .value") and not [each for each in self.browser.find("asip-board .value") if each.text == "–"], "its values", 60)
+                height = self.browser.run("return document.documentElement.scrollHeight")
+                self.browser.size(390, height, mobile=True)
+                self.browser.screenshot(f"phone-robot-{language}")
+                self.assertLessEqual(height, 2 * 844)
+                self.assertEqual(self.browser.run("return document.querySelectorAll('asip-board details[open] asip-plot').length"), 0)
 
     def test_NewObstacle_IsDrawnAndSaid(self):
         self.bus.sim("block", "rover", "700", "-490", "60")

@@ -36,7 +36,7 @@ class Board extends Part {
     this.since = h("span", { class: "muted" });
     this.facts = h("dl", { class: "facts" });
     this.pins = document.createElement("asip-pins");
-    this.pins_box = h("section", { "aria-label": t("pins"), hidden: true }, h("h2", {}, t("pins")));
+    this.pins_box = h("section", { class: "pins-box", "aria-label": t("pins"), hidden: true }, h("h2", {}, t("pins")));
     this.world_box = h("section", { "aria-label": t("world"), hidden: true }, h("h2", {}, t("world")));
     this.shown_services = new Map();
     this.stands = new Map(); // id of a property -> {value, how, unknown}
@@ -57,9 +57,8 @@ class Board extends Part {
     this.stopped = h("p", { class: "stopped-note", role: "status" });
     this.tools = h("span", { class: "tools" });
     this.append(h("p", { class: "back" }, h("a", { href: "#/" }, `← ${t("all-boards")}`)), h("div", { class: "title-row" }, this.heading, this.mark, this.since, this.tools),
-      this.problem, this.warnings, this.firmware, this.stopped, this.unusable, this.no_service, this.values, this.world_box, this.controls, this.pins_box,
-      h("section", { "aria-label": t("links") }, h("h2", {}, t("links")), document.createElement("asip-links").begin(this.name)),
-      h("section", { "aria-label": t("about") }, h("h2", {}, t("about")), this.facts, this.names, this.advanced),
+      this.problem, this.warnings, this.firmware, this.stopped, this.unusable, this.no_service, this.world_box, this.values, this.controls, this.pins_box,
+      this.folding(t("links"), document.createElement("asip-links").begin(this.name)), this.folding(t("about"), this.facts, this.names, this.advanced),
       h("details", { class: "history", ontoggle: (event) => { if (!this.past) event.target.append((this.past = document.createElement("asip-history").begin(path_of("boards", this.name, "history"), false, () => this.board?.names?.pins))); } },
         h("summary", {}, h("h2", {}, t("history")))));
     this.listen(boards, "board", (event) => { if (event.board === this.name) this.reload(event.kind); });
@@ -70,6 +69,11 @@ class Board extends Part {
     this.while_shown(() => this.unfollow());
     this.load();
     this.follow();
+  }
+
+  /// A section that is folded where the board drives: a robot builder needs it last.
+  folding(title, ...content) {
+    return h("section", { "aria-label": title }, h("details", { class: "folding", open: true }, h("summary", {}, h("h2", {}, title)), content));
   }
 
   /// Its properties, listed by the gateway, and how they stand, as long as this page is seen.
@@ -122,7 +126,10 @@ class Board extends Part {
     await this.load_properties();
     const drives = moves(this.properties ?? []);
     this.classList.toggle("drives", drives);
-    if (drives && this.shown_services.size === 0) this.values.before(this.controls); // a form that is moved later would be built twice
+    if (drives && this.shown_services.size === 0) {
+      this.values.before(this.controls); // a form that is moved later would be built twice
+      for (const each of this.querySelectorAll(".folding")) each.open = false;
+    }
     try {
       this.board = await request(path_of("boards", this.name));
       this.problem.hidden = true;
