@@ -86,7 +86,10 @@ class Dashboards(PageTest):
         selects[0].select_by_visible_text(offer)
         if title:
             selects[1].select_by_visible_text("A new dashboard")
-            form.find_element("css selector", "input[type=text]").send_keys(title)
+            box = form.find_element("css selector", "input[type=text]")
+            self.assertEqual(box.get_property("value"), "desk", "a title that it can have")
+            box.clear()
+            box.send_keys(title)
         form.find_element("css selector", "button.main").click()
         eventually(lambda: "Added." in form.text, f"{offer} is added: {form.text}")
 

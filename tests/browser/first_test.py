@@ -93,7 +93,7 @@ class FromTheBox(Evening):
         self.addCleanup(setattr, type(self), "expected_errors", ())
         page.button("Load usb-4", ".add-board").click()
         bus.end("sim-usb-4", signal.SIGKILL)  # the cable is pulled while it is loaded
-        page.button("Try again", ".add-board")
+        page.button("Try again", ".add-board", 60)
         self.assertIn("Not loaded", page.text(".add-board output"))
         self.assertGreaterEqual(len(page.find(".loading-log li")), 2, "the log says why")
 

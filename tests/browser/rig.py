@@ -66,10 +66,10 @@ class Browser:
         """The first visible element."""
         return eventually(lambda: next((e for e in self.find(selector) if e.is_displayed()), None), what or selector, seconds)
 
-    def button(self, text, inside="body"):
+    def button(self, text, inside="body", seconds=20):
         def named():
             return next((e for e in self.find(f"{inside} button") if e.is_displayed() and e.text.strip() == text), None)
-        return eventually(named, f"button {text}")
+        return eventually(named, f"button {text}", seconds)
 
     def text(self, selector="main"):
         elements = self.find(selector)

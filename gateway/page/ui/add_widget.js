@@ -68,7 +68,7 @@ class AddWidget extends Part {
     const where = h("select", { id: fresh_id("where"), onchange: () => { fresh.hidden = where.value !== ""; } },
       dashboards.map((each) => h("option", { value: each.name }, each.title || each.name)), h("option", { value: "" }, t("new-dashboard")));
     if (dashboards.some((each) => each.name === last_dashboard)) where.value = last_dashboard;
-    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, value: this.title, placeholder: t("title-such"), autocomplete: "off" });
+    const title = h("input", { id: fresh_id("title"), type: "text", maxlength: 60, value: this.title || offers[0].widget.board, placeholder: t("title-such"), autocomplete: "off" });
     const fresh = h("div", { class: "field text", hidden: where.value !== "" }, h("label", { for: title.id }, t("title-new")), title);
     this.answer = answer_line();
     const save = async (event) => {
