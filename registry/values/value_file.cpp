@@ -12,15 +12,15 @@ namespace {
 constexpr Tick kDropEach = kHourTicks;
 constexpr int kFileVersion = 1;
 constexpr std::int64_t kDroppedAtOnce = 8 << 20, kRowBytes = 64;
+constexpr std::size_t kPageBytes = 4096, kMinJournalPages = 100, kMaxJournalPages = 8000;
 
 // In a row, `part` counts the parts of its level, and `at` is within its part.
 constexpr const char* kTables =
     "PRAGMA journal_mode=WAL;"
     "PRAGMA synchronous=FULL;"  // one transaction in ten seconds
-    // Each of them changes the same pages, of many properties: they stay in memory, and go into the file
-    // together. 16 MB, 32 MB.
+    // Each of them changes the same pages, of many properties: they stay in memory, 16 MB, and go into the
+    // file together.
     "PRAGMA cache_size=-16384;"
-    "PRAGMA wal_autocheckpoint=8000;"
     "CREATE TABLE IF NOT EXISTS properties(id INTEGER PRIMARY KEY, board TEXT NOT NULL, property TEXT NOT "
     "NULL, written INTEGER NOT NULL, UNIQUE(board, property));"
     "CREATE TABLE IF NOT EXISTS stretches(start INTEGER PRIMARY KEY, until INTEGER NOT NULL, shift INTEGER "
@@ -64,6 +64,9 @@ void ValueFile::open() {
     const auto version = number("PRAGMA user_version");
     if (version > kFileVersion) throw HistoryFault("a later version of this program wrote it");
     execute(kTables);
+    const auto journal_pages =
+        std::clamp(options_.max_bytes / 4 / kPageBytes, kMinJournalPages, kMaxJournalPages);
+    execute(("PRAGMA wal_autocheckpoint=" + std::to_string(journal_pages)).c_str());
     if (version == 0) execute("PRAGMA user_version=1");
 }
 
