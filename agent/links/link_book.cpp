@@ -262,6 +262,7 @@ void LinkBook::tell(bool may_publish, Time now, Effects& out) {
 }
 
 std::optional<Time> LinkBook::next_deadline(bool may_publish) const {
+    if (!any()) return std::nullopt;  // a source that is no longer one is lost unnoticed
     auto first = rules_.next_deadline();
     const auto take = [&first](const std::optional<Time>& when) {
         if (when && (!first || *when < *first)) first = when;

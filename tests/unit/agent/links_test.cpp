@@ -101,6 +101,18 @@ TEST_F(LinkedBridge, PressesThatWaitedWhileTheAgentWasFrozen_DoNothing_AndTheNex
     EXPECT_EQ(bench.board.executed.back(), "S,W,0,0") << "a machine that is busy";
 }
 
+TEST_F(LinkedBridge, LastLinkRemoved_NothingIsDueOfTheBoardThatWasItsSource) {
+    set("l");
+    desk_is_there();
+    ask({{"remove", "l"}});
+    kept_all();
+    for (int i = 0; i < 200; ++i) {
+        bench.now += 1s;
+        bench.run([&](Effects& out) { bench.bridge.tick(bench.now, out); });
+        EXPECT_GT(bench.bridge.next_deadline().value_or(Time::max()), bench.now) << "after " << i << " s";
+    }
+}
+
 TEST_F(LinkedBridge, SameLinkAgain_APersonStillWins) {
     set("l");
     desk_is_there();
