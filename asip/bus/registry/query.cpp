@@ -17,6 +17,7 @@ using nlohmann::json;
 using text::JsonReader;
 
 constexpr std::size_t kMaxFilterBytes = 256;
+constexpr std::size_t kMaxCursorBytes = 2 * kMaxFilterBytes;  // BOARD/PROPERTY
 constexpr std::size_t kMaxChoices = 64;
 constexpr std::size_t kUsualPoints = 500;
 
@@ -49,7 +50,7 @@ void read_values(JsonReader& reader, Query& query) {
     query.board = reader.text("board", {}, kMaxFilterBytes);
     query.property = reader.text("property", {}, kMaxFilterBytes);
     if (query.property.empty()) {
-        query.cursor = reader.text("cursor", {}, kMaxFilterBytes);
+        query.cursor = reader.text("cursor", {}, kMaxCursorBytes);
         if (const auto limit = reader.integer("limit", 1, std::numeric_limits<std::uint64_t>::max()))
             query.limit = static_cast<std::size_t>(std::min<std::uint64_t>(*limit, Query::kMaxPage));
         return;

@@ -72,7 +72,7 @@ struct RegistryRequest {
 std::string encode(const RegistryRequest& request);
 /// A null member is absent. Fails with the first fault and its place: "/limit: 0 is below 1". Unknown members
 /// are refused, with the nearest known: a misspelt filter would let everything pass. Texts have at most 256
-/// bytes, lists 64 items, a selector LabelSelector::kMaxBytes.
+/// bytes, a cursor twice as many, lists 64 items, a selector LabelSelector::kMaxBytes.
 Expected<std::variant<Query, Forget>> read_registry_request(const nlohmann::json& object);
 
 /// Where requests to forget go: apart from queries, so that access rules can let a user ask and not forget.

@@ -6,6 +6,7 @@
 #include <boost/asio/io_context.hpp>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "history_files.hpp"
@@ -437,7 +438,7 @@ TEST(Values, FloodOfOneBoard_IsNoGapOfOthers) {
 TEST(Values, Names_AreGivenPageByPage) {
     Machine machine;
     for (int i = 0; i < 25; ++i)
-        machine.set(i, {"desk" + std::to_string(i % 3), "io/" + std::to_string(i)});
+        machine.set(i, {"desk" + std::to_string(i % 3), "io/" + std::to_string(i) + std::string(250, 'x')});
     machine.write();
     bus::Query query;
     query.find = bus::Find::kValues;
@@ -451,6 +452,7 @@ TEST(Values, Names_AreGivenPageByPage) {
         for (const auto& each : page.kept)
             EXPECT_TRUE(all.emplace(each.board, each.property).second);
         query.cursor = page.cursor;
+        EXPECT_TRUE(bus::read_registry_request(nlohmann::json::parse(bus::encode({query, {}, {}}))));
     } while (!query.cursor.empty() && pages.size() < 10);
     EXPECT_EQ(pages, (std::vector<std::size_t>{7, 7, 7, 4}));
     EXPECT_EQ(all.size(), 25u);
