@@ -62,6 +62,7 @@ class World(PageTest):
         eventually(lambda: len(self.browser.find("asip-world .way")) <= 1, "no ways")
 
     def test_RobotsPage_IsTwoScreensOfAPhone_AndItsMotorsComeFirst(self):
+        self.addCleanup(self.browser.driver.get, "about:blank")  # last: what is open speaks Italian
         self.addCleanup(self.browser.run, "localStorage.clear()")
         for language in ("en", "de", "es", "fr", "it"):
             with self.subTest(language):
