@@ -105,8 +105,8 @@ bool BoardTruth::counts(const std::string& by, Time now) const {
 
 void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::Client over,
                           int lease_seconds, bool stored, Time now) {
-    const bool just_back = asip::model::is_there(what.state) && !asip::model::is_there(said.state) &&
-                           now < std::max(described_at, last_will) + kReordered;
+    const bool just_gone_otherwise = !asip::model::is_there(said.state) && what.state != said.state &&
+                                     now < std::max(described_at, last_will) + kReordered;
     if (at_end && now > at_end->lease_end + kReordered) at_end.reset();
     if (by < session && now < lease_end + kReordered) at_end = {said, now, lease_end};
     if (asip::model::is_there(what.state)) there_at = now;
@@ -116,7 +116,7 @@ void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::
     described_at = now;
     if (stored) stored_until = lease_end, in_vain.reset();
     if (unordered_word && now > unordered_word->since + kReordered) unordered_word.reset();
-    if (just_back) unordered_word = Really{true, said.state, said.reason, now, now};
+    if (just_gone_otherwise) unordered_word = Really{true, said.state, said.reason, now, now};
     say(what);
 }
 

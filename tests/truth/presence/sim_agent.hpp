@@ -34,7 +34,8 @@ struct BoardTruth {
     Time last_will{};     ///< or another word of no session
     std::vector<Time> wills;
     /// One beside a description of another connection, or soon before one that says otherwise, until a
-    /// renewal behind it: nothing says which of them bridged brokers deliver last.
+    /// renewal behind it: nothing says which of them bridged brokers deliver last, nor of which session a
+    /// word is: "lost" behind a late "offline" may be a will.
     std::optional<Really> unordered_word;
     bool taken_back = false;  ///< an agent has put it right
     SimBroker::Client described_by = 0;
