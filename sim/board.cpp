@@ -285,12 +285,9 @@ void Board::set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& byte
 Expected<void> Board::load(const std::filesystem::path& file) {
     const auto image = load_image(file);
     if (!image) return fail(image.error());
-    auto& avr = impl_->avr();
-    const std::size_t size = avr.flashend + std::size_t{1};
+    const std::size_t size = impl_->avr().flashend + std::size_t{1};
     if (auto fits = check_chip(*image, kind(), size); !fits) return fail(file.string() + ": " + fits.error());
-    std::memset(avr.flash, 0xff, size);
-    std::memcpy(avr.flash, image->flash.data(), image->flash.size());
-    avr.codeend = static_cast<std::uint32_t>(image->flash.size());
+    impl_->chip_->set_flash(*image);
     if (!image->eeprom.empty()) set_eeprom(0, image->eeprom);
     reset();
     return {};

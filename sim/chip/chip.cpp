@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
@@ -57,8 +58,8 @@ Expected<std::unique_ptr<Chip>> Chip::create(const BoardKind& kind, std::uint32_
     avr->frequency = frequency;
     avr->vcc = avr->avcc = avr->aref = kSupplyMillivolts;
     avr->sleep = sleep_takes_no_time;
-    std::memcpy(avr->flash, image.flash.data(), image.flash.size());
-    avr->codeend = static_cast<std::uint32_t>(image.flash.size());
+    chip->set_flash(image);
+    avr->pc = avr->reset_pc;
     if (!image.eeprom.empty()) chip->set_eeprom(0, image.eeprom);
     chip->single_step(false);
     return chip;
@@ -169,6 +170,16 @@ std::vector<std::uint8_t> Chip::eeprom() {
     avr_eeprom_desc_t all{bytes.data(), 0, static_cast<std::uint32_t>(bytes.size())};
     avr_ioctl(avr_, AVR_IOCTL_EEPROM_GET, &all);  // its result is always -1
     return bytes;
+}
+
+void Chip::set_flash(const Image& image) {
+    std::memset(avr_->flash, 0xff, avr_->flashend + std::size_t{1});
+    std::memcpy(avr_->flash, image.flash.data(), image.flash.size());
+    avr_->codeend = static_cast<std::uint32_t>(image.flash.size());
+    const auto begin =
+        std::find_if(image.flash.begin(), image.flash.end(), [](std::uint8_t byte) { return byte != 0xff; });
+    const auto start = begin == image.flash.end() ? 0 : begin - image.flash.begin();
+    avr_->reset_pc = static_cast<std::uint32_t>(start) & ~1u;
 }
 
 void Chip::set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& bytes) {

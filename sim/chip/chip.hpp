@@ -38,6 +38,8 @@ class Chip {
     void cancel_unknown_timers();
     void single_step(bool on) { avr_->run_cycle_limit = on ? 1 : kBatchCycles; }
 
+    /// All of the flash. An image that begins behind address 0 is a boot loader, where the chip then starts.
+    void set_flash(const Image& image);
     std::vector<std::uint8_t> eeprom();
     void set_eeprom(std::size_t offset, const std::vector<std::uint8_t>& bytes);
 
