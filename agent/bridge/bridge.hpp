@@ -55,6 +55,8 @@ struct BridgeOptions {
     /// The stop that was kept and still holds, if any.
     std::function<Expected<std::optional<model::StopInfo>>(const std::string& board)> load_stop;
     std::function<LinkFiles::Loaded(const std::string& board)> load_links;
+    /// The version of this sketch that may be loaded into such a chip; 0: none.
+    std::function<int(const std::string& sketch, const std::string& chip)> loadable_version;
     std::string bus_user;                ///< of the broker, may be empty
     std::function<int()> second_of_day;  ///< by the clock on the wall; empty: of this machine
     session::SessionOptions session;

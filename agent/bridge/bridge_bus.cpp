@@ -201,7 +201,8 @@ void Bridge::labels_kept(const Expected<std::filesystem::path>& result, Time now
 
 BoardTraits Bridge::traits() const {
     const auto& board = session().identity();
-    return {board.info.chip, board.info.sketch, board.stored_name};
+    const auto firmware = describer_.firmware();
+    return {firmware.chip, firmware.sketch, board.stored_name, firmware.version, firmware.available};
 }
 
 void Bridge::on_message(const PortRequest& request, Time now, Effects& out) {

@@ -53,6 +53,8 @@ void Bridge::on_action(const session::Identified& identified, Time now, Effects&
     board_.services = session::ServiceTable(board, models_);
     periods_.board_found(board_.services, now);
     describer_.board_found(identified.changed, periods_);
+    if (options_.loadable_version)
+        describer_.loadable_version(options_.loadable_version(board.info.sketch, board.info.chip));
     if (name().empty()) name_board(now, out);
     if (!std::exchange(found_, true) && (!options_.keep_outputs || is_stopped())) safety_.stop_services();
     out.board_known = true;

@@ -97,12 +97,23 @@ model::PinsInfo Describer::pins() const {
     return pins;
 }
 
+// A board of ours that says no version is older than the first that did. ASIP 0.4 knows no versions.
+model::FirmwareInfo Describer::firmware() const {
+    const auto& board = board_.session.identity();
+    model::FirmwareInfo firmware{board.info.protocol(), board.info.chip, board.info.sketch, board.extensions};
+    const int version = board.extensions.version(protocol::kFirmware);
+    if (version > 0) firmware.version = protocol::version_text(version);
+    if (loadable_ > version && !board.extensions.empty() && link_.kind == "serial")
+        firmware.available = protocol::version_text(loadable_);
+    return firmware;
+}
+
 model::Description Describer::description() {
     const auto& board = board_.session.identity();
     link_.baud = static_cast<int>(board_.session.baud());
     described_modes_ = board.pin_modes;
     model::Description description;
-    description.firmware = {board.info.protocol(), board.info.chip, board.info.sketch, board.extensions};
+    description.firmware = firmware();
     description.link = link_;
     description.agent = agent_;
     description.pins = pins();

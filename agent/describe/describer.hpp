@@ -25,6 +25,8 @@ class Describer {
     void line_rate_changed(unsigned baud) { link_.baud = static_cast<int>(baud); }
     /// `changed`: it may be another board than before.
     void board_found(bool changed, const ReportPeriods& periods);
+    /// The version of its sketch that the agent would load; 0: none. See protocol::version_text().
+    void loadable_version(int version) { loadable_ = version; }
     bool note_agent(model::AgentInfo agent);
     bool note_labels(const LabelBook& labels);
     bool note_warnings(std::vector<std::string> warnings);
@@ -37,6 +39,7 @@ class Describer {
     const model::LinkInfo& link() const { return link_; }
     /// For a board without any: from its port or address.
     std::string name_from_link() const;
+    model::FirmwareInfo firmware() const;
     /// Without board name, session, seq and lease, which the announcer fills in.
     model::Description description();
 
@@ -56,6 +59,7 @@ class Describer {
     std::vector<std::string> warnings_;
     std::optional<model::StopInfo> stopped_;
     std::vector<protocol::PinMode> described_modes_;
+    int loadable_ = 0;
 };
 
 }  // namespace asip::agent

@@ -21,6 +21,7 @@ nlohmann::json traits_json(const BoardTraits& traits) {
     if (!traits.chip.empty()) object["chip"] = traits.chip;
     if (!traits.sketch.empty()) object["sketch"] = traits.sketch;
     if (!traits.stored_name.empty()) object["name"] = traits.stored_name;
+    if (!traits.version.empty()) object["version"] = traits.version;
     return object;
 }
 
@@ -97,7 +98,15 @@ void PortLoan::load(const bus::PortRequest& request, const bus::ReplyTo& reply, 
             reply,
             bus::Reply::refused(std::string(bus::kRefusedNotLoaded), "the board is not at a serial port"),
             out);
-    if (board.ready && !request.force)
+    if (request.update && (!board.ready || board.traits.available.empty())) {
+        if (!board.ready)
+            return answer(
+                reply, bus::Reply::refused(std::string(bus::kRefusedNotLoaded), "the board does not answer"),
+                out);
+        before_ = board;
+        return answer(reply, found(board.traits), out);
+    }
+    if (board.ready && !request.force && !request.update)
         return answer(
             reply,
             bus::Reply::refused(std::string(bus::kRefusedSpeaksAsip),
@@ -105,6 +114,7 @@ void PortLoan::load(const bus::PortRequest& request, const bus::ReplyTo& reply, 
                                     "); to load other firmware all the same: \"force\":true, --force"),
             out);
     load_ = request;
+    if (request.update) load_->firmware = board.traits.sketch;
     step_ = "connecting";
     percent_ = 0;
     begin(reply, board, now);
@@ -165,11 +175,21 @@ void PortLoan::identified(const BoardTraits& traits, Effects& out) {
     out.log(same ? Level::kInfo : Level::kWarning,
             same ? "port taken back" : "port taken back; another board answers there",
             {{"sketch", traits.sketch}, {"was", before_.traits.sketch}});
-    nlohmann::json object{
-        {"same", same}, {"before", traits_json(before_.traits)}, {"after", traits_json(traits)}};
-    answer(std::exchange(take_reply_, {}), bus::Reply::ok("answer", model::dump_json(object)), out);
+    answer(std::exchange(take_reply_, {}), found(traits), out);
     by_.clear();
     load_.reset();
+}
+
+bus::Reply PortLoan::found(const BoardTraits& after) const {
+    if (load_ && load_->update && !after.available.empty())
+        return bus::Reply::refused(std::string(bus::kRefusedNotLoaded),
+                                   "it was loaded, but the board says that it has " + after.sketch + " " +
+                                       (after.version.empty() ? "without a version" : after.version) +
+                                       ", not " + after.available);
+    const nlohmann::json object{{"same", may_be_same_board(before_.traits, after)},
+                                {"before", traits_json(before_.traits)},
+                                {"after", traits_json(after)}};
+    return bus::Reply::ok("answer", model::dump_json(object));
 }
 
 bool PortLoan::tick(Time now, Effects& out) {

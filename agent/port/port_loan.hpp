@@ -17,6 +17,8 @@ struct BoardTraits {
     std::string chip;
     std::string sketch;
     std::string stored_name;
+    std::string version{};    ///< of its firmware
+    std::string available{};  ///< the newer one that its agent would load
     friend bool operator==(const BoardTraits&, const BoardTraits&) = default;
 };
 
@@ -83,6 +85,7 @@ class PortLoan {
     void begin(const bus::ReplyTo& reply, const Lent& board, Time now);
     void take_back(Time now, Effects& out);
     bus::Reply refusal() const;
+    bus::Reply found(const BoardTraits& after) const;
     std::string granted() const;
     std::string until_text() const { return text::iso_time(until_wall_); }
 

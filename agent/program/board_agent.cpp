@@ -34,12 +34,16 @@ std::optional<std::pair<std::string, std::string>> called(bool several, const Ag
 }
 
 BridgeOptions bridge_options(BridgeOptions options, const LabelFiles& files, const StopFiles& stops,
-                             const LinkFiles& links, const std::string& user, bool goes_on) {
+                             const LinkFiles& links, const std::string& user, const std::string& firmware,
+                             bool goes_on) {
     options.load_links = [&links](const std::string& board) { return links.load(board); };
     options.bus_user = user;
     options.announce_unreached = goes_on;
     options.load_labels = [&files](const std::string& board) { return files.load(board); };
     options.load_stop = [&stops](const std::string& board) { return stops.load(board); };
+    options.loadable_version = [&firmware](const std::string& sketch, const std::string& chip) {
+        return loadable_version(firmware, sketch, chip);
+    };
     return options;
 }
 
@@ -64,7 +68,7 @@ BoardAgent::BoardAgent(const Host& host, AgentOptions options, Handlers handlers
                                                options_.mqtt.brokers.front().describe()};
                }),
       bridge_(bridge_options(options_.bridge, label_files_, stop_files_, link_files_, options_.mqtt.user,
-                             host.goes_on),
+                             options_.firmware_folder, host.goes_on),
               options_.models, system_random()),
       framing_(options_.tcp_address.framing, options_.tcp_address.address.port == PointToPoint::kJavaPort
                                                  ? LinkFraming::Kind::kFrames

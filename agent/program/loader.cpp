@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -27,8 +29,33 @@ namespace {
 // One attempt: the longest is a Mega at 115200 baud, written and read back.
 constexpr Duration kAttemptLimit = std::chrono::seconds(60);
 constexpr Duration kReapAgain = std::chrono::milliseconds(10);
+constexpr Duration kLook = std::chrono::milliseconds(500);
+
+/// Which device is at `path` now; {}: none.
+std::pair<dev_t, ino_t> device_at(const std::string& path) {
+    struct stat found{};
+    return ::stat(path.c_str(), &found) == 0 ? std::pair(found.st_dev, found.st_ino)
+                                             : std::pair<dev_t, ino_t>();
+}
+
+std::string image_of(const std::filesystem::path& folder, const std::string& firmware,
+                     const link::BootLoader& loader) {
+    return (folder / (firmware + "-" + std::string(loader.image) + ".hex")).string();
+}
 
 }  // namespace
+
+int loadable_version(const std::filesystem::path& folder, const std::string& sketch,
+                     const std::string& chip) {
+    const auto loader = link::boot_loader_of_chip(chip);
+    std::ifstream file(folder / "versions");
+    std::string name;
+    std::error_code error;
+    for (int version = 0; loader && file >> name >> version;)
+        if (name == sketch)  // which is no path elsewhere
+            return std::filesystem::is_regular_file(image_of(folder, sketch, *loader), error) ? version : 0;
+    return 0;
+}
 
 class Loader::Impl : public std::enable_shared_from_this<Impl> {
   public:
@@ -38,9 +65,7 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
     void next() {
         output_ = link::AvrdudeOutput();
         const auto& loader = order_.loaders[attempt_];
-        const auto image = (std::filesystem::path(order_.folder) /
-                            (order_.firmware + "-" + std::string(loader.image) + ".hex"))
-                               .string();
+        const auto image = image_of(order_.folder, order_.firmware, loader);
         std::error_code error;
         if (!std::filesystem::is_regular_file(image, error))
             return done(
@@ -51,10 +76,8 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
             return done(fail(started.error()));
         tell();
         read();
-        limit_.expires_after(kAttemptLimit);
-        limit_.async_wait([weak = weak_from_this()](boost::system::error_code ended) {
-            if (const auto self = weak.lock(); self && !ended) self->kill();
-        });
+        device_ = device_at(order_.port);
+        watch(Clock::now() + kAttemptLimit);
     }
 
     void end() {
@@ -107,6 +130,18 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
             });
     }
 
+    // On a port that is gone avrdude tries for ever.
+    void watch(Time until) {
+        limit_.expires_after(kLook);
+        limit_.async_wait([weak = weak_from_this(), until](boost::system::error_code ended) {
+            const auto self = weak.lock();
+            if (!self || ended) return;
+            self->unplugged_ = self->device_ != device_at(self->order_.port);
+            if (self->unplugged_ || Clock::now() >= until) return self->kill();
+            self->watch(until);
+        });
+    }
+
     void tell() {
         const std::pair now(output_.step(), output_.percent());
         if (told_ == now || !handlers_.on_progress) return;
@@ -130,6 +165,8 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
         pipe_.close(ignored);
         const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
         if (code == 0) return done({});
+        if (unplugged_)
+            return done(fail("the board was unplugged while it was loaded; plug it in, and load it again"));
         output_.take("\n");
         const bool silent = code == 128 + SIGKILL;
         if ((output_.may_be_another() || silent) && ++attempt_ < order_.loaders.size()) return next();
@@ -148,6 +185,8 @@ class Loader::Impl : public std::enable_shared_from_this<Impl> {
     Handlers handlers_;
     std::size_t attempt_ = 0;
     pid_t pid_ = 0;
+    std::pair<dev_t, ino_t> device_;
+    bool unplugged_ = false;
     link::AvrdudeOutput output_;
     std::optional<std::pair<std::string_view, int>> told_;
     boost::asio::posix::stream_descriptor pipe_;

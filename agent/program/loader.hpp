@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <boost/asio/io_context.hpp>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,6 +12,10 @@
 #include "asip/link/boot_loader.hpp"
 
 namespace asip::agent {
+
+/// Of the image of `sketch` for `chip` in `folder`, by the file `versions` there: lines such as "AsipServices
+/// 2". 0: none.
+int loadable_version(const std::filesystem::path& folder, const std::string& sketch, const std::string& chip);
 
 /// Loads firmware into a board by avrdude, beside the agent: one boot loader after the other until one
 /// answers.

@@ -166,6 +166,17 @@ std::array<std::size_t, kStates> Catalogue::boards_by_state(const View& view) co
     return counts;
 }
 
+std::size_t Catalogue::out_of_date(const View& view) const {
+    std::size_t count = 0;
+    for (std::uint32_t slot = 0; slot < impl_->slots_; ++slot) {
+        const Board& b = impl_->board(slot);
+        if (b.in_use && b.effective == model::BoardState::kOnline && b.firmware != nullptr &&
+            !b.firmware->available.empty() && (!view.board || view.board(b.name)))
+            ++count;
+    }
+    return count;
+}
+
 void Catalogue::settle() {
     impl_->settle();
 }

@@ -193,6 +193,8 @@ class Catalogue {
     /// What a user sees. Where something is hidden it looks at every board.
     std::vector<std::pair<std::string, std::size_t>> services_by_kind(const View& view) const;
     std::array<std::size_t, kStates> boards_by_state(const View& view) const;
+    /// Boards that are there, and whose agents have a newer version of their sketch.
+    std::size_t out_of_date(const View& view) const;
 
     /// Puts changes into the indices, as find() does. Call it now and then.
     void settle();

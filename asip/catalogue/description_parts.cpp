@@ -244,12 +244,16 @@ bool read_member(JsonScanner& in, std::string_view key, const Guesses& guesses, 
 }  // namespace
 
 std::unique_ptr<FirmwarePart> read_firmware(std::string_view text) {
-    return read_object<FirmwarePart>(text,
-                                     [](FirmwarePart& part, std::string_view key, std::string_view value) {
-                                         if (key == "chip") part.chip = text_of(value);
-                                         if (key == "sketch") part.sketch = text_of(value);
-                                         if (key == "protocol") part.protocol = text_of(value);
-                                     });
+    auto read =
+        read_object<FirmwarePart>(text, [](FirmwarePart& part, std::string_view key, std::string_view value) {
+            if (key == "chip") part.chip = text_of(value);
+            if (key == "sketch") part.sketch = text_of(value);
+            if (key == "protocol") part.protocol = text_of(value);
+            if (key == "version") part.version = text_of(value);
+            if (key == "available") part.available = text_of(value);
+        });
+    if (read) read->shown = bus::firmware_text(read->sketch, read->version, read->available);
+    return read;
 }
 
 std::unique_ptr<PinsPart> read_pins(std::string_view text) {

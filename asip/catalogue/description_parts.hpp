@@ -86,6 +86,8 @@ struct FirmwarePart {
     std::string chip;
     std::string sketch;
     std::string protocol;
+    std::string version, available;
+    std::string shown;  // bus::firmware_text()
 };
 
 struct PinsPart {

@@ -98,7 +98,7 @@ bus::BriefBoard Catalogue::Impl::brief_board(const Board& b, Instant now, std::s
     row.age = age_of(b, now);
     if (b.firmware != nullptr) {
         row.chip = b.firmware->chip;
-        row.sketch = b.firmware->sketch;
+        row.sketch = b.firmware->shown;
     }
     row.services = services;
     row.conflict = b.conflict() != nullptr;
@@ -136,6 +136,8 @@ bus::BoardItem Catalogue::Impl::board_item(const Board& b, Instant now, bool ful
     if (b.firmware != nullptr) {
         item.chip = b.firmware->chip;
         item.sketch = b.firmware->sketch;
+        item.version = b.firmware->version;
+        item.available = b.firmware->available;
         item.protocol = b.firmware->protocol;
     }
     item.agent = summary(b.agent(), "host", "client");

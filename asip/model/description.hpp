@@ -35,6 +35,8 @@ struct FirmwareInfo {
     std::string chip;
     std::string sketch;
     protocol::Extensions extensions;
+    std::string version{};    ///< of the firmware library in the sketch: "0.2"
+    std::string available{};  ///< the newer one that its agent would load: the board is out of date
     friend bool operator==(const FirmwareInfo&, const FirmwareInfo&) = default;
 };
 

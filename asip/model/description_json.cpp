@@ -32,6 +32,8 @@ json firmware_json(const FirmwareInfo& firmware) {
     put_text(object, "protocol", firmware.protocol);
     put_text(object, "chip", firmware.chip);
     put_text(object, "sketch", firmware.sketch);
+    put_text(object, "version", firmware.version);
+    put_text(object, "available", firmware.available);
     for (const auto& [tag, version] : firmware.extensions.list)
         object["extensions"][std::string(1, tag)] = version;
     return object;
@@ -96,8 +98,9 @@ std::optional<int> read_small(JsonReader& reader, std::string_view key, int max)
 }
 
 FirmwareInfo read_firmware(JsonReader reader) {
-    FirmwareInfo firmware{
-        read_text(reader, "protocol"), read_text(reader, "chip"), read_text(reader, "sketch"), {}};
+    FirmwareInfo firmware{read_text(reader, "protocol"), read_text(reader, "chip"),
+                          read_text(reader, "sketch"),   {},
+                          read_text(reader, "version"),  read_text(reader, "available")};
     auto extensions = reader.object("extensions");
     if (!extensions) return firmware;
     for (const auto& [tag, member] : extensions->value().items()) {

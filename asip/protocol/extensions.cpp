@@ -19,6 +19,10 @@ std::size_t Extensions::longest_request() const {
                       kMaxRequestBytes);
 }
 
+std::string version_text(int version) {
+    return std::to_string(version / 100) + "." + std::to_string(version % 100);
+}
+
 Expected<Extensions> parse_extensions(std::string_view body) {
     const auto parsed = parse_body(body);
     if (!parsed) return fail(parsed.error());

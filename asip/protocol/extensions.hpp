@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@ inline constexpr char kChecksum = 'C';       ///< lines with `*HH` at their end
 inline constexpr char kVerifiedFence = 'V';  ///< fences are answered with a digest of the requests
 inline constexpr char kLevels = 'D';         ///< `I,L`: the levels of all input pins, at once
 inline constexpr char kRequestLength = 'L';  ///< its "version" is the longest request in bytes
+inline constexpr char kFirmware = 'F';       ///< its "version" is that of the firmware, see version_text()
 
 /// The answer to `#,X`: tags and versions (0 to 255). Empty for a 0.4 board.
 struct Extensions {
@@ -29,6 +31,9 @@ struct Extensions {
     std::size_t longest_request() const;
     friend bool operator==(const Extensions&, const Extensions&) = default;
 };
+
+/// Of the firmware: 2 is "0.2", 103 is "1.3".
+std::string version_text(int version);
 
 /// `4,{E:1,I:1,B:1,C:1}`. Fails on a damaged body.
 Expected<Extensions> parse_extensions(std::string_view body);

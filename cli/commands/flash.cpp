@@ -27,6 +27,7 @@ struct FlashOptions {
     std::string board;
     LoadOptions load{};
     bool whole_class = false;
+    bool update = false;
     std::optional<std::string> names;
     std::string host;
     std::size_t count = 0;
@@ -236,7 +237,10 @@ class FlashRun : OnTheBus {
 /// What was given and means nothing here; empty: nothing.
 std::string without_meaning(const FlashOptions& options) {
     const bool file = !options.programming.image.empty();
-    if (!options.whole_class && options.board.empty()) return "name a board, or give --class";
+    if (!options.whole_class && !options.update && options.board.empty())
+        return "name a board, or give --class or --update";
+    if (options.update && (file || options.whole_class || !options.load.board.empty() || options.load.force))
+        return "--update goes with boards and -l alone: their agents know what to load";
     if (options.whole_class && !options.board.empty())
         return "--class takes no BOARD: it is for all that are plugged in";
     if (!options.whole_class && (options.names || !options.host.empty() || options.count != 0))
@@ -256,17 +260,18 @@ int run_flash(const FlashOptions& options, Environment& environment) {
             environment);
     if (const auto limit = text::parse_duration(options.limit); !limit)
         return environment.fail_with({program::kExitUsage, "--limit: " + limit.error()});
-    const auto target = parse_target(options.board, true);
+    const auto target = parse_target(options.update && options.board.empty() ? "*" : options.board, true);
     if (!target) return environment.fail_with(target.error());
     if (!target->service.empty())
         return environment.fail_with({program::kExitUsage, "flash takes a board, not a service"});
     const auto labels = parse_selector(options.selector);
     if (!labels) return environment.fail_with(labels.error());
+    if (options.update) return run_update({*target, *labels, options.output}, environment);
     if (options.programming.image.empty())
         return !options.selector && !target->is_pattern()
                    ? run_load(options.load, options.board, options.output, environment)
-                   : environment.fail_with({program::kExitUsage,
-                                            "for several boards give a FILE, or --class instead of BOARD"});
+                   : environment.fail_with(
+                         {program::kExitUsage, "for several boards give a FILE, --update, or --class"});
     if (!options.selector && !target->is_pattern())
         return FlashRun(options, environment, RecordPrinter::Count::kOne).one();
     if (!options.simulated.empty())
@@ -285,6 +290,8 @@ Run declare_flash(Declaration& verb) {
                   Declaration::Needed::kNo);
     verb.flag("--class", options->whole_class,
               "Until Ctrl-C: each board at this machine, and each that is plugged in, that speaks no ASIP");
+    verb.flag("--update", options->update,
+              "Boards of the whole bus that are out of date, some at a time; it stops behind three failures");
     verb.option("--names", "PATTERN", options->names,
                 "With --class: store a name on each board, student-{} with the number for {}");
     verb.option("--at", "HOST", options->host, "With --class: boards at another machine; '*': at any");
@@ -307,8 +314,8 @@ Run declare_flash(Declaration& verb) {
     verb.option("--limit", "DURATION", options->limit, "A programmer that takes longer is stopped");
     verb.option("--socket", "FILE", options->socket, "Control socket of asip-sim; default: its usual one");
     verb.output(options->output, {Output::kText},
-                {"board", "programmed", "same", "sketch", "was", "chip", "port", "result", "seconds",
-                 "status", "error", "reason", "code"});
+                {"board", "programmed", "same", "sketch", "version", "was", "chip", "port", "result",
+                 "seconds", "status", "error", "reason", "code"});
     return [options](Environment& environment) { return run_flash(*options, environment); };
 }
 
@@ -328,6 +335,7 @@ Verb flash_verb() {
             "Examples:\n"
             "  asipctl flash lab-usb-140-3\n"
             "  asipctl flash --class --names student-{}\n"
+            "  asipctl flash --update -l room=lab\n"
             "  asipctl flash uno1 AsipServices.hex\n"
             "  asipctl flash nano AsipHello.hex --baud 57600\n"
             "  asipctl flash 'uno*' AsipServices.hex -l room=lab\n"

@@ -126,10 +126,10 @@ int show_all(const ListOptions& options, Environment& environment, BusSession& s
 }
 
 const std::vector<std::string> kListFields{
-    "board", "state", "reported", "chip",       "sketch",    "protocol", "lease",
-    "age",   "link",  "agent",    "session",    "services",  "name",     "kind",
-    "title", "count", "label",    "labels",     "names",     "reason",   "period",
-    "id",    "model", "since",    "first_seen", "last_seen", "conflict", "names_only"};
+    "board",      "state",     "reported", "chip",       "sketch",  "protocol", "lease", "age",
+    "link",       "agent",     "session",  "services",   "name",    "kind",     "title", "count",
+    "label",      "labels",    "names",    "reason",     "period",  "id",       "model", "since",
+    "first_seen", "last_seen", "conflict", "names_only", "version", "available"};
 
 }  // namespace
 

@@ -100,7 +100,7 @@ Run declare_show(Declaration& verb) {
                 {"board",  "state", "chip",     "sketch",      "protocol",          "lease",
                  "link",   "agent", "services", "description", "description_fault", "name",
                  "kind",   "title", "count",    "period",      "definition",        "label",
-                 "labels", "names", "values"});
+                 "labels", "names", "values",   "version",     "available"});
     return [options](Environment& environment) { return run_show(*options, environment); };
 }
 

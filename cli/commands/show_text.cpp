@@ -264,7 +264,13 @@ std::string board_text(const KnownBoard& board, const model::ModelSet& models, s
                                colour, Colour::kRed);
     } else {
         const auto& all = *board.description;
-        text += labelled("chip", all.firmware.chip, colour) + labelled("sketch", all.firmware.sketch, colour);
+        const auto& firmware = all.firmware;
+        text += labelled("chip", firmware.chip, colour) +
+                labelled("sketch", bus::firmware_text(firmware.sketch, firmware.version, firmware.available),
+                         colour);
+        if (!firmware.available.empty())
+            text += labelled("newer", firmware.available + "; asipctl flash --update " + item.board, colour,
+                             Colour::kYellow);
         text += labelled("protocol", all.firmware.protocol, colour) +
                 labelled("extensions", extensions_text(all), colour);
         if (all.firmware == model::FirmwareInfo())

@@ -7,14 +7,16 @@
 #include "asip/bus/request/reply.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/environment.hpp"
+#include "cli/find/chosen_boards.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
 
 struct LoadOptions {
     std::string firmware = "AsipServices";
-    std::string board;   ///< which kind it is; empty: its agent finds out
-    bool force = false;  ///< also where it runs ASIP
+    std::string board;    ///< which kind it is; empty: its agent finds out
+    bool force = false;   ///< also where it runs ASIP
+    bool update = false;  ///< instead of all: what it runs, where its agent has a newer version
 };
 
 /// An agent that was asked to load firmware of its machine into its board. It lives until the answer came.
@@ -48,5 +50,13 @@ struct ClassOptions {
     OutputOptions output{};
 };
 int run_class(const ClassOptions& options, Environment& environment);
+
+/// What `asipctl flash --update` does: it ends with the last board, or behind the third that fails.
+struct UpdateOptions {
+    Target target;
+    bus::LabelSelector labels;
+    OutputOptions output{};
+};
+int run_update(const UpdateOptions& options, Environment& environment);
 
 }  // namespace asip::cli

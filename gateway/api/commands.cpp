@@ -198,7 +198,8 @@ bool is_load(const json& body) {
     if (!body.is_object()) return false;
     for (const auto& [name, member] : body.items()) {
         const bool text = name == "firmware" || name == "board";
-        if (!(text && member.is_string()) && !(name == "force" && member.is_boolean())) return false;
+        if (!(text && member.is_string()) && !((name == "force" || name == "update") && member.is_boolean()))
+            return false;
     }
     return true;
 }

@@ -144,6 +144,7 @@ void get_metrics(Call& call) {
     for (const auto reason : {Reason::kUnplugged, Reason::kSilent, Reason::kAgentGone, Reason::kExpired})
         snapshot.lost_by_reason.emplace_back(model::to_text(reason), lost[reason]);
     snapshot.lost_by_reason.emplace_back("unknown", lost[Reason::kNone]);
+    snapshot.boards_out_of_date = mirror.out_of_date(view);
     snapshot.services_by_kind = mirror.services_by_kind(view);
     if (!rights.limited())  // what registries count is of all boards
         for (const auto& [id, info] : mirror.registries())

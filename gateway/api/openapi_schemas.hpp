@@ -53,6 +53,7 @@ inline constexpr std::string_view kComponents = R"json({
     "names_only": {"type": "boolean"}, "session": {"type": "string"}, "seq": {"type": "integer"},
     "lease": {"type": "integer"}, "first_seen": {"type": "string"}, "last_seen": {"type": "string"},
     "since": {"type": "string"}, "reason": {"type": "string"}, "state_age": {"type": "number"}, "chip": {"type": "string"}, "sketch": {"type": "string"},
+    "version": {"type": "string", "description": "Of the firmware library in the sketch"}, "available": {"type": "string", "description": "The newer one that its agent would load"},
     "protocol": {"type": "string"}, "agent": {"type": "string"}, "link": {"type": "string"},
     "labels": {"type": "object", "additionalProperties": {"type": "string", "maxLength": 63}},
     "names": {"$ref": "#/components/schemas/Names"}, "conflict": {"type": "object"}, "description": {"type": "object"},
@@ -102,7 +103,8 @@ inline constexpr std::string_view kComponents = R"json({
       "pins": {"type": "object", "maxProperties": 64, "additionalProperties": {"type": ["string", "null"], "maxLength": 63}}}}}},
   "Load": {"type": "object", "additionalProperties": false, "description": "Firmware of the agent's machine, AsipServices where it is not given; which board it is, where USB does not tell", "properties": {
     "firmware": {"type": "string", "maxLength": 64}, "board": {"type": "string", "enum": ["uno", "nano", "nano-old", "mega"]},
-    "force": {"type": "boolean", "description": "Also where the board runs ASIP"}}},
+    "force": {"type": "boolean", "description": "Also where the board runs ASIP"},
+    "update": {"type": "boolean", "description": "Instead: the newer version of the sketch that the board runs; where its agent has none, nothing is done"}}},
   "BoardLinkChange": {"type": "object", "minProperties": 1, "maxProperties": 1, "additionalProperties": false, "properties": {
     "set": {"type": "object", "required": ["name", "from", "to"], "description": "See docs/links.md"},
     "remove": {"type": "string"}, "enable": {"type": "string"}, "disable": {"type": "string"}}},

@@ -110,6 +110,9 @@ class Dialect {
     virtual std::string error(std::string_view board) const = 0;
     virtual std::string error_text(const std::string& sentence) const = 0;
     virtual bool error_is_retained() const { return true; }
+    /// Where it stands which version of its sketch the board has; empty: nowhere.
+    virtual std::string firmware(std::string_view /*board*/) const { return {}; }
+    virtual std::string firmware_text(const ExportedBoard& /*board*/) const { return {}; }
 
     // --- commands
 

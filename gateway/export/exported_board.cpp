@@ -26,6 +26,8 @@ std::optional<ExportedBoard> exported_board(const bus::BoardItem& item, const st
     board.room = label_of(*description, "room");
     board.chip = description->firmware.chip;
     board.sketch = description->firmware.sketch;
+    board.version = description->firmware.version;
+    board.available = description->firmware.available;
     board.properties = list != nullptr ? *list : property::properties_of(*description, find_model);
     return board;
 }

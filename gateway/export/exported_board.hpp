@@ -31,6 +31,8 @@ struct ExportedBoard {
     std::string name;   ///< for people
     std::string chip;   ///< may be empty, as all below
     std::string sketch;
+    std::string version;    ///< of the firmware
+    std::string available;  ///< the newer one that its agent would load
     std::string room;
     std::vector<Property> properties;
     friend bool operator==(const ExportedBoard&, const ExportedBoard&) = default;

@@ -160,7 +160,8 @@ class Exporter final : public BoardExport {
     void failed(const std::string& board, const std::string& id, const std::string& sentence);
     void retain(std::string topic, std::string payload, int qos = 1);
     std::string mark() const { return dialect().base() + "/$mark/" + scan_.mark(); }
-    std::size_t error_slots() const { return dialect().error_is_retained() ? 1 : 0; }
+    /// States behind those of the properties: of the last error, and of the firmware.
+    std::size_t more_slots() const { return dialect().error_is_retained() ? 2 : 0; }
     std::string state_topic(const Record& record, std::size_t index) const;
 
     std::shared_ptr<const Dialect> dialect_;

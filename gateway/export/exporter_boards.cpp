@@ -105,8 +105,9 @@ void Exporter::update(const std::string& name, Time now) {
 
 std::string Exporter::state_topic(const Record& record, std::size_t index) const {
     const auto& board = *record.board;
-    return index < board.properties.size() ? dialect().state(board.board, board.properties[index])
-                                           : dialect().error(board.board);
+    const auto count = board.properties.size();
+    if (index < count) return dialect().state(board.board, board.properties[index]);
+    return index == count ? dialect().error(board.board) : dialect().firmware(board.board);
 }
 
 void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) {
@@ -120,7 +121,7 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
     });
     record.document_due = true;
     record.states.clear();
-    record.states.resize(record.board->properties.size() + error_slots());
+    record.states.resize(record.board->properties.size() + more_slots());
     for (std::size_t i = 0; i < record.states.size(); ++i) {
         const auto topic = state_topic(record, i);
         std::erase(clear_, topic);  // it is wanted again
@@ -272,6 +273,8 @@ void Exporter::all_values(Record& record, Time now) {
             // What the board reported before this gateway began is on the broker.
             if (value || !is_reported(property)) show(record, i, value, now);
         }
+    if (!dialect().firmware(board.board).empty())
+        offer(record, board.properties.size() + 1, dialect().firmware_text(board), now);
 }
 
 /// What is not known any more is said where something else was said before, or waits to be said.

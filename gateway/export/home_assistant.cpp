@@ -214,6 +214,7 @@ HomeAssistant::Components HomeAssistant::components(const ExportedBoard& board) 
         settable = settable || property.settable();
     }
     if (settable && !options_.read_only) result[std::string(kLastError)] = "sensor";
+    if (!firmware_text(board).empty()) result[std::string(kFirmware)] = "update";
     return result;
 }
 
@@ -245,6 +246,7 @@ std::string HomeAssistant::document(const ExportedBoard& board, const Components
                 .add("name", "Last error")
                 .add("ent_cat", "diagnostic")
                 .add("stat_t", state(board.board, kLastError));
+        if (!removed.contains(std::string(kFirmware))) describe_firmware(all, board);
         for (const auto& [id, platform] : removed)
             all.object(id).add("p", platform);
     }

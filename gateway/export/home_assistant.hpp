@@ -41,6 +41,7 @@ class HomeAssistant final : public Dialect {
     };
     static constexpr std::size_t kMaxStateBytes = 255;  ///< Home Assistant takes no longer state
     static constexpr std::string_view kLastError = "last-error";
+    static constexpr std::string_view kFirmware = "firmware--update";  ///< as no property is called
 
     explicit HomeAssistant(Options options) : options_(std::move(options)) {}
     const Options& options() const { return options_; }
@@ -83,6 +84,8 @@ class HomeAssistant final : public Dialect {
                            property::ButtonAct act) const override;
     std::string error(std::string_view board) const override { return state(board, kLastError); }
     std::string error_text(const std::string& sentence) const override { return cut(sentence); }
+    std::string firmware(std::string_view board) const override { return state(board, kFirmware); }
+    std::string firmware_text(const ExportedBoard& board) const override;
     std::string commands() const override { return base() + "/+/+/set"; }
 
     /// Which properties are in a document: component -> platform.
@@ -113,6 +116,7 @@ class HomeAssistant final : public Dialect {
                             const Property& property) const;
     void describe_events(ObjectText& component, const ExportedBoard& board, const std::string& device,
                          const Property& property) const;
+    void describe_firmware(ObjectText& components, const ExportedBoard& board) const;
     std::string platform(const Property& property) const;
     bool shown(const Property& property) const;
     std::string root_id() const;       ///< the root, in characters that ids may hold

@@ -58,6 +58,29 @@ bool HomeAssistant::is_ours(const Retained& found, const std::string& topic, con
             found.at(topic).find(model::dump_json(json(gateway_state()))) != std::string::npos);
 }
 
+// It is loaded from the page or by asipctl.
+void HomeAssistant::describe_firmware(ObjectText& components, const ExportedBoard& board) const {
+    if (firmware_text(board).empty()) return;
+    components.object(kFirmware)
+        .add("p", "update")
+        .add("uniq_id", device_id(board.board) + "_" + std::string(kFirmware))
+        .add("name", "Firmware")
+        .add("dev_cla", "firmware")
+        .add("ent_cat", "diagnostic")
+        .add("stat_t", firmware(board.board));
+}
+
+// Of a sketch that says no version, and is older than the first that did: 0.
+std::string HomeAssistant::firmware_text(const ExportedBoard& board) const {
+    if (board.version.empty() && board.available.empty()) return {};
+    std::string text;
+    ObjectText(text)
+        .add("installed_version", board.version.empty() ? "0" : board.version)
+        .add("latest_version", board.available.empty() ? board.version : board.available)
+        .add("title", board.sketch);
+    return text;
+}
+
 void HomeAssistant::describe_origin(ObjectText& document) const {
     auto origin = document.object("o");
     origin.add("name", "asip-gateway");

@@ -160,6 +160,12 @@ void add_registries(Exposition& out, const std::vector<std::pair<std::string, st
     }
 }
 
+void one(Exposition& out, std::string_view name, Type type, std::string_view unit, std::string_view help,
+         double value) {
+    out.family(name, type, unit, help);
+    out.sample({}, value);
+}
+
 void add_catalogue(Exposition& out, const Snapshot& snapshot) {
     out.family("asip_boards", Type::kGauge, {},
                "Boards by state; no-asip: a port where no sketch has answered yet");
@@ -168,6 +174,9 @@ void add_catalogue(Exposition& out, const Snapshot& snapshot) {
     out.family("asip_boards_lost", Type::kGauge, {}, "Boards that are lost, by reason");
     for (const auto& [reason, count] : snapshot.lost_by_reason)
         out.sample({{"reason", reason}}, static_cast<double>(count));
+    one(out, "asip_boards_out_of_date", Type::kGauge, {},
+        "Boards that are online, and whose agents have a newer version of their sketch",
+        static_cast<double>(snapshot.boards_out_of_date));
     auto kinds = snapshot.services_by_kind;
     std::sort(kinds.begin(), kinds.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     out.family("asip_services", Type::kGauge, {}, "Services by kind");
@@ -178,12 +187,6 @@ void add_catalogue(Exposition& out, const Snapshot& snapshot) {
         else
             rest += static_cast<double>(kinds[i].second);
     if (kinds.size() > kMaxKinds) out.sample({{"asip_service", "other"}}, rest);
-}
-
-void one(Exposition& out, std::string_view name, Type type, std::string_view unit, std::string_view help,
-         double value) {
-    out.family(name, type, unit, help);
-    out.sample({}, value);
 }
 
 void add_gateway(Exposition& out, const Snapshot& s) {

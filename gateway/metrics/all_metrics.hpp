@@ -50,6 +50,7 @@ struct Snapshot {
     std::size_t last_values_bytes = 0;
     std::vector<std::pair<std::string, std::size_t>> boards_by_state;
     std::vector<std::pair<std::string, std::size_t>> lost_by_reason;  ///< each reason, also where none is
+    std::size_t boards_out_of_date = 0;
     std::vector<std::pair<std::string, std::size_t>> services_by_kind;
     std::vector<std::pair<std::string, std::string>> registries;  ///< id, JSON of its `$stats`
     std::vector<std::pair<std::string, std::string>> boards;      ///< name, JSON of its `$stats`

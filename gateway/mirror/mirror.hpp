@@ -79,6 +79,7 @@ class Mirror {
     std::array<std::size_t, catalogue::kStates> boards_by_state(const catalogue::View& view) const {
         return catalogue_.boards_by_state(view);
     }
+    std::size_t out_of_date(const catalogue::View& view) const { return catalogue_.out_of_date(view); }
     struct Lost {
         std::map<model::StateReason, std::size_t> by_reason;
         std::size_t without_asip = 0;  ///< ports where nothing has ever answered: never there to be lost

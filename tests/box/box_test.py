@@ -11,6 +11,9 @@ import subprocess
 import unittest
 import urllib.request
 
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
+
 from bus import BIN, IMAGES, ROOT, Bus, eventually, paho_client, settings_file
 
 LOADERS = pathlib.Path("/usr/share/arduino/hardware/arduino/avr/bootloaders")
@@ -23,6 +26,25 @@ def needs_tools():
     for tool in ("avrdude", "avr-objcopy"):
         if subprocess.run(["sh", "-c", f"command -v {tool}"], capture_output=True, check=False).returncode != 0:
             raise unittest.SkipTest(f"{tool} is not installed")
+
+
+def next_version(firmware):
+    """A newer package is installed: what it loads is the same, but says that it is 0.3. Agents know it when they ask their boards."""
+    for image in firmware.glob("*.hex"):
+        raw = image.with_suffix(".bin")
+        subprocess.run(["avr-objcopy", "-I", "ihex", "-O", "binary", image, raw], check=True)
+        assert b",D:1,F:2}" in raw.read_bytes(), image
+        raw.write_bytes(raw.read_bytes().replace(b",D:1,F:2}", b",D:1,F:3}"))
+        subprocess.run(["avr-objcopy", "-I", "binary", "-O", "ihex", raw, image], check=True)
+        raw.unlink()
+    versions = firmware / "versions"
+    versions.write_text(versions.read_text().replace(" 2\n", " 3\n"))
+
+
+def ask_anew(bus, board):
+    for option in (("--for", "1m"), ("--back",)):
+        released = bus.asipctl("release", board, *option)
+        assert released.returncode == 0, released.stderr
 
 
 class Boxes(Bus):
@@ -94,6 +116,53 @@ class OneBoard(unittest.TestCase):
         self.assertNotIn("speaks no ASIP", bus.asipctl("doctor").stdout)
         bus.pull("usb-3")
 
+    def test_sketch_that_is_out_of_date_is_said_everywhere_and_updated(self):
+        bus = self.bus
+        told = {}
+        client = paho_client()
+        client.on_message = lambda _client, _data, message: told.update({message.topic: message.payload.decode()})
+        client.connect("127.0.0.1", bus.broker_port)
+        client.subscribe([("homeassistant/#", 0), ("asip/export/#", 0)])
+        client.loop_start()
+        self.addCleanup(client.loop_stop)
+        metrics = lambda: urllib.request.urlopen(bus.url + "/metrics", timeout=30).read().decode()
+        bus.plug("usb-8")
+        eventually(lambda: bus.is_without_asip("usb-8"), "the board, without ASIP", 60)
+        self.assertEqual(bus.asipctl("flash", "usb-8", "--board", "nano-old").returncode, 0)
+        eventually(lambda: bus.state("usb-8") == "online", "online", 60)
+        self.assertRegex(bus.asipctl("list").stdout, r"usb-8 +online +ATmega328P +AsipServices 0\.2  ")
+        self.assertIn("asip_boards_out_of_date 0\n", metrics())
+        self.assertIn("no board is out of date", bus.asipctl("flash", "--update").stderr)
+        next_version(bus.firmware)
+        self.assertIn("no board is out of date", bus.asipctl("flash", "--update").stderr)
+        ask_anew(bus, "usb-8")
+        eventually(lambda: "AsipServices 0.2, out of date" in bus.asipctl("list").stdout, "out of date", 60)
+        self.assertIn("asip_boards_out_of_date 1\n", metrics())
+        self.assertRegex(bus.asipctl("show", "usb-8").stdout, r"newer +0\.3; asipctl flash --update usb-8")
+        board = next(each for each in bus.get("/api/boards")["items"] if each["board"] == "usb-8")
+        self.assertEqual((board["sketch"], board["version"], board["available"]), ("AsipServices", "0.2", "0.3"))
+        firmware = "asip/export/ha/usb-8/firmware--update"
+        latest = lambda: json.loads(told.get(firmware, "{}")).get("latest_version")
+        eventually(lambda: latest() == "0.3", "Home Assistant knows", 60)
+        entity = json.loads(told["homeassistant/device/asip-usb-8/config"])["cmps"]["firmware--update"]
+        self.assertEqual((entity["p"], entity["stat_t"]), ("update", firmware))
+        updated = bus.asipctl("flash", "--update")
+        self.assertEqual(updated.returncode, 0, updated.stderr + bus.logs())
+        self.assertRegex(updated.stdout, r"^usb-8 +updated +AsipServices 0\.3, \d+ s\n$")
+        self.assertRegex(bus.asipctl("list").stdout, r"usb-8 +online +ATmega328P +AsipServices 0\.3  ")
+        eventually(lambda: "asip_boards_out_of_date 0\n" in metrics(), "up to date", 60)
+        eventually(lambda: json.loads(told[firmware])["installed_version"] == "0.3", "Home Assistant knows", 60)
+        # A package whose image is not what its list says: the board is asked, and the answer told.
+        versions = bus.firmware / "versions"
+        versions.write_text(versions.read_text().replace(" 3\n", " 4\n"))
+        ask_anew(bus, "usb-8")
+        eventually(lambda: "AsipServices 0.3, out of date" in bus.asipctl("list").stdout, "out of date", 60)
+        failed = bus.asipctl("flash", "--update")
+        self.assertEqual(failed.returncode, 1, failed.stderr)
+        self.assertRegex(failed.stdout, r"^usb-8 +failed +.*the board says that it has AsipServices 0\.3, not 0\.4")
+        versions.write_text(versions.read_text().replace(" 4\n", " 3\n"))
+        bus.pull("usb-8")
+
     def test_thermometer_from_the_box_shows_degrees_in_home_assistant(self):
         bus = self.bus
         shown = {}
@@ -132,6 +201,65 @@ class OneBoard(unittest.TestCase):
         self.assertRegex(missing.stderr, r"has no firmware .*NoSuch-uno\.hex")
         bus.pull("usb-4")
         eventually(lambda: all(each["board"] != "usb-4" for each in bus.get("/api/boards")["items"]), "the socket is forgotten")
+
+
+class Fleet(unittest.TestCase):
+    """Boards that are out of date, whose agents are played here."""
+
+    COUNT = 12
+
+    def setUp(self):
+        self.bus = Bus(boards=())
+        self.addCleanup(self.bus.close)
+        self.asked = []
+        self.refuses = "not-loaded"
+        self.client = paho_client(protocol=5)
+        self.client.on_message = self.on_message
+        self.client.connect("127.0.0.1", self.bus.broker_port)
+        self.client.subscribe("asip/+/in", 1)
+        self.client.loop_start()
+        self.addCleanup(self.client.loop_stop)
+        for number in range(self.COUNT):
+            self.describe(f"uno{number}", available="0.3")
+
+    def describe(self, board, **firmware):
+        self.client.publish(f"asip/servicebus/{board}/$state", "online", 1, True)
+        self.client.publish(f"asip/servicebus/{board}/$description", json.dumps({
+            "board": board, "session": "1", "seq": len(self.asked) + 1, "lease": 600, "state": {"is": "online", "age": 1},
+            "firmware": {"chip": "ATmega328P", "sketch": "AsipServices", "extensions": {"E": 1}, **firmware}, "services": []}), 1, True)
+
+    def on_message(self, client, _data, message):
+        board = message.topic.split("/")[1]
+        request = json.loads(message.payload)
+        self.asked.append((board, request["port"], request["update"]))
+        answer = {"status": "refused", "reason": self.refuses, "error": "no boot loader answers"} if self.refuses else {
+            "status": "ok", "answer": {"same": True, "after": {"sketch": "AsipServices", "version": "0.3", "chip": "ATmega328P"}}}
+        if not self.refuses:
+            self.describe(board, version="0.3")
+        where = Properties(PacketTypes.PUBLISH)
+        where.CorrelationData = message.properties.CorrelationData
+        client.publish(message.properties.ResponseTopic, json.dumps(answer), 1, properties=where)
+
+    def test_update_ends_behind_three_failures_and_the_next_goes_on_with_what_is_left(self):
+        eventually(lambda: self.bus.asipctl("list").stdout.count("out of date") == self.COUNT, "all of them", 60)
+        failed = self.bus.asipctl("flash", "--update")
+        self.assertEqual(failed.returncode, 1, failed.stderr)
+        tried = len(self.asked)
+        self.assertTrue(3 <= tried <= 6, tried)  # four at once, and none behind the third failure
+        self.assertEqual(set(self.asked), {(board, "load", True) for board, *_ in self.asked})
+        self.assertEqual(failed.stdout.count("failed       no boot loader answers"), tried)
+        self.assertIn(f"0 updated, {tried} failed, {self.COUNT - tried} left; the same again goes on with them", failed.stderr)
+        self.refuses = "released"  # another user has them
+        others = self.bus.asipctl("flash", "--update")
+        self.assertEqual(others.stdout.count("passed over"), self.COUNT, others.stderr)
+        self.refuses = ""
+        one = self.bus.asipctl("flash", "--update", "uno1")
+        self.assertRegex(one.stdout, r"^uno1 +updated +AsipServices 0\.3, 0 s\n$")
+        others = self.bus.asipctl("flash", "--update", "-o", "jsonl")
+        self.assertEqual(others.returncode, 0, others.stderr)
+        self.assertEqual(sorted(json.loads(line)["board"] for line in others.stdout.splitlines()),
+                         sorted(f"uno{number}" for number in range(self.COUNT) if number != 1))
+        self.assertIn("no board is out of date", self.bus.asipctl("flash", "--update").stderr)
 
 
 class Class(unittest.TestCase):

@@ -9,7 +9,7 @@ import unittest
 from rig import PageTest, eventually
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "box"))
-from box_test import Boxes, needs_tools  # noqa: E402
+from box_test import Boxes, ask_anew, needs_tools, next_version  # noqa: E402
 
 
 class Firmware(PageTest):
@@ -62,6 +62,22 @@ class Firmware(PageTest):
         self.assertLessEqual(wide[2], wide[3] + 1, "what happened is on the screen")
         self.assertGreater(wide[1], 100, "and wide enough to be read")
         page.screenshot("history-on-a-phone")
+
+
+    def test_OutOfDate_IsSaid_AndUpdateAllLoadsTheNewerOne(self):
+        page, bus = self.browser, self.bus
+        eventually(lambda: bus.state("usb-3") == "online", "the board of the tests before", 60)
+        next_version(bus.firmware)
+        ask_anew(bus, "usb-3")
+        page.desktop()
+        self.open(anew=True)
+        eventually(lambda: "AsipServices 0.2, out of date" in page.table().get("usb-3", ""), "the row", 60)
+        self.assertIn("1 board is out of date: usb-3", page.text(".attention"))
+        page.screenshot("board-out-of-date")
+        page.button("Update all", ".attention").click()
+        eventually(lambda: "updating" in page.table()["usb-3"], "it is loaded", 60)
+        eventually(lambda: "AsipServices 0.3" in page.table()["usb-3"] and "online" in page.table()["usb-3"], "up to date", 240)
+        self.assertNotIn("out of date", page.text(".attention"))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import urllib.request
 import websocket
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "box"))
-from box_test import OLD_NANO, needs_tools  # noqa: E402
+from box_test import OLD_NANO, ask_anew, needs_tools, next_version  # noqa: E402
 from bus import IMAGES, ROOT, Bus, eventually, program_path, settings_file  # noqa: E402
 from lent_board import LentBoard, board_file  # noqa: E402
 from secured_bus import SecuredBus  # noqa: E402
@@ -195,16 +195,39 @@ class Firmware(CableTest):
         import subprocess
         subprocess.run([ROOT / "packaging/loadable_firmware", IMAGES, self.bus.firmware], check=True)
 
-    def test_BoardFromTheBox_IsLoadedOverTheCable(self):
+    def load(self):
         lent = self.lend("nano", vendor="1a86", product="7523")
         eventually(lambda: (lambda board: board and board["state"] == "lost" and board["reason"] == "silent")(self.bus.board("lent-loopback")),
                    "the board without ASIP", 60)
         flashed = self.bus.asipctl("flash", "lent-loopback", "--board", "nano-old")
         self.assertEqual(flashed.returncode, 0, flashed.stderr)
         self.bus.online("lent-loopback", 60)
+        return lent
+
+    def test_BoardFromTheBox_IsLoadedOverTheCable(self):
+        lent = self.load()
         self.assertIn("42", self.bus.asipctl("get", "lent-loopback/distance/0").stdout)
         self.assertGreaterEqual(lent.restarts, 1)
         self.assertEqual(lent.baud, 57600)
+
+    def test_TabThatClosesDuringAnUpdate_IsAFailure_AndTheBoardIsLoadedWhenItIsBack(self):
+        lent = self.load()
+        next_version(self.bus.firmware)
+        ask_anew(self.bus, "lent-loopback")
+        eventually(lambda: self.bus.board("lent-loopback").get("available") == "0.3", "out of date", 60)
+        self.bus.online("lent-loopback", 60)
+        ended = []
+        update = threading.Thread(target=lambda: ended.append(self.bus.asipctl("flash", "--update")))
+        update.start()
+        eventually(lambda: self.bus.board("lent-loopback")["description"].get("updating", {}).get("step") == "writing", "it is being written", 90)
+        lent.close()
+        update.join(120)
+        self.assertEqual(ended[0].returncode, 1, ended[0].stderr)
+        self.assertRegex(ended[0].stdout, r"^lent-loopback +failed ")
+        self.assertIn("0 updated, 1 failed, 0 left", ended[0].stderr)
+        eventually(lambda: self.bus.board("lent-loopback")["state"] == "lost", "lost", 60)
+        self.load()
+        self.assertEqual(self.bus.board("lent-loopback")["version"], "0.3")
 
 
 class TenCables(CableTest):

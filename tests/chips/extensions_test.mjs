@@ -9,7 +9,7 @@ import { Board, image, ms } from './board.mjs'
 
 test('E and V: a fence, and the digest of what was read', () => {
   const board = new Board('asip_pico')
-  assert.equal(board.ask('#,X'), '@#,X,6,{E:1,I:1,B:1,C:1,V:1,D:1}')
+  assert.equal(board.ask('#,X'), '@#,X,7,{E:1,I:1,B:1,C:1,V:1,D:1,F:2}')
   assert.equal(board.ask('#,E,abc'), '@#,E,abc')
   board.ask('#,V,a')
   assert.equal(board.ask('I,d,13,1\n#,V,b'), board.ask('I,d,13,1\n#,V,b'), 'the same lines, the same digest')

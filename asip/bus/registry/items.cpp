@@ -91,6 +91,7 @@ void write(TextMembers& members, const BoardItem& item) {
     const bool heard = item.last_seen != text::WallTime{};
     if (heard) members.seconds("age", item.age);
     members.text("agent", item.agent);
+    members.text("available", item.available);
     members.needed("board", item.board);
     members.text("chip", item.chip);
     if (item.conflict) {
@@ -118,6 +119,7 @@ void write(TextMembers& members, const BoardItem& item) {
     members.text("sketch", item.sketch);
     members.needed("state", item.state);
     if (item.state_age >= 0) members.seconds("state_age", item.state_age);
+    members.text("version", item.version);
 }
 
 void write(TextMembers& members, const HistoryItem& item) {
@@ -170,6 +172,8 @@ BoardItem read_board_item(const json& object) {
     item.state_age = object.contains("state_age") ? seconds_of(object, "state_age") : -1;
     item.chip = text_of(object, "chip");
     item.sketch = text_of(object, "sketch");
+    item.version = text_of(object, "version");
+    item.available = text_of(object, "available");
     item.protocol = text_of(object, "protocol");
     item.agent = text_of(object, "agent");
     item.link = text_of(object, "link");
@@ -270,6 +274,11 @@ json to_json(const HistoryItem& item) {
     return tree_of(item);
 }
 
+std::string firmware_text(const std::string& sketch, const std::string& version,
+                          const std::string& available) {
+    return sketch + (version.empty() ? "" : " " + version) + (available.empty() ? "" : ", out of date");
+}
+
 BriefRows brief_of(std::span<const BoardItem> boards) {
     BriefRows rows;
     rows.reserve(boards.size());
@@ -280,7 +289,8 @@ BriefRows brief_of(std::span<const BoardItem> boards) {
             if (!services.empty()) services += ' ';
             services += service.name;
         }
-        rows.add({board.board, board.state, board.age, board.chip, board.sketch, services,
+        const auto firmware = firmware_text(board.sketch, board.version, board.available);
+        rows.add({board.board, board.state, board.age, board.chip, firmware, services,
                   board.conflict.has_value(), board.reason, board.reason.empty() ? -1 : board.state_age});
     }
     return rows;

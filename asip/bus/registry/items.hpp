@@ -22,6 +22,7 @@ namespace asip::bus {
 // The rows of an answer to a brief query: boards with only what a table shows, for catalogues of thousands.
 // On the wire each is an array, read by position; elements behind those known here are passed over:
 //     [BOARD, STATE, AGE, CHIP, SKETCH, SERVICES, CONFLICT, REASON, FOR]
+// SKETCH is that of firmware_text().
 // CONFLICT may be missing: false. So may both REASON (of the state) and FOR (seconds it has been in it).
 
 /// Members as in BoardItem. The texts belong to its BriefRows, or to the caller.
@@ -119,10 +120,12 @@ struct BoardItem {
     double state_age = -1;   ///< seconds since then, when this was written; -1: not known
     std::string chip;
     std::string sketch;
-    std::string protocol;  ///< "0.4"
-    std::string agent;     ///< host and client of its agent, for a person
-    std::string link;      ///< kind and path of the link, for a person
-    model::Labels labels;  ///< and friendly names
+    std::string version;    ///< of the firmware library in the sketch: "0.2"
+    std::string available;  ///< the newer one that its agent would load
+    std::string protocol;   ///< "0.4"
+    std::string agent;      ///< host and client of its agent, for a person
+    std::string link;       ///< kind and path of the link, for a person
+    model::Labels labels;   ///< and friendly names
     std::optional<Conflict> conflict;
     /// Their `board` and `state` are filled when parsed.
     std::vector<ServiceItem> services;
@@ -171,6 +174,9 @@ struct KeptProperty {
     bool operator==(const KeptProperty&) const = default;
 };
 
+/// For a table: "AsipServices 0.2", "AsipServices 0.2, out of date".
+std::string firmware_text(const std::string& sketch, const std::string& version,
+                          const std::string& available);
 BriefRows brief_of(std::span<const BoardItem> boards);
 
 /// For "items" of an answer.

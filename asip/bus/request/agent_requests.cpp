@@ -38,9 +38,10 @@ std::string encode(const PortRequest& request, const std::string& by) {
         object["seconds"] = request.time.count();
     } else if (request.what == PortRequest::What::kLoad) {
         object["port"] = "load";
-        object["firmware"] = request.firmware;
+        if (!request.firmware.empty()) object["firmware"] = request.firmware;
         if (!request.board.empty()) object["board"] = request.board;
         if (request.force) object["force"] = true;
+        if (request.update) object["update"] = true;
     }
     return model::dump_json(object);
 }
@@ -61,8 +62,9 @@ Expected<PortRequest> read_port_request(const nlohmann::json& object) {
         request.firmware = reader.text("firmware");
         request.board = reader.text("board");
         request.force = reader.flag("force");
+        request.update = reader.flag("update");
         // It becomes the name of a file.
-        if (!model::valid_name(request.firmware))
+        if (!(request.update && request.firmware.empty()) && !model::valid_name(request.firmware))
             reader.fault("firmware", "is not a name such as AsipServices");
     } else if (what != "release") {
         reader.fault("port", "is none of \"release\", \"take\" and \"load\"");

@@ -8,6 +8,8 @@
 ///     {"port":"load","firmware":"AsipServices"}   load this firmware into the board, and take the port back;
 ///                                       "board":"mega" says which board it is, "force":true that it may run
 ///                                       ASIP already
+///     {"port":"load","update":true}     load the newer version of the sketch that the board runs; where the
+///                                       agent has none, nothing is done
 #pragma once
 #include <chrono>
 #include <nlohmann/json_fwd.hpp>
@@ -42,6 +44,7 @@ struct PortRequest {
     std::string firmware{};         ///< kLoad: a name, not a path
     std::string board{};            ///< kLoad: as the agent calls kinds of boards; empty: it finds out
     bool force = false;             ///< kLoad: also where the board runs ASIP
+    bool update = false;            ///< kLoad: what the board runs, where that is out of date
 
     static constexpr std::chrono::seconds kMinTime{1};
     static constexpr std::chrono::seconds kMaxTime{3600};

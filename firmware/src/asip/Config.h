@@ -9,6 +9,10 @@
 #define ASIP_EXTENSIONS 1
 #endif
 
+// Raised with each release whose sketches do something else: "2" is 0.2, "103" is 1.3. `#,X` says it, and
+// hosts know by it which boards are out of date.
+#define ASIP_FIRMWARE_VERSION "2"
+
 namespace asip {
 
 constexpr bool kExtensions = ASIP_EXTENSIONS;

@@ -43,14 +43,17 @@ Error Board::processExtension(Request& request) {
     }
 }
 
+static const char kExtensionList[] PROGMEM = "7,{E:1,I:1,B:1,C:1,V:1,D:1,F:" ASIP_FIRMWARE_VERSION "}";
+
 void Board::sendExtensions() {
     out.answer('#', 'X');
     if (longLineSize_ == 0) {
-        out.text(F("6,{E:1,I:1,B:1,C:1,V:1,D:1}"));
+        out.text(flashText(kExtensionList));
     } else {
-        out.text(F("7,{E:1,I:1,B:1,C:1,V:1,D:1,L:"));
+        out.text(F("8,{L:"));
         out.number(static_cast<uint8_t>(longLineSize_ - kBehindRequest));
-        out.character('}');
+        out.character(',');
+        out.text(flashText(kExtensionList + 3));
     }
     out.end();
 }
@@ -195,13 +198,14 @@ Error Board::checksum(Request& request) {
 // Checks *HH at the end of the line of `length` characters and cuts it off. One that is spoiled has three
 // left, and no checksum whatever they are.
 bool Board::acceptChecksum(uint8_t& length) {
+    if (length <= 3) return false;
     char* const line = this->line();
-    if (length <= 3 || line[length - 3] != '*') return false;
-    const uint8_t high = hexValue(line[length - 2]);
-    const uint8_t low = hexValue(line[length - 1]);
-    if ((high | low) > 15) return false;
     length = static_cast<uint8_t>(length - 3);
-    line[length] = '\0';
+    char* const end = line + length;
+    const uint8_t high = hexValue(end[1]);
+    const uint8_t low = hexValue(end[2]);
+    if (*end != '*' || (high | low) > 15) return false;
+    *end = '\0';
     uint8_t sum = static_cast<uint8_t>(high << 4 | low);
     for (const char* next = line; *next != '\0'; ++next)
         sum ^= static_cast<uint8_t>(*next);

@@ -6,14 +6,16 @@ import { reason_text } from "./text.js";
 const kNamed = 5;
 const kBurstMs = 5000; // boards that are lost within this time are one loss
 
-/// What the rows of the catalogue show: {lost: [row], stopped: [row], bare: [row], reasons: [[reason, count]]}; lost ones the newest first.
-/// `bare`: boards that speak no ASIP, which were never there to be lost.
+/// What the rows of the catalogue show: {lost: [row], stopped: [row], bare: [row], outdated: [row], reasons: [[reason, count]]}; lost ones
+/// the newest first. `bare`: boards that speak no ASIP, which were never there to be lost.
 export function attention_of(rows) {
   const lost = [];
   const stopped = [];
   const bare = [];
+  const outdated = [];
   const reasons = new Map();
   for (const row of rows) {
+    if (row.outdated && row.state === "online") outdated.push(row);
     if (row.state === "no-asip") {
       bare.push(row);
     } else if (row.state === "lost") {
@@ -24,7 +26,7 @@ export function attention_of(rows) {
     }
   }
   lost.sort((a, b) => (b.since ?? 0) - (a.since ?? 0));
-  return { lost, stopped, bare, reasons: [...reasons].sort((a, b) => b[1] - a[1]) };
+  return { lost, stopped, bare, outdated, reasons: [...reasons].sort((a, b) => b[1] - a[1]) };
 }
 
 /// The boards that are named; of many only the first ones.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The boards that are there, as a table shows them: rows by name, filtered and sorted.
-import { shown_state } from "./firmware.js";
+import { firmware_text, shown_state } from "./firmware.js";
 import { t } from "./language.js";
 import { time_of } from "./text.js";
 
@@ -26,7 +26,9 @@ function row_of(board, at, now) {
     state: shown_state(board),
     reason: board.reason ?? "",
     chip: board.chip ?? "",
+    firmware: firmware_text(board),
     sketch: board.sketch ?? "",
+    outdated: Boolean(board.available),
     conflict: Boolean(board.conflict),
     labels: label_texts(board.labels),
     tags: board.labels ?? {},
@@ -103,7 +105,7 @@ export class Catalogue {
       if (state !== "" && row.state !== state) return false;
       if (kind !== "" && !row.services.includes(kind)) return false;
       if (wanted.length === 0) return true;
-      const all = `${row.name} ${row.chip} ${row.sketch} ${row.services.join(" ")} ${row.called} ${row.named} ${row.labels.join(" ")}`.toLowerCase();
+      const all = `${row.name} ${row.chip} ${row.firmware} ${row.services.join(" ")} ${row.called} ${row.named} ${row.labels.join(" ")}`.toLowerCase();
       return wanted.every((word) => all.includes(word));
     };
     const rows = this.by_name().filter(fits);

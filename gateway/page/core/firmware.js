@@ -10,6 +10,11 @@ export function speaks_no_asip(board) {
 /// The state as views show and count it: a port where nothing has ever answered was never there to be lost.
 export const shown_state = (board) => (speaks_no_asip(board) ? "no-asip" : board.state);
 
+/// "AsipServices 0.2, out of date" of such a board.
+export function firmware_text({ sketch, version, available }) {
+  return [[sketch, version].filter(Boolean).join(" "), available && t("out-of-date")].filter(Boolean).join(", ");
+}
+
 /// "USB port 1.3" for a path such as ...pci-0000:00:14.0-usb-0:1.3:1.0-port0; else what is given.
 export function port_text(path) {
   const found = /-usb-[^:]*:([^:]+):[^/]*$/.exec(path ?? "");

@@ -115,7 +115,7 @@ class AddBoard extends Part {
     this.bar.hidden = false;
     this.tell("", "");
     this.note_step(t("agent-asked"));
-    const { kind: how, text } = await load_firmware(this.name, kind);
+    const { kind: how, text } = await load_firmware(this.name, kind ? { board: kind } : {});
     if (!this.isConnected || this.step !== kLoad) return;
     this.note_step(text);
     if (how === "ok") return this.changed();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One board: its values, its controls, its pins, what it is, its history.
 import { alive, label_texts } from "../core/catalogue.js";
-import { shown_state } from "../core/firmware.js";
+import { firmware_text, shown_state } from "../core/firmware.js";
 import { t } from "../core/language.js";
 import { moves } from "../core/properties.js";
 import { duration_text, moment_text, time_of, reason_text, who_text } from "../core/text.js";
@@ -213,7 +213,7 @@ class Board extends Part {
     set_text(this.heading.firstChild, called || this.name);
     this.warnings.replaceChildren(...(description.warnings ?? []).map((text) => h("p", {}, text)));
     set_text(this.heading.lastChild, called ? ` ${this.name}` : "");
-    this.facts.replaceChildren(...facts_of([[t("chip"), board.chip], [t("sketch"), board.sketch],
+    this.facts.replaceChildren(...facts_of([[t("chip"), board.chip], [t("sketch"), firmware_text(board)],
       [t("labels"), label_texts(board.labels).join(", ")],
       [t("conflict"), board.conflict && t("another-agent", { other: board.conflict.other_agent ?? board.conflict.other })],
       [t("known"), !board.description && t("names-only")]]));

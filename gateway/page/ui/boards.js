@@ -16,6 +16,8 @@ import { h, page_of, Part, set_class, set_text, small } from "./dom.js";
 const columns = [["name", t("board")], ["state", t("state")], ["since", t("since")], ["value", t("value")], ["services", t("services")], ["chip", t("chip-sketch")]];
 const filter = filter_of(""); // kept from visit to visit
 const picked = new Set();     // names of the boards that are selected
+const kAtOnce = 4;            // boards that get a newer sketch
+const kMaxFailures = 3;       // of these: the rest stays as it is
 
 class Boards extends Part {
   /// `query`: the view that stands in the address; "" for the one that was seen last.
@@ -39,7 +41,10 @@ class Boards extends Part {
     this.listen(this.scroll, "scroll", () => this.draw());
     this.listen(window, "resize", () => this.resized());
     this.listen(document, "visibilitychange", () => this.draw());
-    this.listen(status, "change", () => this.allow());
+    this.listen(status, "change", () => {
+      this.allow();
+      this.show_attention(boards.catalogue);
+    });
     this.allow();
     this.every(1000, () => this.draw());
     this.measure();
@@ -104,8 +109,8 @@ class Boards extends Part {
 
   /// Lost boards first, with the reason and since when.
   show_attention(catalogue) {
-    const { lost, stopped, bare, reasons } = attention_of(catalogue.rows.values());
-    const key = JSON.stringify([lost.map((row) => [row.name, row.reason, row.since]).slice(0, 5), lost.length, stopped.length, bare.map((row) => row.name), this.loads, status.may_label, named(stopped).map((row) => row.name)]);
+    const { lost, stopped, bare, outdated, reasons } = attention_of(catalogue.rows.values());
+    const key = JSON.stringify([lost.map((row) => [row.name, row.reason, row.since]).slice(0, 5), lost.length, stopped.length, bare.map((row) => row.name), named(outdated).map((row) => row.name), outdated.length, this.loads, status.may_label, named(stopped).map((row) => row.name)]);
     if (key === this.shown_attention) return;
     this.shown_attention = key;
     const link = (row, more = "") => h("a", { href: page_of("board", row.name) }, row.name, more);
@@ -113,23 +118,53 @@ class Boards extends Part {
     const rest = (rows, state) => rows.length > named(rows).length && [" … ", h("button", { onclick: () => this.filtered({ state, text: "" }) }, t("show-all"))];
     const all_alike = reasons.length === 1 && lost.length > 1 ? ` (${t("all")}: ${reason_text(reasons[0][0])})` : "";
     const why = (row) => [all_alike ? "" : reason_text(row.reason), row.since && t("since-since", { since: moment_text(row.since) })].filter(Boolean).join(", ");
-    this.attention.hidden = lost.length + stopped.length + bare.length === 0 && !this.loaded;
+    this.attention.hidden = lost.length + stopped.length + bare.length + outdated.length === 0 && !this.loaded;
     this.attention.replaceChildren(
       lost.length > 0 ? h("p", {}, h("strong", { class: "state lost" }, t("n-boards-lost", { n: lost.length }), `${all_alike}: `), list(lost, (row) => ` (${why(row)})`), rest(lost, "lost")) : "",
       stopped.length > 0 ? h("p", {}, h("strong", { class: "state latched" }, t("n-boards-stopped", { n: stopped.length }), ": "), list(stopped, () => ""), rest(stopped, "")) : "",
       bare.length > 0 ? h("p", {}, h("strong", {}, t("n-without-asip", { n: bare.length }), ": "), list(bare, () => ""), " ",
         status.may_label && h("button", { disabled: this.loads, onclick: () => this.load_all(bare) }, this.loads ? `${t("loading")} …` : t("load-asipservices"))) : "",
+      outdated.length > 0 ? h("p", {}, h("strong", {}, t("n-out-of-date", { n: outdated.length }), ": "), list(outdated, () => ""), outdated.length > named(outdated).length && " …", " ",
+        status.may_label && h("button", { disabled: this.loads, onclick: () => this.update_all(outdated) }, this.loads ? `${t("loading")} …` : t("update-all"))) : "",
       this.loaded ? h("p", { class: "loaded" }, this.loaded) : "");
   }
 
   /// A class: all of them at once. How far each is stands in its row, and its page has the details.
-  async load_all(rows) {
+  load_all(rows) {
+    return this.load_some(rows, rows.length, async (row) => {
+      const { text } = await load_firmware(row.name, {});
+      return `${row.name}: ${text}`;
+    });
+  }
+
+  /// What is left behind the third failure is out of date still: the button goes on with it.
+  update_all(rows) {
+    let failed = 0;
+    return this.load_some(rows, kAtOnce, async ({ name }) => {
+      if (failed >= kMaxFailures) return "";
+      const { kind, text, reason } = await load_firmware(name, { update: true });
+      const row = () => boards.catalogue.rows.get(name);
+      while (kind === "" && row()?.state === "updating") await new Promise((later) => setTimeout(later, 1000));
+      // Another user has its port: it is left out.
+      const good = kind === "ok" || reason === "released" || (kind === "" && row()?.state === "online" && !row().outdated);
+      if (!good) ++failed;
+      return good ? "" : `${name}: ${text}`;
+    });
+  }
+
+  /// `one`: has one of them loaded; what is to be said of it at the end, or "".
+  async load_some(rows, at_once, one) {
     this.loads = true;
     this.loaded = "";
     this.refresh();
-    const ends = await Promise.all(rows.map(async (row) => [row.name, await load_firmware(row.name, "")]));
+    const waiting = [...rows];
+    const ends = [];
+    const one_by_one = async () => {
+      while (waiting.length > 0) ends.push(await one(waiting.shift()));
+    };
+    await Promise.all(Array.from({ length: at_once }, one_by_one));
     this.loads = false;
-    this.loaded = ends.map(([name, { text }]) => `${name}: ${text}`).join(" ");
+    this.loaded = ends.filter(Boolean).join(" ");
     this.shown_attention = undefined;
     if (this.isConnected) this.refresh();
   }
@@ -275,7 +310,7 @@ class Boards extends Part {
     const text = board.services.map(service_text).join(", ");
     set_text(services, text);
     services.title = text;
-    set_text(chip, [board.chip, board.sketch].filter(Boolean).join(", "));
+    set_text(chip, [board.chip, board.firmware].filter(Boolean).join(", "));
     row.classList.toggle("gone", !alive(board.state));
   }
 

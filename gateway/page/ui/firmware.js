@@ -8,14 +8,14 @@ import { status } from "./model.js";
 
 export const kinds = [["", t("find-out")], ["uno", "Uno"], ["nano", "Nano"], ["nano-old", t("nano-until-2018")], ["mega", "Mega 2560"]];
 
-/// Asks the agent of a board to load AsipServices. The sentence that says how it ended: {kind, text}.
-export async function load_firmware(board, kind) {
+/// Asks the agent of a board to load AsipServices; or what `body` says. The sentence that says how it ended: {kind, text, reason}.
+export async function load_firmware(board, body) {
   try {
-    const { answer } = await request(`${path_of("boards", board, "load")}?deadline_ms=60000`, { method: "POST", body: kind ? { board: kind } : {} });
+    const { answer } = await request(`${path_of("boards", board, "load")}?deadline_ms=60000`, { method: "POST", body });
     return { kind: "ok", text: t("sketch-loaded", { sketch: answer?.after?.sketch ?? "AsipServices" }) };
   } catch (problem) {
     if (problem.status === 504) return { kind: "", text: t("takes-longer") };
-    return { kind: "refused", text: problem.message };
+    return { kind: "refused", text: problem.message, reason: problem.reason };
   }
 }
 
@@ -66,7 +66,7 @@ class Firmware extends Part {
     this.busy = true;
     set_text(this.answer, "");
     this.draw();
-    const { kind, text } = await load_firmware(this.board_name, this.kind.value);
+    const { kind, text } = await load_firmware(this.board_name, this.kind.value ? { board: this.kind.value } : {});
     this.busy = false;
     tell(this.answer, kind, text);
     if (this.isConnected) this.draw();

@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { attention_of, Losses, title_badge } from "../../../gateway/page/core/attention.js";
 import { Catalogue } from "../../../gateway/page/core/catalogue.js";
 import { state_text } from "../../../gateway/page/core/text.js";
-import { loading_of, port_text, speaks_no_asip } from "../../../gateway/page/core/firmware.js";
+import { firmware_text, loading_of, port_text, speaks_no_asip } from "../../../gateway/page/core/firmware.js";
 
 const bare = { name: "lab-usb-140-3", state: "lost", reason: "silent", chip: "", services: [] };
 
@@ -34,6 +34,20 @@ test("ports are called by their USB socket where their path says it", () => {
   assert.equal(port_text("/dev/serial/by-path/pci-0000:00:14.0-usb-0:1.3:1.0-port0"), "USB port 1.3");
   assert.equal(port_text("/dev/ttyUSB0"), "/dev/ttyUSB0");
   assert.equal(port_text(undefined), "");
+});
+
+test("a board whose agent has a newer version is out of date while it is there", () => {
+  const old = { sketch: "AsipServices", version: "0.2", available: "0.3" };
+  assert.equal(firmware_text(old), "AsipServices 0.2, out of date");
+  assert.equal(firmware_text({ sketch: "Mine" }), "Mine");
+  const catalogue = new Catalogue();
+  catalogue.apply({ event: "online", board: { ...old, board: "uno1" } }, 0);
+  catalogue.apply({ event: "lost", board: { ...old, board: "uno2", chip: "ATmega328P" } }, 0);
+  catalogue.apply({ event: "online", board: { ...old, board: "uno3", available: "" } }, 0);
+  const found = () => attention_of([...catalogue.rows.values()].map((row) => ({ ...row, state: row.name === "uno2" ? "lost" : "online" }))).outdated.map((row) => row.name);
+  assert.deepEqual(found(), ["uno1"]);
+  catalogue.apply({ event: "changed", board: { ...old, board: "uno1", version: "0.3", available: undefined } }, 0);
+  assert.deepEqual(found(), []);
 });
 
 test("how far the loading is", () => {

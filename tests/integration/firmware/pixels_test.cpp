@@ -42,7 +42,7 @@ std::string longest_request(int color) {
 TEST(PixelsTest, Board_NamesTheServiceAndTheLengthOfItsRequests) {
     PixelBoard board;
     EXPECT_EQ(board.ask("#,N"), "@#,N,2,{I:ASIP core IO,P:Pixels}");
-    EXPECT_EQ(board.ask("#,X"), "@#,X,7,{E:1,I:1,B:1,C:1,V:1,D:1,L:172}");
+    EXPECT_EQ(board.ask("#,X"), "@#,X,8,{L:172,E:1,I:1,B:1,C:1,V:1,D:1,F:2}");
     EXPECT_EQ(board.ask("P,I"), "@P,I,18");
     EXPECT_EQ(board.shown(), strip_of({}));
 }

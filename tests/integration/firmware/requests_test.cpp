@@ -30,7 +30,7 @@ TEST(RequestsTest, SystemRequests) {
                                 {"#,?", "@#,?,0,4,ATmega328P,20,AsipServices"},
                                 {"#,N", "@#,N,3,{I:ASIP core IO,D:Distance,S:Servos}"},
                                 {"#,S", "@#,S,20,{@,@,I,I,I,I,I,D,D,S,S,I,I,I,I,I,I,I,I,I}"},
-                                {"#,X", "@#,X,6,{E:1,I:1,B:1,C:1,V:1,D:1}"},
+                                {"#,X", "@#,X,7,{E:1,I:1,B:1,C:1,V:1,D:1,F:2}"},
                                 {"#,q", "~#,q,2{UNKNOWN_REQUEST}"},
                                 {"#", "~#,?,2{UNKNOWN_REQUEST}"},
                                 {"#,?,1", "~#,?,11{BAD_ARGUMENT}"},

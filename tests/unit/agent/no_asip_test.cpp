@@ -204,6 +204,102 @@ TEST(RunsAsip, IsNeverLoadedUnlessItIsAskedFor) {
     EXPECT_EQ(bench.to_load->board, "mega");
 }
 
+struct OutOfDate : testing::Test {
+    OutOfDate() : bench(options()) {
+        bench.board.replies["#,X"] = "@#,X,3,{E:1,I:1,F:2}";
+        bench.go_online();
+    }
+    BridgeOptions options() {
+        auto options = BridgeBench::defaults();
+        options.loadable_version = [this](const std::string& sketch, const std::string& chip) {
+            return sketch == "Script" && chip == "ATmega328P" ? loadable : 0;
+        };
+        return options;
+    }
+    json firmware() const {
+        return json::parse(bench.on("asip/servicebus/uno1/$description").back())["firmware"];
+    }
+    json update(const std::string& id) {
+        bench.ask("asip/uno1/in", {{"port", "load"}, {"update", true}, {"by", "ann"}}, id);
+        const auto answers = bench.on("answers");
+        return answers.empty() ? json() : json::parse(answers.back());
+    }
+    /// The loader ended, and the board starts.
+    json loaded(const char* extensions) {
+        bench.run([&](Effects& out) { bench.bridge.loaded({}, bench.now, out); });
+        bench.board.replies["#,X"] = extensions;
+        bench.plug();
+        bench.pass(1s);
+        return json::parse(bench.on("answers").back());
+    }
+    int loadable = 103;
+    BridgeBench bench;
+};
+
+TEST_F(OutOfDate, NewerVersion_IsTold_AndLoadedWhenItIsAskedFor) {
+    EXPECT_EQ(firmware()["version"], "0.2");
+    EXPECT_EQ(firmware()["available"], "1.3");
+    bench.pass(1min);
+    EXPECT_FALSE(bench.to_load) << "nothing is loaded by itself";
+    update("1");
+    bench.pass(1s);
+    ASSERT_TRUE(bench.to_load);
+    EXPECT_EQ(bench.to_load->firmware, "Script");
+    const auto answer = loaded("@#,X,3,{E:1,I:1,F:103}");
+    EXPECT_EQ(answer["status"], "ok") << answer;
+    EXPECT_EQ(answer["answer"]["before"]["version"], "0.2");
+    EXPECT_EQ(answer["answer"]["after"]["version"], "1.3");
+    EXPECT_FALSE(firmware().contains("available")) << firmware();
+}
+
+TEST_F(OutOfDate, LoadedAndNotNewer_IsToldAsAFailure) {
+    update("1");
+    bench.pass(1s);
+    const auto answer = loaded("@#,X,3,{E:1,I:1,F:2}");
+    EXPECT_EQ(answer["reason"], "not-loaded") << answer;
+    EXPECT_THAT(answer["error"].get<std::string>(),
+                HasSubstr("the board says that it has Script 0.2, not 1.3"));
+    EXPECT_EQ(firmware()["available"], "1.3");
+}
+
+TEST_F(OutOfDate, SecondRequest_FindsNothingToDo) {
+    update("1");
+    bench.pass(1s);
+    EXPECT_EQ(update("2")["reason"], "released") << "while it is loaded for another user";
+    loaded("@#,X,3,{E:1,I:1,F:103}");
+    bench.to_load.reset();
+    const auto answer = update("3");
+    EXPECT_EQ(answer["status"], "ok") << answer;
+    EXPECT_EQ(answer["answer"]["after"]["version"], "1.3");
+    bench.pass(1s);
+    EXPECT_FALSE(bench.to_load);
+}
+
+TEST_F(OutOfDate, BoardThatDoesNotAnswer_IsLeftAlone) {
+    bench.board.mute = true;
+    bench.pass(1min);
+    const auto answer = update("1");
+    EXPECT_EQ(answer["reason"], "not-loaded") << answer;
+    bench.pass(1s);
+    EXPECT_FALSE(bench.to_load);
+}
+
+TEST(NeverOutOfDate, WithoutExtensions_OrFromElsewhere) {
+    auto options = BridgeBench::defaults();
+    options.loadable_version = [](const std::string&, const std::string&) { return 103; };
+    const auto firmware = [&](const char* extensions) {
+        BridgeBench bench(options);
+        bench.board.replies["#,X"] = extensions;
+        bench.go_online();
+        return json::parse(bench.on("asip/servicebus/uno1/$description").back())["firmware"];
+    };
+    EXPECT_EQ(firmware("@#,X,2,{E:1,I:1}")["available"], "1.3")
+        << "older than the first that says its version";
+    EXPECT_FALSE(firmware("~#,X,2{UNKNOWN}").contains("available")) << "a sketch of ASIP 0.4";
+    EXPECT_FALSE(firmware("@#,X,3,{E:1,I:1,F:200}").contains("available")) << "newer than the agent's";
+    EXPECT_FALSE(firmware("@#,X,3,{E:1,I:1,F:999}").contains("version")) << "no version";
+}
+
 TEST(StartedByHand, PortWhereNothingAnswers_EndsTheAgentAsBefore) {
     auto options = nameless_of_a_service();
     options.announce_unreached = false;

@@ -81,6 +81,34 @@ TEST_F(LoaderTest, WhatIsMissing_IsNamed) {
     EXPECT_THAT(load(other).error(), HasSubstr("Other-uno.hex"));
 }
 
+TEST_F(LoaderTest, BoardIsUnplugged_AvrdudeIsEndedAtOnce_AndNoOtherBootLoaderTried) {
+    auto wanted = order(program("echo call >>" + folder_.file("calls") + "; rm " + folder_.file("port") +
+                                "; exec sleep 100"));
+    wanted.port = folder_.write("port", "");
+    const auto done = load(wanted);
+    ASSERT_FALSE(done);
+    EXPECT_THAT(done.error(), HasSubstr("was unplugged"));
+    EXPECT_EQ(read("calls"), "call\n");
+}
+
+TEST_F(LoaderTest, VersionThatMayBeLoaded_IsThatOfAnImageForThisChip) {
+    const auto version = [this](const std::string& sketch, const std::string& chip = "ATmega328P") {
+        return loadable_version(folder_.path(), sketch, chip);
+    };
+    folder_.write("Mine-uno.hex", "");
+    EXPECT_EQ(version("Mine"), 0) << "without a list";
+    folder_.write("versions", "AsipServices 3\nAsipClimate 103\n../Mine 5\nMine 4\nbroken");
+    folder_.write("AsipClimate-uno.hex", "");
+    EXPECT_EQ(version("AsipClimate"), 103);
+    EXPECT_EQ(version("AsipClimate", "ATmega2560"), 0);
+    EXPECT_EQ(version("AsipClimate", "ATmega168"), 0);
+    EXPECT_EQ(version("AsipClimate", "ESP32"), 0);
+    EXPECT_EQ(version("AsipServices"), 0) << "it is listed, and not there";
+    EXPECT_EQ(version("Mine"), 4);
+    EXPECT_EQ(version("broken"), 0);
+    EXPECT_EQ(version(""), 0);
+}
+
 TEST_F(LoaderTest, AgentEndsMeanwhile_AvrdudeEndsWithIt) {
     {
         Loader loader(io_, order(program("echo $$ >" + folder_.file("pid") + "; exec sleep 600")), {});

@@ -39,7 +39,7 @@ std::string checked(const std::string& line) {
 
 TEST(LongLinesTest, BoardWithoutSuchAService_SaysNothingAndTakes63) {
     FakeBoard board;
-    EXPECT_EQ(board.ask("#,X"), "@#,X,6,{E:1,I:1,B:1,C:1,V:1,D:1}\n");
+    EXPECT_EQ(board.ask("#,X"), "@#,X,7,{E:1,I:1,B:1,C:1,V:1,D:1,F:2}\n");
     EXPECT_EQ(board.ask("I,x," + std::string(59, '1')), "~I,x,2{UNKNOWN_REQUEST}\n");
     EXPECT_EQ(board.ask("I,x," + std::string(60, '1')), "~I,x,11{BAD_ARGUMENT}\n");
 }
@@ -47,7 +47,7 @@ TEST(LongLinesTest, BoardWithoutSuchAService_SaysNothingAndTakes63) {
 TEST(LongLinesTest, BoardWithOne_NamesTheLengthAndTakesIt) {
     Writer writer;
     FakeBoard board({&writer});
-    EXPECT_EQ(board.ask("#,X"), "@#,X,7,{E:1,I:1,B:1,C:1,V:1,D:1,L:172}\n");
+    EXPECT_EQ(board.ask("#,X"), "@#,X,8,{L:172,E:1,I:1,B:1,C:1,V:1,D:1,F:2}\n");
     const std::string text(kLongest - 4, 'x');
     EXPECT_EQ(board.ask("W,t," + text), "");
     EXPECT_EQ(writer.written, text);

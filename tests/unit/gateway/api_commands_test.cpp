@@ -71,7 +71,10 @@ TEST_F(ApiTest, Load_GoesToTheBoardsAgent) {
     answer(R"({"status":"refused","reason":"not-loaded","error":"no boot loader answers"})");
     EXPECT_EQ(refused->status(), 409);
     EXPECT_EQ(refused->detail(), "no boot loader answers");
-    for (const char* body : {"[]", R"({"port":"release"})", R"({"firmware":1})", R"({"force":"yes"})"})
+    const auto update = ask("POST", "/api/boards/uno1/load", R"({"update":true})");
+    EXPECT_EQ(json::parse(published_.back().payload)["update"], true);
+    for (const char* body :
+         {"[]", R"({"port":"release"})", R"({"update":1})", R"({"firmware":1})", R"({"force":"yes"})"})
         EXPECT_EQ(ask("POST", "/api/boards/uno1/load", body)->status(), 400) << body;
     EXPECT_EQ(ask("POST", "/api/boards/none/load", "{}")->status(), 404);
 }

@@ -34,6 +34,7 @@ const std::map<std::string, Words> kKeys{
     {"select", {"cmd_t", "ops"}},
     {"text", {"cmd_t", "max", "pattern"}},
     {"button", {"cmd_t"}},
+    {"update", {"dev_cla"}},
     {"light", {"cmd_t", "schema", "sup_clrm", "brightness"}},
 };
 
@@ -86,6 +87,8 @@ void expect_class(const json& component, const std::string& platform) {
         EXPECT_THAT(kInputs, testing::Contains(klass));
     } else if (platform == "event") {
         EXPECT_TRUE(Words({"button", "doorbell", "motion"}).contains(klass));
+    } else if (platform == "update") {
+        EXPECT_EQ(klass, "firmware");
     } else if (platform == "switch") {
         EXPECT_TRUE(klass == "outlet" || klass == "switch");
     } else {
@@ -160,6 +163,7 @@ TEST(HomeAssistantOf2024, TakesEachStandardService) {
     board.board = "uno1";
     board.chip = "ATmega328P";
     board.sketch = "AsipServices";
+    board.version = "0.2";
     board.room = "lab";
     board.properties = property::properties_of(description, [](const model::ServiceInfo& service) {
         return model::ModelSet::standard().find(service.name);

@@ -44,6 +44,22 @@ json document_of(const HomeAssistant::Options& options = {}) {
     return json::parse(HomeAssistant(options).document(board_with_all()));
 }
 
+TEST(HomeAssistantDocument, Firmware_IsAnUpdateEntity_WhereTheBoardSaysItsVersion) {
+    const HomeAssistant dialect{HomeAssistant::Options()};
+    auto board = board_with_all();
+    board.sketch = "AsipServices";
+    const auto firmware = [&] { return json::parse(dialect.document(board))["cmps"]["firmware--update"]; };
+    EXPECT_TRUE(firmware().is_null()) << "a sketch of ASIP 0.4";
+    board.version = "0.2";
+    EXPECT_EQ(firmware()["p"], "update");
+    EXPECT_EQ(firmware()["stat_t"], dialect.firmware("uno1"));
+    EXPECT_EQ(json::parse(dialect.firmware_text(board))["latest_version"], "0.2");
+    board.available = "0.3";
+    EXPECT_EQ(json::parse(dialect.firmware_text(board))["latest_version"], "0.3");
+    board.version.clear();
+    EXPECT_EQ(json::parse(dialect.firmware_text(board))["installed_version"], "0");
+}
+
 Property property_of(Kind kind) {
     Property property;
     property.id = "x";
