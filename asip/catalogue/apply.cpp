@@ -10,9 +10,7 @@ namespace {
 
 using model::BoardState;
 
-// Two messages that say one state name its beginning alike within this time: delays and whole seconds.
-constexpr Duration kSameMoment = std::chrono::seconds(5);
-// Ages are whole seconds: a message that is this much older than another was published first.
+// Ages of stored messages are whole seconds, and messages take a while: what is less apart may be one moment.
 constexpr Duration kApart = std::chrono::seconds(2);
 
 bool valid_session(std::string_view text) {
@@ -145,7 +143,7 @@ void Catalogue::Impl::say(Board& b, const model::SaidState& said, Time since, Ti
     const bool same =
         b.reported == said.state && b.reported_reason == said.reason && b.reported_since != Time{};
     if (same && since == Time{}) since = b.reported_since;
-    if (same && since > b.reported_since - kSameMoment && since < b.reported_since + kSameMoment)
+    if (same && since > b.reported_since - kApart && since < b.reported_since + kApart)
         since = std::min(since, b.reported_since);
     b.reported = said.state;
     b.state_said = true;

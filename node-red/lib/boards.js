@@ -8,8 +8,7 @@ const { STATES, DEFAULT_LEASE, readDescription } = require('./description');
 
 const THERE = ['online', 'sleeping', 'updating'];
 const STATE_EXPIRY = 3e9; // `$state` is published with it: what is left of it says how old a retained one is
-const SAME_MOMENT = 5; // two messages that say one state name its beginning alike within this time
-const APART = 2; // of two messages with ages in whole seconds the one that is this much older was published first
+const APART = 2; // ages of stored messages are whole seconds, and messages take a while: what is less apart may be one moment
 const GRACE = 10; // for leases, after the broker was away
 const FORGET_AFTER = 7 * 86400;
 const MAX_OLD_SESSIONS = 8;
@@ -50,7 +49,7 @@ class Board {
     let since = moment;
     if (this.reported === state && this.reportedReason === reason && this.reportedSince !== -Infinity) {
       if (since === -Infinity) since = this.reportedSince;
-      if (Math.abs(since - this.reportedSince) < SAME_MOMENT) since = Math.min(since, this.reportedSince);
+      if (Math.abs(since - this.reportedSince) < APART) since = Math.min(since, this.reportedSince);
     }
     Object.assign(this, { reported: state, reportedReason: reason, reportedSince: Math.min(since, now) });
   }

@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 
 # `$state` is published with this expiry, in seconds: what is left of it says how old a retained one is.
 _STATE_EXPIRY = 3_000_000_000
-# Two messages that say one state name its beginning alike within this time: delays and whole seconds.
-_SAME_MOMENT = 5.0
-# Ages are whole seconds: a message that is this much older than another was published first.
+# Ages of stored messages are whole seconds, and messages take a while: what is less apart may be one moment.
 _APART = 2.0
 # After the broker was away, leases get this time to be renewed.
 _GRACE = 10.0
@@ -200,7 +198,7 @@ class Catalogue:
         if entry.reported == state and entry.reported_reason == reason and entry.reported_since != NEVER:
             if since == NEVER:
                 since = entry.reported_since
-            if abs(since - entry.reported_since) < _SAME_MOMENT:
+            if abs(since - entry.reported_since) < _APART:
                 since = min(since, entry.reported_since)
         entry.reported, entry.reported_reason, entry.reported_since = state, reason, min(since, now)
 
