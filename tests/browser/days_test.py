@@ -18,33 +18,36 @@ class HomeUser(PageTest):
     """Names things, puts them on a dashboard for the phone, and finds the house as it is after another user used it."""
 
     def test_Day_NamesADashboardThePhoneAndABoardThatComesBack(self):
-        browser = self.browser
+        browser, pin_13 = self.browser, self.t("pin-label-within", label=13)
         self.open_board("lamp")
         browser.run("document.querySelector('asip-names details').open = true")
-        form = browser.shown("form[aria-label='Names and labels']")
-        self.name_field(form, "Name of this board").send_keys("Hall")
+        form = browser.shown(f"form[aria-label='{self.t('names-labels')}']")
+        self.name_field(form, self.t("name-board")).send_keys("Hall")
         form.find_element("css selector", "button.main").click()
-        eventually(lambda: "Kept." in form.text, "the name is kept")
+        eventually(lambda: self.t("kept") in form.text, "the name is kept")
         browser.shown(".pin[title^='Pin 13:']").click()
-        browser.button("Output").click()
-        eventually(lambda: "output" in browser.shown(".pin[title^='Pin 13:']").get_attribute("title"), "pin 13 as output")
-        pin = browser.shown("form[aria-label='Name of pin 13']")
+        output = self.t("mode.output")
+        browser.button(output.capitalize()).click()
+        eventually(lambda: output in browser.shown(".pin[title^='Pin 13:']").get_attribute("title"), "pin 13 as output")
+        pin = browser.shown(f"form[aria-label='{self.t('name-pin', label=13)}']")
         pin.find_element("tag name", "input").send_keys("Ceiling light")
         pin.find_element("tag name", "button").click()
         eventually(lambda: "Ceiling light" in browser.text("asip-pins"), "the pin's name")
-        browser.shown("button[title='Add pin 13 to a dashboard']").click()
-        add = browser.shown("form[aria-label='Add pin 13 to a dashboard']")
+        browser.shown(f"button[title='{self.t('add-what', what=pin_13)}']").click()
+        add = browser.shown(f"form[aria-label='{self.t('add-what', what=pin_13)}']")
         what = Select(add.find_elements("tag name", "select")[0])
-        eventually(lambda: any("switch" in each.text for each in what.options), "a switch is offered")
+        eventually(lambda: any(self.t("kind.switch") in each.text for each in what.options), "a switch is offered")
         what.select_by_index(0)
-        add.find_element("css selector", "input[type=text]").send_keys("At home")
+        title = add.find_element("css selector", "input[type=text]")
+        title.clear()
+        title.send_keys("At home")
         add.find_element("css selector", "button.main").click()
-        eventually(lambda: "Added." in add.text, "the switch is on the dashboard")
+        eventually(lambda: self.t("added") in add.text, "the switch is on the dashboard")
         self.open("dashboard/at-home")
         browser.run("document.querySelector('asip-share details').open = true")
         browser.shown("asip-share input[type=checkbox]").click()
-        browser.button("Make a link").click()
-        link = browser.shown("input[aria-label='The link']").get_property("value")
+        browser.button(self.t("make-share")).click()
+        link = browser.shown(f"input[aria-label='{self.t('the-link')}']").get_property("value")
 
         phone = Browser()
         self.addCleanup(phone.close)
@@ -76,6 +79,10 @@ class HomeUser(PageTest):
             if label.text == name:
                 return form.find_element("id", label.get_attribute("for"))
         raise AssertionError(f"no field {name} in {form.text}")
+
+
+class HomeUserInGerman(HomeUser):
+    language = "de"
 
 
 class Webhook(http.server.BaseHTTPRequestHandler):

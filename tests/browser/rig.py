@@ -149,6 +149,7 @@ class PageTest(unittest.TestCase):
     boards = (DESK, LAMP)
     simulator_options = ()
     expected_errors = ()
+    language = "en"
 
     @classmethod
     def setUpClass(cls):
@@ -156,6 +157,15 @@ class PageTest(unittest.TestCase):
         cls.addClassCleanup(cls.bus.close)
         cls.browser = Browser()
         cls.addClassCleanup(cls.browser.close)
+        cls.texts = json.loads((ROOT / "gateway/page/languages" / f"{cls.language}.json").read_text())
+        if cls.language != "en":
+            cls.browser.driver.get(cls.bus.url)
+            cls.browser.run("localStorage.setItem('asip-language', arguments[0])", cls.language)
+            cls.browser.driver.get("about:blank")
+
+    def t(self, name, **values):
+        """A text of the page in its language."""
+        return self.texts[name].format(**values)
 
     @classmethod
     def make_bus(cls):
@@ -191,7 +201,7 @@ class PageTest(unittest.TestCase):
                   location.hash = to;
                 });
                 go('#/left').then(() => go(hash)).then(done);""", f"#/{route}")
-        eventually(lambda: self.browser.text("asip-link") == "live", "live", 30)  # a command before that is not sent
+        eventually(lambda: self.browser.text("asip-link") == self.t("live-within"), "live", 30)  # a command before that is not sent
 
     def open_board(self, name="desk", anew=False):
         self.open(f"board/{name}", anew)

@@ -25,7 +25,7 @@ class Share extends Part {
       h("form", { "aria-label": t("share-dashboard"), onsubmit: (event) => { event.preventDefault(); this.make(until.value, control.checked); } },
         field(t("valid"), until),
         h("label", { class: "check" }, control, " ", t("switches-sliders")),
-        h("span", { class: "actions" }, h("button", { class: "main" }, t("make-link")))), this.made, this.list, this.answer);
+        h("span", { class: "actions" }, h("button", { class: "main" }, t("make-share")))), this.made, this.list, this.answer);
     this.append(this.box);
   }
 
