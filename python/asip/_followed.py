@@ -10,7 +10,7 @@ from ._entry import STATES, THERE, Entry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any, Protocol
+    from typing import Any, Protocol, Sequence
 
     class Home(Protocol):
         """The bus of a board."""
@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 
 class Followed:
+    if TYPE_CHECKING:
+        @property
+        def properties(self) -> Sequence[Any]: ...
+
     def __init__(self, bus: Home, name: str):
         self.name = name
         self.bus = bus

@@ -14,8 +14,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, Callable, Iterator, Sequence
 
+    from ._history import History
+
 # Names that stay ours where a model has a command of the same name: service.command("read") reaches that one.
-_OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "on_value", "hold", "begin", "plot")
+_OWN = ("name", "title", "board", "model", "unit", "updated", "command", "read", "stream", "history", "on_value", "hold", "begin", "plot")
 _MEASURE_AFTER_SECONDS = 0.3  # where the service reported nothing by then, and can be asked
 
 
@@ -153,6 +155,16 @@ class Service(Commands):
         if not commands:
             raise errors.Invalid("hold: no command is given: hold(power=[[0, 60], [1, 60]])", board=self.board.name, service=self.name)
         return Held(self, seconds, feed, timeout, commands)
+
+    def history(self, *, days: float = 0, hours: float = 0, points: int = 500, timeout: float | None = None) -> History:
+        """How its only property was, as `Property.history` tells it; Invalid names them where there are several."""
+        own = [one for one in self.board.properties if one.id.partition("/")[0] == self.name]
+        if len(own) != 1:
+            ids = ", ".join(f'board["{one.id}"].history()' for one in own)
+            raise errors.Invalid(f"{self.board.name}/{self.name} has {f'several properties: {ids}' if own else 'no property'}",
+                                 board=self.board.name, service=self.name)
+        history: History = own[0].history(days=days, hours=hours, points=points, timeout=timeout)
+        return history
 
     def __getitem__(self, index: int) -> "Element":
         return Element(self, index)

@@ -29,6 +29,14 @@ class Histories(Memory):
             with self.assertRaises(asip.Invalid):
                 self.desk["servo/0/angle"].history(**wrong)
 
+    def test_a_service_of_one_property_tells_its_history(self):
+        self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, write=["write", 0, None])
+        self.memory.kept["desk/servo/0/angle"] = [["2026-01-31T12:00:00.000Z", 42]]
+        self.assertEqual([one.mean for one in self.desk["servo"].history(days=7)], [42])
+        self.memory.desk.offer("servo/1/angle", "number", min=0, max=180, write=["write", 1, None])
+        with self.assertRaisesRegex(asip.Invalid, r'board\["servo/1/angle"\].history\(\)'):
+            self.desk["servo"].history()
+
     def test_of_two_registries_the_one_counts_that_knew_it_for_the_longest(self):
         self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, write=["write", 0, None])
         hours_ago = lambda hours: f"{datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(hours=hours):%Y-%m-%dT%H:%M:%S.000Z}"
