@@ -150,7 +150,7 @@ class Service(Twin):
         self.board = board
 
     name, title, unit, updated, model = (same(name) for name in ("name", "title", "unit", "updated", "model"))
-    read = waits(_Service.read)
+    read, history = waits(_Service.read), waits(_Service.history)
 
     async def command(self, name: str, *args: Any, timeout: float | None = None, **named: Any) -> Any:
         self.board.bus._check_loop()

@@ -57,8 +57,10 @@ INSTANTIATE_TEST_SUITE_P(Firmware, RealBoardTest,
                          });
 
 TEST_P(RealBoardTest, ListShowSendAndSubscribe_WorkOnIt) {
+    const bool ours = std::string(GetParam()).find("04") == std::string::npos;
     EXPECT_THAT(asipctl({"list", "--from-bus"}).output,
-                HasSubstr("desk   online  ATmega328P  AsipServices 0.2  io distance servo"));
+                HasSubstr(std::string("desk   online  ATmega328P  AsipServices") + (ours ? " 0.2" : "") +
+                          "  io distance servo"));
     EXPECT_THAT(asipctl({"show", "desk", "--from-bus"}).output,
                 HasSubstr("write    servo 0..255, angle 0..180 degrees"));
     const auto moved = asipctl({"send", "desk/servo", "write", "0", "90"});
