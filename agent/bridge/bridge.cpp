@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/bridge/bridge.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <utility>
 
@@ -92,7 +93,7 @@ void Bridge::receive(std::string_view bytes, Time now, Effects& out) {
     send_safe_lines(now, out);
     send_periods(now, out);
     if (port_.phase() == PortLoan::Phase::kMakingSafe) tick_port(now, out);
-    publish_values(now, out);
+    values_.tick(now);
     run_links(now, out);
 }
 
@@ -117,9 +118,13 @@ void Bridge::send_periods(Time now, Effects& out) {
 }
 
 void Bridge::publish_values(Time now, Effects& out) {
-    values_.tick(now);
+    const auto others = out.publish.size();
     if (announcer_ && announcer_->is_announced() && name_claimed_ && !leaving_)
         values_.publish(announcer_->session(), now, out);
+    // Links wait for the document where a contact makes it.
+    if (out.publish.size() > others && values_.has_contacts())
+        std::rotate(out.publish.begin(), out.publish.begin() + static_cast<std::ptrdiff_t>(others),
+                    out.publish.end());
     if (name_claimed_ && may_publish()) context_.publish_line(now, out);
 }
 
@@ -178,7 +183,7 @@ void Bridge::tick(Time now, Effects& out) {
     if (announcer_) announcer_->tick(now, out);
     yield_name(out);
     start_publishing(out);
-    publish_values(now, out);
+    values_.tick(now);
     run_links(now, out);
 }
 

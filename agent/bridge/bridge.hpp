@@ -158,6 +158,10 @@ class Bridge {
     void source_stands(const Standing& source, Time now, Effects& out);
     void source_gone(const std::string& board, Time now, Effects& out);
 
+    /// Call it behind each of the others, before their effects are performed: making the document takes a
+    /// while.
+    void publish_values(Time now, Effects& out);
+
     /// Must be called when next_deadline() has come; may be called at any time.
     void tick(Time now, Effects& out);
     std::optional<Time> next_deadline() const;
@@ -201,7 +205,6 @@ class Bridge {
     void perform(session::Actions& actions, Time now, Effects& out);
     void send_safe_lines(Time now, Effects& out);
     void send_periods(Time now, Effects& out);
-    void publish_values(Time now, Effects& out);
     void run_links(Time now, Effects& out);
     void tell_modes(Time now);
     void learn_levels(Time now, Effects& out);

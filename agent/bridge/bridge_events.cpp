@@ -174,10 +174,8 @@ void Bridge::on_action(const session::LevelRestored& restored, Time now, Effects
 }
 
 void Bridge::on_action(const session::Finished& end, Time now, Effects& out) {
-    const bool sets = end.ending != session::Ending::kNotSent && end.ending != session::Ending::kBoardError;
-    const auto set = sets && links_.any() ? values_.set_by(end.id) : std::vector<std::string>();
-    values_.on_finished(end, now);
-    if (!set.empty()) links_.executed(set, control_.link_of(end.id));
+    const auto request = values_.on_finished(end, now);
+    if (request && links_.any()) links_.executed(values_.set_by(*request), control_.link_of(end.id));
     tell_modes(now);
     safety_.on_finished(end, now, out);
     periods_.on_finished(end, now, out);

@@ -136,15 +136,8 @@ void BoardAgent::note_online() {
     if (std::exchange(presence_, now) != now) handlers_.on_changed();
 }
 
-void BoardAgent::perform(Effects& effects) {
-    for (const auto& notice : effects.notices) {
-        std::vector<log::Field> fields;
-        if (!bridge_.name().empty()) fields.emplace_back("board", bridge_.name());
-        for (const auto& [name, value] : notice.fields)
-            if (!value.empty() && name != "board") fields.emplace_back(name, value);
-        log_.write(notice.level, notice.text, fields);
-    }
-    for (auto& action : effects.link) {
+void BoardAgent::write(const std::vector<session::Action>& actions) {
+    for (const auto& action : actions) {
         if (const auto* write = std::get_if<session::Write>(&action)) {
             link_.write(framing_.outgoing(write->bytes));
         } else if (const auto* rate = std::get_if<session::SetLineRate>(&action)) {
@@ -152,6 +145,16 @@ void BoardAgent::perform(Effects& effects) {
                 with_bridge([&](Time now, Effects& out) { bridge_.line_rate_set(ok, now, out); });
             });
         }
+    }
+}
+
+void BoardAgent::perform(Effects& effects) {
+    for (const auto& notice : effects.notices) {
+        std::vector<log::Field> fields;
+        if (!bridge_.name().empty()) fields.emplace_back("board", bridge_.name());
+        for (const auto& [name, value] : notice.fields)
+            if (!value.empty() && name != "board") fields.emplace_back(name, value);
+        log_.write(notice.level, notice.text, fields);
     }
     if (effects.stopped) with_bridge([&](Time now, Effects& out) { bridge_.refuse_waiting(now, out); });
     // Before its answer leaves: the program that asked for the port opens it at once.
@@ -267,8 +270,7 @@ void BoardAgent::stop() {
     end_once_safe([this] {
         Effects effects;
         bridge_.goodbye(Clock::now(), effects);
-        effects.link.clear();
-        perform(effects);
+        perform(effects);  // nothing is written to the board any more
         finish(program::kExitOk);
     });
 }

@@ -79,6 +79,7 @@ class BoardAgent {
     template <class Call>
     void with_bridge(Call&& call);
     void perform(Effects& effects);
+    void write(const std::vector<session::Action>& actions);
 
     // The connection to the broker (board_agent_bus.cpp)
     void connect_bus();
@@ -128,8 +129,10 @@ class BoardAgent {
     void subscribe_to_sources();
     mqtt::Client::Handlers source_handlers();
     void sources_heard(bool heard);
+    void look_for_neighbours();
     void tell_neighbours();
     void hear_neighbour(const std::string& source);
+    void hear_soon(const std::string& source);
     void hear_source(const mqtt::Message& message);
     void share_turn();
 
@@ -184,7 +187,8 @@ class BoardAgent {
     std::uint64_t sources_of_ = 0;    // Bridge::source_changes()
     std::uint64_t told_ = 0;          // Bridge::standing_changes()
     std::set<std::string> heard_;     // neighbours
-    std::set<std::string> to_hear_;   // those of them that changed, until the next turn of the loop
+    std::set<std::string> to_hear_;   // those of them that are heard in the next turn of the loop
+    bool in_bridge_ = false;          // what the bridge wants done is not done yet
     Life life_ = Life::kRunning;
     Presence presence_ = Presence::kAway;
     std::string why_no_broker_;
@@ -197,11 +201,16 @@ void BoardAgent::with_bridge(Call&& call) {
     if (ended()) return;
     note_running();
     Effects effects;
+    const bool nested = std::exchange(in_bridge_, true);
     call(Clock::now(), effects);
+    write(std::exchange(effects.link, {}));
+    tell_neighbours();  // whose boards are written to before anything of this one is published
+    bridge_.publish_values(Clock::now(), effects);
     perform(effects);
+    in_bridge_ = nested;
     if (ended()) return;
     clients_.resume();
-    tell_neighbours();
+    look_for_neighbours();
     arm_timer();
     note_online();
 }

@@ -85,7 +85,7 @@ void BoardAgent::sources_heard(bool heard) {
     if (!heard) {
         source_shares_.disconnected();
         for (const auto& neighbour : heard_)  // those need no broker
-            hear_neighbour(neighbour);
+            hear_soon(neighbour);
     }
     bridge_.sources_heard(heard, Clock::now());
     arm_timer();
@@ -107,29 +107,36 @@ void BoardAgent::share_turn() {
     });
 }
 
-void BoardAgent::tell_neighbours() {
+void BoardAgent::look_for_neighbours() {
     std::erase_if(heard_, [this](const auto& each) { return !bridge_.has_source(each); });
     for (auto* other : host_.agents)
         if (bridge_.has_source(other->bridge_.name()) && heard_.insert(other->bridge_.name()).second)
-            hear_neighbour(other->bridge_.name());
+            hear_soon(other->bridge_.name());
     if (bus_ && bridge_.name_claimed() && to_hear_.empty()) subscribe_to_sources();
+}
+
+void BoardAgent::tell_neighbours() {
     if (bridge_.name().empty() ||
         std::exchange(told_, bridge_.standing_changes()) == bridge_.standing_changes())
         return;
     for (auto* other : host_.agents)
         if (other->heard_.contains(bridge_.name()) && other->bridge_.has_source(bridge_.name()))
-            other->hear_neighbour(bridge_.name());
+            other->in_bridge_ ? other->hear_soon(bridge_.name()) : other->hear_neighbour(bridge_.name());
+}
+
+void BoardAgent::hear_neighbour(const std::string& source) {
+    mqtt::Message message;
+    message.topic = topics_.values(source);
+    source_shares_.message(source, message, Clock::now());
 }
 
 /// In a turn of its own, however often the neighbour changes before.
-void BoardAgent::hear_neighbour(const std::string& source) {
+void BoardAgent::hear_soon(const std::string& source) {
     if (!to_hear_.insert(source).second) return;
     boost::asio::post(io_, [this, source, alive = std::weak_ptr(alive_)] {
         if (alive.expired()) return;
         to_hear_.erase(source);
-        mqtt::Message message;
-        message.topic = topics_.values(source);
-        source_shares_.message(source, message, Clock::now());
+        hear_neighbour(source);
     });
 }
 

@@ -19,6 +19,7 @@ using property::How;
 
 constexpr std::string_view kIo = "io";
 constexpr std::string_view kMode = "mode";
+constexpr char kModeTag = 'P';
 constexpr std::string_view kWrite = "write";
 constexpr const char* kLevels = "levels";
 constexpr const char* kDigital = "digital";
@@ -48,20 +49,22 @@ std::optional<BoardValues::Request> BoardValues::read(std::string_view line) con
 }
 
 void BoardValues::queued(session::RequestId id, std::string_view line) {
-    auto request = read(line);
-    if (!request) return;
-    if (const auto mode = mode_of(*request->model, request->values); mode && is_input(mode->second))
-        known_.input_begins(request->service, mode->first);
-    requests_.emplace(id, std::move(*request));
+    // What the others set is looked at once they are executed: they are on the way to the board.
+    if (const auto request = line.size() > 2 && line[2] == kModeTag ? read(line) : std::nullopt)
+        if (const auto mode = mode_of(*request->model, request->values); mode && is_input(mode->second))
+            known_.input_begins(request->service, mode->first);
+    requests_.emplace(id, line);
 }
 
-void BoardValues::on_finished(const session::Finished& end, Time now) {
+std::optional<BoardValues::Request> BoardValues::on_finished(const session::Finished& end, Time now) {
     using session::Ending;
-    const auto request = requests_.find(end.id);
-    if (request == requests_.end()) return;
-    const auto ended = requests_.extract(request);
-    if (end.ending == Ending::kNotSent || end.ending == Ending::kBoardError) return;
-    apply(ended.mapped(), end.ending == Ending::kTimeout || end.ending == Ending::kDoubt, now);
+    const auto found = requests_.find(end.id);
+    if (found == requests_.end()) return std::nullopt;
+    const auto line = requests_.extract(found).mapped();
+    if (end.ending == Ending::kNotSent || end.ending == Ending::kBoardError) return std::nullopt;
+    auto request = read(line);
+    if (request) apply(*request, end.ending == Ending::kTimeout || end.ending == Ending::kDoubt, now);
+    return request;
 }
 
 bool BoardValues::low_is_on(std::string_view line) const {
@@ -77,13 +80,11 @@ bool BoardValues::low_is_on(std::string_view line) const {
                });
 }
 
-std::vector<std::string> BoardValues::set_by(session::RequestId id) const {
+std::vector<std::string> BoardValues::set_by(const Request& request) const {
     std::vector<std::string> ids;
-    const auto request = requests_.find(id);
-    if (request == requests_.end()) return ids;
-    const auto& [model, service, values] = request->second;
+    const auto& values = request.values;
     for (const auto& property : known_.properties())
-        if (property.service == service &&
+        if (property.service == request.service &&
             std::any_of(property.setters.begin(), property.setters.end(), [&values](const auto& setter) {
                 return setter.command == values.command->name &&
                        (!setter.element_at || (*setter.element_at < values.values.size() &&
@@ -91,6 +92,10 @@ std::vector<std::string> BoardValues::set_by(session::RequestId id) const {
             }))
             ids.push_back(property.id);
     return ids;
+}
+
+bool BoardValues::has_contacts() const {
+    return std::any_of(known_.properties().begin(), known_.properties().end(), property::is_contact);
 }
 
 void BoardValues::executed(std::string_view line, Time now) {

@@ -35,7 +35,16 @@ class BoardValues {
     // --- what the board does
     /// To be called for each request that is queued.
     void queued(session::RequestId id, std::string_view line);
-    void on_finished(const session::Finished& end, Time now);
+    /// A request by its service's model, which must outlive it.
+    struct Request {
+        model::ModelPtr model;
+        std::string service;
+        model::RequestValues values;
+    };
+    /// What the board executed, or perhaps did.
+    std::optional<Request> on_finished(const session::Finished& end, Time now);
+    /// The properties that it sets.
+    std::vector<std::string> set_by(const Request& request) const;
     /// The board executed a request of our own.
     void executed(std::string_view line, Time now);
     /// `published`: what a service reported, by its model.
@@ -63,8 +72,8 @@ class BoardValues {
     std::uint64_t changes() const { return changes_; }
     /// Whether the request sets a pin low that is on while it is low.
     bool low_is_on(std::string_view line) const;
-    /// The properties that a request under way sets.
-    std::vector<std::string> set_by(session::RequestId id) const;
+    /// What others do with a door or a button waits for the document.
+    bool has_contacts() const;
 
     // --- what is told
     void describe(model::Description description, Time now);
@@ -85,12 +94,6 @@ class BoardValues {
         std::size_t answers = 0;
     };
 
-    /// A request by its service's model, which must outlive it.
-    struct Request {
-        model::ModelPtr model;
-        std::string service;
-        model::RequestValues values;
-    };
     std::optional<Request> read(std::string_view line) const;
     void apply(const Request& request, bool perhaps, Time now);
     void forget(Time now);
@@ -100,7 +103,7 @@ class BoardValues {
     const Board& board_;
     const CommandAge& age_;
     property::KnownValues known_;
-    std::unordered_map<session::RequestId, Request> requests_;  // bounded by the session's queue
+    std::unordered_map<session::RequestId, std::string> requests_;  // lines; bounded by the session's queue
     std::vector<std::pair<int, int>> modes_;
     std::map<std::string, Quota, std::less<>> quotas_;
     std::uint64_t seq_ = 0;

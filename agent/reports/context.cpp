@@ -37,6 +37,14 @@ void Context::publish(const protocol::ParsedLine& line, const std::optional<Deco
                       std::string_view by) {
     const auto& topics = board_.topics;
     if (out.publish.empty()) out.publish.reserve(4);  // most lines make two
+    const bool has_value = decoded && decoded->value;
+    if (has_value) {  // first: links wait for it
+        auto& value = out.publish.emplace_back();
+        value.message.topic = topics.service_out(board_.name, decoded->service);
+        value.message.payload = model::dump_json(*decoded->value);
+        value.message.retain = options_.retain_values;
+        value.priority = mqtt::Priority::kContext;
+    }
     auto& raw = out.publish.emplace_back();
     raw.message.topic = options_.client_side ? topics.board_in(board_.name) : topics.board_out(board_.name);
     raw.message.payload = line.text() + options_.terminator;
@@ -49,13 +57,7 @@ void Context::publish(const protocol::ParsedLine& line, const std::optional<Deco
         if (!by.empty()) value["by"] = std::string(by);
         return publish_error(board_, service_named(board_.services, error.service), value, out);
     }
-    if (!decoded) return;
-    if (!decoded->value) return undecoded(decoded->service, line.text(), decoded->value.error(), out);
-    auto& value = out.publish.emplace_back();
-    value.message.topic = topics.service_out(board_.name, decoded->service);
-    value.message.payload = model::dump_json(*decoded->value);
-    value.message.retain = options_.retain_values;
-    value.priority = mqtt::Priority::kContext;
+    if (decoded && !has_value) undecoded(decoded->service, line.text(), decoded->value.error(), out);
 }
 
 void Context::publish_line(Time now, Effects& out) {

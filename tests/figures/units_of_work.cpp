@@ -104,6 +104,67 @@ void agent_units() {
     });
 }
 
+agent::BridgeOptions board_named(const char* name) {
+    auto options = agent::BridgeBench::defaults();
+    options.name = name;
+    return options;
+}
+
+/// A button of one board and a servo of another, with a link.
+struct Linked {
+    agent::BridgeBench desk{board_named("desk")}, lamp{board_named("lamp")};
+    Linked() {
+        desk.go_online();
+        lamp.go_online();
+        desk.ask("asip/desk/io/in", {{"mode", {2, 2}}}, "1");
+        desk.ask("asip/desk/in", {{"meanings", {{"io/2", {{"class", "button"}}}}}}, "2");
+        desk.labels_kept();
+        const nlohmann::json link{
+            {"name", "l"}, {"from", "desk/io/2"}, {"to", "servo/0/angle"}, {"value", 90}, {"else", 0}};
+        lamp.ask("asip/lamp/$link/ann/c", {{"set", link}});
+        for (const auto& each : std::exchange(lamp.links_to_keep, {}))
+            lamp.run([&](agent::Effects& out) { lamp.bridge.link_kept(each.ticket, {}, lamp.now, out); });
+        for (const auto& each : {"asip/servicebus/desk/$state", "asip/servicebus/desk/$properties"})
+            hear(each, desk.on(each).back());
+    }
+    void hear(const std::string& topic, const std::string& payload) {
+        lamp.run([&](agent::Effects& out) {
+            lamp.bridge.source_message({.topic = topic, .payload = payload}, lamp.now, out);
+        });
+    }
+    void press(unsigned i) {
+        desk.pass(200ms);
+        lamp.pass(200ms);
+        for (auto* each : {&desk, &lamp}) {
+            each->published.clear();
+            each->board.executed.clear();
+            each->board.heard.clear();
+        }
+        lamp.links_to_keep.clear();
+        desk.say(i % 2 ? "@I,d,4,0\r\n" : "@I,d,4,4\r\n");
+    }
+    void check() const {
+        if (lamp.board.executed.size() != 1) std::abort();
+    }
+};
+
+void link_units() {
+    Linked far;
+    measure("press-to-level-of-another-agent", 100, [&](unsigned i) {
+        far.press(i);
+        far.hear("asip/desk/$values", far.desk.on("asip/desk/$values").at(0));
+        far.check();
+    });
+    Linked near;
+    measure("press-to-level-in-one-agent", 100, [&](unsigned i) {
+        near.press(i);
+        near.lamp.run([&](agent::Effects& out) {
+            near.lamp.bridge.source_stands(near.desk.bridge.standing(near.desk.now), near.lamp.now, out);
+        });
+        near.check();
+    });
+}
+
 /// The first announcements of boards to a registry, until a watcher has the change.
 void changes_of_registry() {
     const bench::BoardTexts texts;
@@ -277,6 +338,7 @@ int main(int argc, char** argv) {
     if (worse) return 0;  // one figure that is refused is enough
     asip::lines_through_agent("line-through-agent-to-event", false);
     asip::lines_through_agent("line-with-checksum-to-event", true);
+    asip::link_units();
     asip::changes_of_registry();
     asip::first_announcements("announcement-in-registry", false);
     asip::first_announcements("announcement-of-a-board-like-no-other", true);

@@ -122,6 +122,7 @@ class BridgeBench {
     void run(Call&& call) {
         Effects effects;
         call(effects);
+        bridge.publish_values(now, effects);
         perform(effects);
     }
 
