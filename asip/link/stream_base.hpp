@@ -81,10 +81,11 @@ class StreamCore : public std::enable_shared_from_this<StreamCore<Socket>> {
                     self->ended(error);
                     return;
                 }
+                if (self->handlers_.on_bytes) self->handlers_.on_bytes({self->buffer_.data(), size});
+                if (self->closed_) return;
                 if constexpr (std::is_same_v<Socket, boost::asio::ip::tcp::socket>)
                     acknowledge_at_once(self->socket_.native_handle());
-                if (self->handlers_.on_bytes) self->handlers_.on_bytes({self->buffer_.data(), size});
-                if (!self->closed_) self->read();
+                self->read();
             });
     }
 
