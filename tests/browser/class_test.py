@@ -38,8 +38,8 @@ def board(number):
 class Phones:
     """So many phones in one Chromium: each has cookies and a worker of its own."""
 
-    def __init__(self, count, url):
-        self.browser = Browser()
+    def __init__(self, count, url, language="en"):
+        self.browser = Browser(f"--accept-lang={language}")
         self.windows = []
         address = self.browser.driver.capabilities["goog:chromeOptions"]["debuggerAddress"]
         with urllib.request.urlopen(f"http://{address}/json/version", timeout=10) as answer:
@@ -69,6 +69,7 @@ class Phones:
 
 
 class Lesson(PageTest):
+    pupils = PUPILS
     boards = tuple(board(number) for number in range(1, PUPILS + 1))
     expected_errors = ("status of 401", "status of 404", "status of 409", "response code: 401", "ERR_CONNECTION_REFUSED", "WebSocket")
 
@@ -95,40 +96,44 @@ class Lesson(PageTest):
 
     def open_lesson(self):
         self.browser.shown(".toolbar a[href='#/class']").click()
-        eventually(lambda: f"({PUPILS})" in self.browser.text("form.open-lesson select"), "all boards", 30)
-        self.browser.button("Open the lesson").click()
+        eventually(lambda: f"({self.pupils})" in self.browser.text("form.open-lesson select"), "all boards", 30)
+        self.browser.button(self.t("lesson-open")).click()
         return self.browser.shown("p.class-code").text
 
     def join(self, phone, code):
         # What the browser may do is known: the screen does not change any more.
-        eventually(lambda: phone.run("return document.querySelector('nav').hidden") or phone.text("asip-link") == "live", "the way in", 60)
+        eventually(lambda: phone.run("return document.querySelector('nav').hidden") or phone.text("asip-link") == self.t("live-within"), "the way in", 60)
         field = phone.shown("input.class-code")
         field.clear()
         field.send_keys(code)
         # Pupils press at the same time. A click of the driver waits for the page that follows, one phone after the other.
-        phone.run("setTimeout(() => arguments[0].click())", phone.button("Join"))
+        phone.run("setTimeout(() => arguments[0].click())", phone.button(self.t("lesson-join")))
+
+    def is_pupil(self, phone, number):
+        return phone.text("asip-pupil").startswith(self.texts["lesson-pupil"].split("{board}")[0].format(pupil=f"student-{number}"))
 
     def seat(self, name):
         return next(each for each in self.browser.find("ul.seats li") if each.find_element("css selector", "a").text == name)
 
     def test_TenPhones_CommandTenBoards_AndTheTeacherSeesAll(self):
         self.open()
-        phones = Phones(PUPILS, f"{self.outside}/join")
+        phones = Phones(self.pupils, f"{self.outside}/join", self.language)
         self.addCleanup(phones.close)
         began = time.monotonic()
         code = self.open_lesson()
-        for number in range(PUPILS):
+        for number in range(self.pupils):
             self.join(phones[number], code.lower())
-        for number in range(PUPILS):
-            eventually(lambda: phones.browser.text("asip-pupil").startswith(f"You are student-{number + 1}.") if phones[number] else False, f"pupil {number + 1} is in", 40)
+        for number in range(self.pupils):
+            eventually(lambda: self.is_pupil(phones.browser, number + 1) if phones[number] else False, f"pupil {number + 1} is in", 40)
             phones[number].shown("asip-board .title-row")
-            eventually(lambda: phones.browser.text("asip-link") == "live", "live", 30)
-            phones.browser.button("Identify", "asip-pupil").click()
-        for number in range(PUPILS):
+            eventually(lambda: phones.browser.text("asip-link") == self.t("live-within"), "live", 30)
+            phones.browser.button(self.t("lesson-identify"), "asip-pupil").click()
+        for number in range(self.pupils):
             phones[number]
-            eventually(lambda: "Its light blinked." in phones.browser.text("asip-pupil"), f"the board of pupil {number + 1}", 60)
-        print(f"ten pupils command after {time.monotonic() - began:.1f} s")
-        eventually(lambda: f"{PUPILS} of {PUPILS} boards have a pupil" in self.browser.text(".lesson"), "all in the teacher's list")
+            eventually(lambda: self.t("lesson-blinked") in phones.browser.text("asip-pupil"), f"the board of pupil {number + 1}", 60)
+        print(f"{self.pupils} pupils command after {time.monotonic() - began:.1f} s")
+        all_in = self.texts["lesson-until"].split("{time}")[1].format(pupils=self.pupils, count=self.pupils)
+        eventually(lambda: all_in in self.browser.text(".lesson"), "all in the teacher's list")
         self.browser.screenshot("class-teacher")
         self.one_pupil(phones)
         self.teacher(phones, code)
@@ -147,31 +152,32 @@ class Lesson(PageTest):
         self.assertEqual(phone.driver.execute_async_script(asked, "/api/lessons", None)[0], 403)
 
     def teacher(self, phones, code):
-        self.browser.button("Stop the class").click()
+        self.browser.button(self.t("lesson-stop")).click()
         eventually(lambda: "STOPPED" in self.seat("student-3").text or "latched" in self.seat("student-3").get_attribute("innerHTML"), "stopped", 30)
-        phones[2].button("Identify", "asip-pupil").click()
-        eventually(lambda: "stopped" in phones.browser.text("asip-pupil").lower(), "the pupil is told")
+        phones[2].button(self.t("lesson-identify"), "asip-pupil").click()
+        refused = "stopped" if self.language == "en" else self.t("answer.refused.stopped")
+        eventually(lambda: refused in phones.browser.text("asip-pupil"), "the pupil is told")
         self.assertEqual([each.text for each in phones.browser.find("button.resume") if each.is_displayed()], [], "only the teacher resumes")
-        self.browser.button("Resume the class").click()
+        self.browser.button(self.t("lesson-resume")).click()
         eventually(lambda: "latched" not in self.seat("student-3").get_attribute("innerHTML"), "resumed", 30)
-        self.seat("student-3").find_element("css selector", "button[aria-label='Take over student-3']").click()
-        eventually(lambda: self.seat("student-3").text.startswith("yours"), "taken over")
+        self.seat("student-3").find_element("css selector", f"button[aria-label='{self.t('lesson-take')} student-3']").click()
+        eventually(lambda: self.seat("student-3").text.startswith(self.t("lesson-is-yours")), "taken over")
         phones[2]
-        eventually(lambda: "the teacher has taken this board over" in phones.browser.text(), "the pupil is told", 40)
-        self.assertIn("No board is free", self.sentence_of_join(phones[2], code))
-        self.browser.shown("button[aria-label='Set free student-3']").click()
-        eventually(lambda: self.seat("student-3").text.startswith("free"), "free")
+        eventually(lambda: self.t("lesson-was") in phones.browser.text(), "the pupil is told", 40)
+        self.assertIn(self.texts.get("status.join.409", "no board is free; ask the teacher for one"), self.sentence_of_join(phones[2], code))
+        self.browser.shown(f"button[aria-label='{self.t('lesson-free')} student-3']").click()
+        eventually(lambda: self.seat("student-3").text.startswith(self.t("lesson-is-free")), "free")
         self.join(phones[2], code)
-        eventually(lambda: phones.browser.text("asip-pupil").startswith("You are student-3."), "again", 40)
-        self.browser.button("End the lesson").click()
-        for number in range(PUPILS):
+        eventually(lambda: self.is_pupil(phones.browser, 3), "again", 40)
+        self.browser.button(self.t("lesson-end")).click()
+        for number in range(self.pupils):
             phones[number]
-            eventually(lambda: "The lesson is over" in phones.browser.text(), f"pupil {number + 1} is told", 40)
-        phones.browser.button("Leave the lesson").click()
+            eventually(lambda: self.t("lesson-was") in phones.browser.text(), f"pupil {number + 1} is told", 40)
+        phones.browser.button(self.t("lesson-over")).click()
 
     def sentence_of_join(self, phone, code):
         self.join(phone, code)
-        return eventually(lambda: phone.text("form[aria-label='Join a class'] output"), "an answer").capitalize()
+        return eventually(lambda: phone.text(f"form[aria-label='{self.t('lesson-join-class')}'] output"), "an answer")
 
     def test_AddressOfTheQrCode_FillsInTheCode(self):
         self.open()
@@ -184,7 +190,7 @@ class Lesson(PageTest):
         eventually(lambda: phones[0].shown("input.class-code").get_property("value") == code, "the code of the address")
         self.assertEqual(self.bus.get("/api/lessons")["items"][0]["free"], PUPILS, "nobody joins without a press")
         phones[0].button("Join").click()
-        eventually(lambda: phones.browser.text("asip-pupil").startswith("You are student-1."), "joined", 40)
+        eventually(lambda: self.is_pupil(phones.browser, 1), "joined", 40)
 
     def test_GatewayStartedAnew_TellsPupilsThatTheLessonIsOver(self):
         self.open()
@@ -192,10 +198,19 @@ class Lesson(PageTest):
         phones = Phones(1, f"{self.outside}/")
         self.addCleanup(phones.close)
         self.join(phones[0], code)
-        eventually(lambda: "You are student-1." in phones.browser.text("asip-pupil"), "joined", 40)
+        eventually(lambda: self.is_pupil(phones.browser, 1), "joined", 40)
         self.bus.end("gateway")
         self.bus.start_gateway()
         eventually(lambda: "the gateway was started anew" in phones.browser.text(), "the sentence", 60)
+
+
+class LessonInItalian(Lesson):
+    """A teacher and four pupils who read Italian."""
+
+    language = "it"
+    pupils = 4
+    boards = Lesson.boards[:4]
+    test_AddressOfTheQrCode_FillsInTheCode = test_GatewayStartedAnew_TellsPupilsThatTheLessonIsOver = None  # in English
 
 
 if __name__ == "__main__":
