@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values over time, for plots: bounded, oldest first.
-import { csv_cell } from "./text.js";
+import { csv_cell, time_of } from "./text.js";
 
 /// More values of one event are neither shown nor kept: no user could read them.
 export const kMaxNumbers = 256;
@@ -160,4 +160,17 @@ export function ticks(low, high, count) {
     result.push(Number(tick.toPrecision(12)));
   }
   return result;
+}
+
+/// The plot of properties with the same unit, from what the gateway keeps: id -> [[time, number]], the newest first.
+export function past_series(numbers, past) {
+  const at_times = new Map();
+  for (const number of numbers) for (const [time, value] of past[number.key] ?? []) {
+    const at = time_of(time);
+    if (!at_times.has(at)) at_times.set(at, []);
+    at_times.get(at).push({ ...number, value });
+  }
+  const series = new Series();
+  for (const [at, points] of [...at_times].sort((a, b) => a[0] - b[0])) series.add(at, points);
+  return series;
 }

@@ -5,7 +5,7 @@ import { alive } from "../core/catalogue.js";
 import { command_order, place_of, words_of_error } from "../core/form.js";
 import { count_text, t } from "../core/language.js";
 import { elements_of, floats, is_number, is_simple, value_text } from "../core/properties.js";
-import { make_room, numbers_of, Series } from "../core/series.js";
+import { make_room, numbers_of, past_series, Series } from "../core/series.js";
 import { duration_text, moment_text, service_text, time_of, title_of_service, unit_text, with_unit, word_text, words } from "../core/text.js";
 import { bus, path_of, request } from "../net/bus.js";
 import { offers_of_board } from "./add_widget.js";
@@ -336,19 +336,6 @@ class Service extends Part {
     const [box, open] = group.place === this.values ? [this.plots, !this.folded] : [group.place, false];
     box.append(h("details", { open }, h("summary", {}, t("plot")), plot));
   }
-}
-
-/// The plot of properties with the same unit, from what the gateway keeps: id -> [[time, number]], the newest first.
-function past_series(numbers, past) {
-  const at_times = new Map();
-  for (const number of numbers) for (const [time, value] of past[number.key] ?? []) {
-    const at = time_of(time);
-    if (!at_times.has(at)) at_times.set(at, []);
-    at_times.get(at).push({ ...number, value });
-  }
-  const series = new Series();
-  for (const [at, points] of [...at_times].sort((a, b) => a[0] - b[0])) series.add(at, points);
-  return series;
 }
 
 customElements.define("asip-service", Service);
