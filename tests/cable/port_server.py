@@ -9,6 +9,7 @@ import os
 import select
 import socket
 import threading
+import time
 
 from lent_board import Port
 from websocket import ABNF
@@ -105,6 +106,7 @@ class PortServer:
                 connection, _ = self.listener.accept()
             except OSError:
                 return
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # a real port holds nothing back
             threading.Thread(target=self.serve, args=(connection,), daemon=True).start()
 
     def serve(self, connection):
@@ -133,6 +135,7 @@ class PortServer:
         while True:
             ready, _, _ = select.select([connection, *([port.fd] if port.fd is not None else [])], [], [])
             if port.fd in ready:
+                time.sleep(0.001)  # USB brings what came in a millisecond, not each byte
                 data = os.read(port.fd, 4096)
                 if not data:
                     return
