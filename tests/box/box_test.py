@@ -206,7 +206,7 @@ class OneBoard(unittest.TestCase):
 class Fleet(unittest.TestCase):
     """Boards that are out of date, whose agents are played here."""
 
-    COUNT = 12
+    COUNT = 300
 
     def setUp(self):
         self.bus = Bus(boards=())
