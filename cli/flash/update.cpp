@@ -2,10 +2,13 @@
 // Boards whose sketch is out of date: their agents load the newer one, some at a time.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <list>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "asip/bus/request/agent_requests.hpp"
 #include "asip/model/json.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/flash/load.hpp"
@@ -13,8 +16,6 @@
 
 namespace asip::cli {
 namespace {
-
-using namespace std::chrono_literals;
 
 constexpr std::size_t kAtOnce = 4;
 constexpr std::size_t kMaxFailures = 3;
@@ -67,7 +68,7 @@ class Update {
             auto& board = under_way_.back();
             board.began = Clock::now();
             board.load = std::make_unique<Load>(environment_, session_, board.name,
-                                                LoadOptions{.firmware = {}, .update = true});
+                                                LoadOptions{.firmware = {}, .board = {}, .update = true});
         }
         return !under_way_.empty();
     }
