@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kAtOnce = 4;
 constexpr std::size_t kMaxFailures = 3;
+constexpr Duration kLastWords = std::chrono::seconds(10);  // of an agent whose board is lost
 
 class Update {
   public:
@@ -26,7 +27,9 @@ class Update {
         : options_(options),
           environment_(environment),
           session_(session),
-          records_(options.output, RecordPrinter::Count::kStream, environment.out) {}
+          records_(options.output, RecordPrinter::Count::kStream, environment.out),
+          states_(session.subscribe(environment.topics.state("+"),
+                                    [this](const mqtt::Message& message) { came(message); })) {}
 
     void add(const bus::BoardItem& board) {
         if (board.state == "online" && !board.available.empty())
@@ -43,11 +46,15 @@ class Update {
                 return std::any_of(under_way_.begin(), under_way_.end(),
                                    [](const Board& each) { return each.load->reply().has_value(); });
             };
-            session_.run_until(any, Time::max());
+            session_.run_until(any, Clock::now() + std::chrono::seconds(1));
             for (auto each = under_way_.begin(); each != under_way_.end();) {
-                const bool ends = each->load->reply().has_value();
-                if (ends) ended(*each);
-                each = ends ? under_way_.erase(each) : std::next(each);
+                const auto& reply = each->load->reply();
+                const bool gone = !reply && Clock::now() >= each->gone;
+                if (reply) ended(*each, *reply);
+                if (gone)
+                    ended(*each, bus::Reply::refused(std::string(bus::kRefusedNotLoaded),
+                                                     "its agent ended; start it, and load it again"));
+                each = reply || gone ? under_way_.erase(each) : std::next(each);
             }
         }
         return sum_up();
@@ -57,8 +64,18 @@ class Update {
     struct Board {
         std::string name, sketch, was;
         std::unique_ptr<Load> load{};
-        Time began{};
+        Time began{}, gone = Time::max();
     };
+
+    /// The state of a board: an agent that ends leaves no answer, and its broker says that the board is lost.
+    void came(const mqtt::Message& message) {
+        const auto topic = environment_.topics.parse(message.topic);
+        for (auto& board : under_way_)
+            if (topic && board.name == topic->board)
+                board.gone = message.payload == "lost" || message.payload == "offline"
+                                 ? Clock::now() + kLastWords
+                                 : Time::max();
+    }
 
     /// False: no other is begun.
     bool begin_some() {
@@ -73,8 +90,7 @@ class Update {
         return !under_way_.empty();
     }
 
-    void ended(const Board& board) {
-        const auto& reply = *board.load->reply();
+    void ended(const Board& board, const bus::Reply& reply) {
         // Another user has the port. It is not the board's fault, and whether it is up to date shows later.
         const bool passed_over = reply.reason == bus::kRefusedReleased;
         const bool good = reply.succeeded();
@@ -110,6 +126,7 @@ class Update {
     BusSession& session_;
     RecordPrinter records_;
     std::list<Board> waiting_, under_way_;
+    BusSession::Subscription states_;
     std::size_t updated_ = 0, failed_ = 0, passed_over_ = 0;
 };
 
@@ -118,10 +135,10 @@ class Update {
 int run_update(const UpdateOptions& options, Environment& environment) {
     BusSession session(environment);
     BoardSource source(environment, session);
+    Update update(options, environment, session);
     if (const auto connected = session.connect(); !connected) return environment.fail_with(connected.error());
     const auto boards = choose_boards(source, options.target, options.labels);
     if (!boards) return environment.fail_with(boards.error());
-    Update update(options, environment, session);
     for (const auto& board : *boards)
         update.add(board.item);
     return update.run();

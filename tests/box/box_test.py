@@ -232,6 +232,9 @@ class Fleet(unittest.TestCase):
         board = message.topic.split("/")[1]
         request = json.loads(message.payload)
         self.asked.append((board, request["port"], request["update"]))
+        if self.refuses == "dies":
+            client.publish(f"asip/servicebus/{board}/$state", "lost", 1, True)
+            return
         answer = {"status": "refused", "reason": self.refuses, "error": "no boot loader answers"} if self.refuses else {
             "status": "ok", "answer": {"same": True, "after": {"sketch": "AsipServices", "version": "0.3", "chip": "ATmega328P"}}}
         if not self.refuses:
@@ -260,6 +263,14 @@ class Fleet(unittest.TestCase):
         self.assertEqual(sorted(json.loads(line)["board"] for line in others.stdout.splitlines()),
                          sorted(f"uno{number}" for number in range(self.COUNT) if number != 1))
         self.assertIn("no board is out of date", self.bus.asipctl("flash", "--update").stderr)
+
+
+    def test_agent_that_ends_meanwhile_is_a_failure_at_once(self):
+        eventually(lambda: self.bus.asipctl("list").stdout.count("out of date") == self.COUNT, "all of them", 60)
+        self.refuses = "dies"
+        failed = self.bus.asipctl("flash", "--update", "uno1")  # its answer would be waited for six minutes
+        self.assertEqual(failed.returncode, 1, failed.stderr)
+        self.assertRegex(failed.stdout, r"^uno1 +failed +.*its agent ended; start it, and load it again")
 
 
 class Class(unittest.TestCase):
