@@ -8,7 +8,7 @@
 #include "asip/model/json.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/ask/side_by_side.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {

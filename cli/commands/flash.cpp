@@ -6,7 +6,6 @@
 
 #include "asip/text/duration.hpp"
 #include "cli/declaration.hpp"
-#include "cli/find/chosen_boards.hpp"
 #include "cli/find/target.hpp"
 #include "cli/flash/lent_port.hpp"
 #include "cli/flash/load.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {

@@ -13,7 +13,7 @@
 #include "cli/commands/label_words.hpp"
 #include "cli/commands/pin.hpp"
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/flash/lent_port.hpp"
 #include "cli/output.hpp"
 #include "cli/text/table.hpp"

@@ -7,7 +7,7 @@
 #include "asip/bus/registry/items.hpp"
 #include "asip/bus/registry/query.hpp"
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/output.hpp"
 #include "cli/text/table.hpp"
 

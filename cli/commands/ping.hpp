@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/output.hpp"
 #include "cli/text/samples.hpp"
 #include "cli/text/table.hpp"

@@ -14,7 +14,7 @@
 #include "cli/ask/hold.hpp"
 #include "cli/declaration.hpp"
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {

@@ -10,7 +10,7 @@
 #include "asip/model/names.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/declaration.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/text/table.hpp"
 
 namespace asip::cli {

@@ -60,6 +60,33 @@ Outcome<void> check_board_pattern(std::string_view text, std::string_view verb) 
     return failure(program::kExitUsage, std::string(verb) + " takes a board, not a service");
 }
 
+void declare_selector(Declaration& verb, SelectorText& text) {
+    verb.option("-l,--selector", "SELECTOR", text,
+                "Only boards with these labels: room=lab,floor!=2,camera,!old; all must hold");
+}
+
+Outcome<bus::LabelSelector> parse_selector(const SelectorText& text) {
+    if (!text) return bus::LabelSelector();
+    auto selector = bus::LabelSelector::parse(*text);
+    if (!selector) return failure(program::kExitUsage, "--selector: " + selector.error());
+    return std::move(*selector);
+}
+
+Outcome<std::vector<KnownBoard>> choose_boards(BoardSource& source, const Target& target,
+                                               const bus::LabelSelector& labels) {
+    bus::Query query;
+    query.board = target.board;
+    query.service = target.service;
+    query.labels = labels;
+    auto boards = source.known_boards(std::move(query));
+    if (boards && boards->empty()) {
+        const auto with = labels.empty() ? std::string() : " with labels " + labels.text();
+        return failure(program::kExitNoAnswer,
+                       "no board is like " + target.text() + with + "; see asipctl list -o wide");
+    }
+    return boards;
+}
+
 Outcome<model::ServiceInfo> find_service(const KnownBoard& board, const std::string& name) {
     if (board.description) {
         for (const auto& service : board.description->services)

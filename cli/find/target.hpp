@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "asip/bus/registry/label_selector.hpp"
 #include "cli/ask/board_source.hpp"
+#include "cli/declaration.hpp"
 #include "cli/environment.hpp"
 
 namespace asip::cli {
@@ -25,6 +28,18 @@ Outcome<Target> parse_target(std::string_view text, bool patterns = false);
 
 /// Fails with kExitUsage where no board can match. `verb` is named where a service is given.
 Outcome<void> check_board_pattern(std::string_view text, std::string_view verb);
+
+/// What -l says; nothing: not given.
+using SelectorText = std::optional<std::string>;
+
+void declare_selector(Declaration& verb, SelectorText& text);
+/// Every board where it was not given. Fails with kExitUsage.
+Outcome<bus::LabelSelector> parse_selector(const SelectorText& text);
+
+/// By name; all with the service that the target names, if any. Fails with kExitNoAnswer where there are
+/// none.
+Outcome<std::vector<KnownBoard>> choose_boards(BoardSource& source, const Target& target,
+                                               const bus::LabelSelector& labels);
 
 /// By name or letter. Fails with kExitFailure and the nearest name.
 Outcome<model::ServiceInfo> find_service(const KnownBoard& board, const std::string& name);
