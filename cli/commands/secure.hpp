@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {

@@ -7,7 +7,7 @@
 #include "asip/bus/request/reply.hpp"
 #include "cli/ask/bus_session.hpp"
 #include "cli/environment.hpp"
-#include "cli/find/chosen_boards.hpp"
+#include "cli/find/target.hpp"
 #include "cli/output.hpp"
 
 namespace asip::cli {
