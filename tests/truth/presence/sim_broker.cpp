@@ -31,6 +31,11 @@ bool matches(std::string_view filter, std::string_view topic) {
     return !more_topic && (!more_filter || filter == "#");
 }
 
+/// What stands in front of the first wildcard.
+std::string literal(const std::string& filter) {
+    return filter.substr(0, filter.find_first_of("+#"));
+}
+
 bool is_announcement(const std::string& topic) {
     return topic.ends_with("/$state") || topic.ends_with("/$description");
 }
@@ -46,11 +51,15 @@ void SimBroker::subscribe(Client client, const std::string& filter, bool no_loca
     const auto found = sessions_.find(client);
     if (found == sessions_.end()) return;
     unsubscribe(client, filter);
-    found->second.subscriptions.push_back({filter, no_local});
+    const auto begin = literal(filter);
+    found->second.filters.push_back(filter);
+    subscriptions_[begin].push_back({client, filter, no_local});
     if (!retained) return;
-    for (const auto& [topic, stored] : stored_) {
-        if (!matches(filter, topic)) continue;
-        if (auto message = left_of(stored, now)) {
+    // "a/#" is "a", too.
+    const auto from = begin.ends_with('/') ? begin.substr(0, begin.size() - 1) : begin;
+    for (auto at = stored_.lower_bound(from); at != stored_.end() && at->first.starts_with(from); ++at) {
+        if (!matches(filter, at->first)) continue;
+        if (auto message = left_of(at->second, now)) {
             message->retain = true;
             send(client, found->second, std::make_shared<const Message>(std::move(*message)), {}, now);
         }
@@ -58,8 +67,36 @@ void SimBroker::subscribe(Client client, const std::string& filter, bool no_loca
 }
 
 void SimBroker::unsubscribe(Client client, const std::string& filter) {
-    if (const auto found = sessions_.find(client); found != sessions_.end())
-        std::erase_if(found->second.subscriptions, [&](const auto& one) { return one.filter == filter; });
+    const auto found = sessions_.find(client);
+    if (found == sessions_.end() || std::erase(found->second.filters, filter) == 0) return;
+    forget(client, filter);
+}
+
+void SimBroker::forget(Client client, const std::string& filter) {
+    const auto found = subscriptions_.find(literal(filter));
+    std::erase_if(found->second,
+                  [&](const auto& one) { return one.client == client && one.filter == filter; });
+    if (found->second.empty()) subscriptions_.erase(found);
+}
+
+/// In the order in which they connected.
+std::vector<SimBroker::Client> SimBroker::receivers(const std::string& topic, Client from) const {
+    std::vector<Client> found;
+    const auto add = [&](const std::string& begin) {
+        const auto those = subscriptions_.find(begin);
+        if (those == subscriptions_.end()) return;
+        for (const auto& one : those->second)
+            if (!(one.no_local && one.client == from) && matches(one.filter, topic))
+                found.push_back(one.client);
+    };
+    add("");
+    for (auto slash = topic.find('/'); slash != std::string::npos; slash = topic.find('/', slash + 1))
+        add(topic.substr(0, slash + 1));
+    add(topic);
+    add(topic + "/");
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
 }
 
 std::optional<Message> SimBroker::left_of(const Stored& stored, Time now) const {
@@ -85,13 +122,8 @@ void SimBroker::publish(From from, Message message, Time now) {
         if (published_.size() > kMaxPublished) published_.pop_front();
     }
     const auto shared = std::make_shared<const Message>(std::move(message));
-    for (auto& [client, session] : sessions_) {
-        const auto wants = [&](const Subscription& one) {
-            return !(one.no_local && client == from.client) && matches(one.filter, shared->topic);
-        };
-        if (std::any_of(session.subscriptions.begin(), session.subscriptions.end(), wants))
-            send(client, session, shared, from, now);
-    }
+    for (const auto client : receivers(shared->topic, from.client))
+        send(client, sessions_.at(client), shared, from, now);
 }
 
 void SimBroker::send(Client client, Session& session, std::shared_ptr<const Message> message, From from,
@@ -117,7 +149,9 @@ void SimBroker::end(Client client, bool will, Time now) {
     if (found == sessions_.end()) return;
     auto last_words = std::exchange(found->second.will, std::nullopt);
     if (will && last_words) publish(From{client, true}, std::move(*last_words), now);
-    sessions_.erase(client);
+    for (const auto& filter : found->second.filters)
+        forget(client, filter);
+    sessions_.erase(found);
 }
 
 std::optional<Time> SimBroker::next() const {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <queue>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "asip/mqtt/message.hpp"
@@ -37,6 +38,8 @@ class SimBroker {
     void publish(Client from, Message message, Time now);
     /// The connection ends; what is under way to the client is lost. `will`: it is published.
     void end(Client client, bool will, Time now);
+    /// It restarts without its file, when nothing is connected.
+    void lose_stored() { stored_.clear(); }
     /// A copy of a message that clients had before comes again to one of them, not marked as stored.
     void replay(Client to, const Message& message, Time now);
 
@@ -51,13 +54,14 @@ class SimBroker {
 
   private:
     struct Subscription {
+        Client client;
         std::string filter;
         bool no_local;
     };
     struct Session {
         Receive receive;
         std::optional<Message> will;
-        std::vector<Subscription> subscriptions;
+        std::vector<std::string> filters;
         Time last{};
         std::map<std::string, Time, std::less<>> last_of_topic;
         std::map<Client, Time> last_from;
@@ -81,6 +85,8 @@ class SimBroker {
     };
 
     std::optional<Message> left_of(const Stored& stored, Time now) const;
+    void forget(Client client, const std::string& filter);
+    std::vector<Client> receivers(const std::string& topic, Client from) const;
     void publish(From from, Message message, Time now);
     void send(Client client, Session& session, std::shared_ptr<const Message> message, From from, Time now);
 
@@ -89,6 +95,7 @@ class SimBroker {
     Client last_client_ = 0;
     std::uint64_t number_ = 0;
     std::map<Client, Session> sessions_;
+    std::unordered_map<std::string, std::vector<Subscription>> subscriptions_;  // by what has no wildcard
     std::map<std::string, Stored> stored_;
     std::priority_queue<Delivery> under_way_;
     std::deque<std::pair<Time, Message>> published_;

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Boards, a broker, a registry with its files, and a gateway with an export, in simulated time that begins
 // half an hour before 2^32 ms. A person sets servos, distances change, and links of half of the boards follow
-// these. Each 24 hours, or once in a shorter time, the broker restarts, half of the boards are without
-// network for an hour, clocks are set back and forward, summer time ends, and every program is replaced by
-// another version; meanwhile boards are unplugged and restart, and agents are killed and stopped. Nothing may
-// be wrong in any view, and nothing may grow.
+// these, some of them between two times of day. Leases are as short and as long as they may be. Each 24
+// hours, or once in a shorter time, the broker restarts, with or without what it stored, half of the boards
+// are without network for an hour, clocks are set back and forward, summer time ends or begins, and every
+// program is replaced, the gateway by one with another export; meanwhile boards are unplugged and restart,
+// and agents are killed and stopped. Nothing may be wrong in any view, and nothing may grow.
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <filesystem>
+#include <cstdio>
+#include <cstdlib>
 #include <set>
 #include <vector>
 
 #include "tests/support/temp_dir.hpp"
 #include "tests/truth/week/programs.hpp"
+#include "tests/truth/week/resources.hpp"
 #include "tests/truth/week/station.hpp"
 
 namespace truth::week {
@@ -26,7 +28,12 @@ constexpr Time kBegin = Time{} + std::chrono::milliseconds(std::uint64_t{1} << 3
 constexpr const char* kAnswers = "asip/reply/ann/week";
 // A lease is 60 s, a link follows within seconds, and files within ten.
 constexpr Duration kSettles = 90s;
+constexpr int kMinLease = 3;       // seconds
 constexpr unsigned kDialects = 3;  // without Sparkplug, whose host keeps all that it heard
+// A broker that hears nothing of a client for so long takes it for gone: 1.5 times its keep-alive.
+constexpr Duration kUnheard = 90s;
+constexpr int kFromMinute = 12 * 60, kToMinute = 20 * 60;
+constexpr const char* kBetween = "12:00-20:00";
 constexpr int kNear = 50, kFar = 150, kOpen = 90, kClosed = 0;
 
 struct Plan {
@@ -35,21 +42,20 @@ struct Plan {
     bool traced = false;
 };
 
-struct Resources {
-    double memory = 0, descriptors = 0, disk = 0;
-};
-
 class Week {
   public:
     explicit Week(Plan plan) : plan_(plan), dice_(plan.seed) {
         for (unsigned i = 0; i < plan_.boards; ++i)
             stations_.push_back(std::make_unique<Station>(
                 broker_, i == 0 ? "uno1" : fmt::format("b{:03}", i),
-                Station::Machine{
-                    [this] { return unix_time(); },
-                    [this] { return static_cast<int>((unix_time() + (summer_ ? 7200 : 3600)) % 86400); },
-                    [this, i] { return broker_up_ && (network_up_ || i % 4 < 2); },
-                    asip::agent::LinkFiles(folder_.path())}));
+                Station::Machine{i < 4   ? kMinLease
+                                 : i < 8 ? asip::model::kMaxLeaseSeconds
+                                         : asip::model::kDefaultLeaseSeconds,
+                                 [this] { return unix_time(); }, [this] { return second_of_day(); },
+                                 [this, i] { return broker_up_ && (network_up_ || i % 4 < 2); },
+                                 asip::agent::LinkFiles(folder_.path()),
+                                 [this, i](Time due) { deadlines_.set(i, due); },
+                                 [this](const std::string& why) { fail(why); }}));
         view_ = presence::make_bus_view(broker_);
         start_programs();
         broker(true);
@@ -62,25 +68,23 @@ class Week {
             pass(500ms);
         }
         pass(10s);
-        for (std::size_t i = 1; i < stations_.size(); i += 2)
-            stations_[i]->link({{"name", "l"},
-                                {"from", stations_[i - 1]->name() + "/distance/0"},
-                                {"when", "above"},
-                                {"level", 100},
-                                {"back", 90},
-                                {"to", kServo},
-                                {"value", kOpen},
-                                {"else", kClosed}},
-                               now_);
+        for (std::size_t i = 1; i < stations_.size(); i += 2) {
+            json link{{"name", "l"},     {"from", stations_[i - 1]->name() + "/distance/0"},
+                      {"when", "above"}, {"level", 100},
+                      {"back", 90},      {"to", kServo},
+                      {"value", kOpen},  {"else", kClosed}};
+            if (is_timed(i)) link["between"] = kBetween;
+            stations_[i]->link(link, now_);
+        }
         for (unsigned number = 0; number < plan_.hours * 60 && failure_.empty(); ++number)
             minute(number);
-        if (failure_.empty()) judge_resources();
-        const auto end = resources_.empty() ? Resources() : resources_.back();
+        if (failure_.empty()) fail(resources_.judge());
+        const auto end = resources_.last();
         fmt::print(
             "{} boards, {} hours, seed {}: {} commands, {} comparisons, {} of known values; {:.2f} MB "
             "of memory, {} descriptors, {:.2f} MB of files: {}\n",
             plan_.boards, plan_.hours, plan_.seed, commands_, comparisons_, known_, end.memory / 1e6,
-            end.descriptors, end.disk / 1e6, failure_.empty() ? "nothing wrong" : failure_);
+            end.descriptors, end.files / 1e6, failure_.empty() ? "nothing wrong" : failure_);
         return failure_.empty();
     }
 
@@ -91,11 +95,21 @@ class Week {
         const auto wall = presence::instant(now_).wall.time_since_epoch() + clock_set_;
         return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(wall).count());
     }
+    int second_of_day() const { return static_cast<int>((unix_time() + (summer_ ? 7200 : 3600)) % 86400); }
+    /// Links set their targets at a time of day.
+    bool is_turn_of_links() const {
+        const int minute = second_of_day() / 60;
+        return std::abs(minute - kFromMinute) < 3 || std::abs(minute - kToMinute) < 3;
+    }
+    static bool is_timed(std::size_t station) { return station % 4 == 1; }
     void note(const std::string& what) const {
-        if (plan_.traced) fmt::print("{:11.3f} {}\n", since_begin(), what);
+        if (!plan_.traced) return;
+        fmt::print("{:11.3f} {}\n", since_begin(), what);
+        std::fflush(stdout);
     }
     void fail(const std::string& why) {
-        if (failure_.empty()) failure_ = fmt::format("after {:.3f} s: {}", since_begin(), why);
+        if (failure_.empty() && !why.empty())
+            failure_ = fmt::format("after {:.3f} s: {}", since_begin(), why);
     }
     void disturb(const std::string& what) {
         note(what);
@@ -105,18 +119,17 @@ class Week {
     void pass(Duration time) {
         const Time until = now_ + time;
         while (now_ < until && failure_.empty()) {
-            Time next = std::min(until, next_tick_);
-            for (const auto& station : stations_)
-                next = std::min(next, station->due());
+            Time next = std::min({until, next_tick_, deadlines_.next()});
             if (const auto due = broker_.next()) next = std::min(next, *due);
             now_ = std::max(next, now_ + 1us);
             broker_.deliver_until(now_);
-            for (const auto& station : stations_) {
-                if (station->due() <= now_) station->tick(now_);
-                if (!station->fault().empty()) fail(station->fault());
-            }
+            for (const auto number : deadlines_.until(now_))
+                stations_[number]->tick(now_);
             if (now_ < next_tick_) continue;
             next_tick_ = now_ + kTick;
+            if (!unheard_.empty() && unheard_since_ + kUnheard <= now_)
+                for (const auto client : std::exchange(unheard_, {}))
+                    broker_.end(client, true, now_);
             for (auto* view : views())
                 view->tick(now_);
         }
@@ -137,11 +150,11 @@ class Week {
         if (number % 20 == 5) befall_some();
         pass(30s);
         if (number % 10 == 9) compare();
-        if (number % 60 == 59) look_at_resources();
+        if (number % 60 == 59) note(resources_.look());
     }
     void hour(unsigned hour) {
         if (hour == 3) broker(false), pass(20s), broker(true);
-        if (hour == 6 || hour == 9) network(hour == 9);
+        if (hour == 6 || hour == 7) network(hour == 7);
         if (hour == 12) set_clocks(-1h, "clocks are set back");
         if (hour == 14) set_clocks(30min, "clocks are set forward");
         if (hour == 15) set_clocks({}, "clocks are right");
@@ -188,8 +201,14 @@ class Week {
         if (!up) {
             for (auto& station : stations_)
                 station->lose_broker(false, now_);
+            for (const auto client : std::exchange(unheard_, {}))
+                broker_.end(client, false, now_);
             broker_.end(person_, false, now_);
             open_.clear();
+            if (dice_.chance(.5)) return;
+            note("and loses what it stored");
+            broker_.lose_stored();
+            gateway_->lose_stored();
             return;
         }
         person_ = broker_.connect([this](const Message& message, Time) {
@@ -202,16 +221,20 @@ class Week {
     void network(bool up) {
         disturb(up ? "network is there" : "half of the boards have no network");
         network_up_ = up;
-        for (std::size_t i = 0; !up && i < stations_.size(); ++i)
-            if (i % 4 >= 2) stations_[i]->lose_broker(true, now_);
+        unheard_since_ = now_;
+        for (std::size_t i = 2; !up && i < stations_.size(); ++i)
+            if (i % 4 == 2)
+                stations_[i]->lose_broker(true, now_);
+            else if (i % 4 == 3 && stations_[i]->runs())
+                unheard_.push_back(stations_[i]->lose_network(now_));
     }
     void start_programs() {
         registry_.reset();
         gateway_.reset();
         registry_ =
             std::make_unique<RegistryProgram>(broker_, dice_, folder_.path().string(), clock_set_, now_);
-        gateway_ =
-            std::make_unique<GatewayProgram>(broker_, static_cast<unsigned>(plan_.seed % kDialects), now_);
+        gateway_ = std::make_unique<GatewayProgram>(
+            broker_, static_cast<unsigned>((plan_.seed + starts_++) % kDialects), now_);
     }
     void replace_programs() {
         for (auto& station : stations_) {
@@ -227,8 +250,9 @@ class Week {
 
     // --- what is compared
     void compare() {
-        if (now_ - quiet_since_ < kSettles) return;
+        if (now_ - quiet_since_ < kSettles || is_turn_of_links()) return;
         pass(15s);  // what is to be written is on the disk
+        registry_->wait_for_disk(now_);
         if (!open_.empty()) fail("command " + *open_.begin() + " has no answer");
         for (std::size_t i = 0; i < stations_.size(); ++i) {
             const auto& station = *stations_[i];
@@ -239,7 +263,9 @@ class Week {
             compare_servo("gateway", gateway_->servo(station.name()), station);
             const auto* source = i % 2 == 1 ? stations_[i - 1].get() : nullptr;
             if (!source || !source->distance() || source->state() != "online") continue;
-            if (station.servo() != (*source->distance() == kFar ? kOpen : kClosed))
+            const int minute = second_of_day() / 60;
+            const bool in_time = !is_timed(i) || (minute >= kFromMinute && minute < kToMinute);
+            if (station.servo() != (in_time && *source->distance() == kFar ? kOpen : kClosed))
                 fail("the link of " + station.name() + " does not follow");
         }
         compare_history(*stations_[dice_.below(stations_.size())]);
@@ -280,37 +306,6 @@ class Week {
         }
     }
 
-    // --- what it takes
-    void look_at_resources() {
-        Resources now;
-        const auto heap = mallinfo2();
-        now.memory = static_cast<double>(heap.uordblks + heap.hblkhd);
-        for ([[maybe_unused]] const auto& each : std::filesystem::directory_iterator("/proc/self/fd"))
-            ++now.descriptors;
-        for (const auto& file : std::filesystem::directory_iterator(folder_.path()))
-            if (file.is_regular_file()) now.disk += static_cast<double>(file.file_size());
-        resources_.push_back(now);
-        note(fmt::format("{:.0f} bytes of memory, {} descriptors, {:.0f} bytes of files", now.memory,
-                         now.descriptors, now.disk));
-    }
-    double max(double Resources::* member, unsigned quarter) const {
-        double found = 0;
-        for (auto at = resources_.size() * quarter / 4; at < resources_.size() * (quarter + 1) / 4; ++at)
-            found = std::max(found, resources_[at].*member);
-        return found;
-    }
-    /// The last quarter is as the second one was.
-    void judge_resources() {
-        const auto early = max(&Resources::memory, 1), late = max(&Resources::memory, 3);
-        // The caches of SQLite are full after a day.
-        if (late > early * (plan_.hours < 24 ? 1.05 : 1.01))
-            fail(fmt::format("{:.0f} bytes of memory became {:.0f}", early, late));
-        if (max(&Resources::descriptors, 3) > max(&Resources::descriptors, 1))
-            fail("descriptors became more");
-        constexpr double kLogs = 8u << 20;  // of what is not in the files yet
-        if (max(&Resources::disk, 3) > kHistoryBytes + kValuesBytes + kLogs) fail("the files are too large");
-    }
-
     const Plan plan_;
     asip::test::Dice dice_;
     asip::test::TempDir folder_;
@@ -319,14 +314,18 @@ class Week {
     Time twice_until_{};    // the time of day was there before
     bool summer_ = true, broker_up_ = false, network_up_ = true;
     SimBroker broker_{dice_, true};
+    Deadlines deadlines_;
     std::vector<std::unique_ptr<Station>> stations_;
     std::unique_ptr<RegistryProgram> registry_;
     std::unique_ptr<GatewayProgram> gateway_;
     std::unique_ptr<presence::View> view_;
+    unsigned starts_ = 0;
     SimBroker::Client person_ = 0;
+    std::vector<SimBroker::Client> unheard_;  // that the broker does not know as gone yet
+    Time unheard_since_{};
     std::set<std::string> open_;  // commands without an answer
     std::uint64_t commands_ = 0, comparisons_ = 0, known_ = 0;
-    std::vector<Resources> resources_;
+    Resources resources_{folder_.path(), plan_.hours};
     std::string failure_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "tests/truth/presence/views.hpp"
 #include "tests/truth/values/views.hpp"
+#include "tests/truth/week/resources.hpp"
 
 namespace truth::week {
 
@@ -19,7 +20,6 @@ using presence::Message;
 using presence::SimBroker;
 
 inline constexpr const char* kServo = "servo/0/angle";
-inline constexpr std::size_t kHistoryBytes = 1u << 20, kValuesBytes = 2u << 20;
 
 /// Files of a registry, and the threads that write them.
 struct Disk {
@@ -56,6 +56,22 @@ class RegistryProgram final : Disk, public presence::RegistryView {
         io.poll();
         if (now >= waits_) wait_for_disk(now);
     }
+    /// Simulated time is quicker than a disk: what was begun is over then, on a machine of any load.
+    void wait_for_disk(Time now) {
+        waits_ = now + 4s;  // a disk that takes 5 s is a fault
+        asip::bus::Query query;
+        query.find = asip::bus::Find::kValues;
+        for (int attempt = 0; attempt < 100; ++attempt) {
+            std::optional<asip::bus::Answer> found;
+            bool read = false;
+            values.find(query, moment(now), [&](asip::bus::Answer answer) { found = std::move(answer); });
+            history.find({}, [&](const asip::bus::Answer&) { read = true; });
+            while (!(found && read) && io.run_one_for(60s) > 0) {
+            }
+            if (found && found->refused.empty()) return;
+            io.run_one_for(1s);
+        }
+    }
     /// Waits for the disk.
     asip::bus::Answer find(const json& query, Time now) {
         ask(query.dump(), now);
@@ -82,24 +98,6 @@ class RegistryProgram final : Disk, public presence::RegistryView {
     const std::string& disk_fault() const { return fault; }
 
   private:
-    /// Simulated time is quicker than a disk: what was begun is over.
-    void wait_for_disk(Time now) {
-        waits_ = now + 4s;  // a disk that takes 5 s is a fault
-        asip::bus::Query query;
-        query.find = asip::bus::Find::kValues;
-        for (int attempt = 0; attempt < 100; ++attempt) {
-            std::optional<asip::bus::Answer> found;
-            values.find(query, moment(now), [&](asip::bus::Answer answer) { found = std::move(answer); });
-            while (!found && io.run_one_for(60s) > 0) {
-            }
-            bool read = false;
-            history.find({}, [&](const asip::bus::Answer&) { read = true; });
-            while (!read && io.run_one_for(60s) > 0) {
-            }
-            if (found && found->refused.empty()) return;
-            io.run_one_for(1s);
-        }
-    }
     static asip::registry::RegistryOptions options() {
         asip::registry::RegistryOptions options;
         options.id = "r1";
@@ -132,6 +130,8 @@ class GatewayProgram final : public presence::View {
         exports_.pass(time);
         send(now);
     }
+    /// The broker comes back empty, also that of the export.
+    void lose_stored() { exports_.restart_broker(); }
     bool is_complete() const override { return true; }
     std::optional<asip::bus::BoardItem> board(const std::string& name, Time) override {
         return gateway_.core().mirror().board(name, gateway_.core().now());

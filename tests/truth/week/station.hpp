@@ -5,8 +5,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "agent/links/link_files.hpp"
 #include "tests/truth/presence/sim_broker.hpp"
@@ -19,15 +21,43 @@ using asip::Time;
 using presence::Message;
 using presence::SimBroker;
 
+/// When each station has to be called next.
+class Deadlines {
+  public:
+    void set(std::size_t number, Time due) {
+        due_.resize(std::max(due_.size(), number + 1), Time::max());
+        if (due == due_[number]) return;
+        queue_.erase({due_[number], number});
+        due_[number] = due;
+        if (due != Time::max()) queue_.insert({due, number});
+    }
+    Time next() const { return queue_.empty() ? Time::max() : queue_.begin()->first; }
+    /// Those that are due, the earliest first.
+    const std::vector<std::size_t>& until(Time now) {
+        found_.clear();
+        for (auto at = queue_.begin(); at != queue_.end() && at->first <= now; ++at)
+            found_.push_back(at->second);
+        return found_;
+    }
+
+  private:
+    std::vector<Time> due_;
+    std::set<std::pair<Time, std::size_t>> queue_;
+    std::vector<std::size_t> found_;
+};
+
 /// A model board with the core of its agent, on the broker.
 class Station {
   public:
     /// What its machine has: the time of day, the way to the broker, and a disk for links.
     struct Machine {
+        int lease_seconds;
         std::function<std::uint64_t()> unix_time;
         std::function<int()> second_of_day;
         std::function<bool()> hears_broker;
         asip::agent::LinkFiles links;
+        std::function<void(Time)> call_at;               ///< tick() has to be called then
+        std::function<void(const std::string&)> failed;  ///< something went wrong
     };
     Station(SimBroker& broker, std::string name, Machine machine)
         : broker_(broker), name_(std::move(name)), machine_(std::move(machine)) {}
@@ -42,15 +72,12 @@ class Station {
     /// The angle of its servo; none: nothing has set it since the board or its agent started.
     std::optional<int> servo() const { return servo_; }
     std::optional<int> distance() const { return distance_; }
-    /// Empty: nothing went wrong.
-    const std::string& fault() const { return fault_; }
-    /// When tick() has to be called next.
-    Time due() const { return due_; }
 
     // --- the agent: a new process each time
     void start(Time now) {
         auto options = asip::agent::BridgeBench::defaults();
         options.name = name_;
+        options.lease_seconds = machine_.lease_seconds;
         options.started_unix = machine_.unix_time();
         options.second_of_day = machine_.second_of_day;
         options.load_links = [this](const std::string& board) { return machine_.links.load(board); };
@@ -72,14 +99,17 @@ class Station {
     void kill(Time now) { end(false, now); }
     /// The connection ends; `will`: the broker says that the board is lost.
     void lose_broker(bool will, Time now) {
-        if (!bench_) return;
+        if (bench_) broker_.end(lose_network(now), will, now);
+    }
+    /// The same, where the broker does not know it yet; returns what it takes for a client.
+    SimBroker::Client lose_network(Time now) {
         if (client_ != 0) bench_->bridge.bus_disconnected();
         bench_->bridge.sources_heard(false, now);
-        broker_.end(std::exchange(client_, 0), will, now);
         broker_.end(std::exchange(sources_, 0), false, now);
         subscribed_ = false;
         connects_ = now + std::chrono::seconds(1);
-        due_ = std::min(due_, *connects_);
+        call_in_time();
+        return std::exchange(client_, 0);
     }
     void link(const nlohmann::json& set, Time now) {
         reach(now);
@@ -140,7 +170,7 @@ class Station {
         lose_broker(!stopped, now);
         board_ = std::move(bench_->board);
         bench_.reset();
-        due_ = Time::max();
+        machine_.call_at(Time::max());
     }
     /// Time passes up to `now`.
     void reach(Time now) {
@@ -156,7 +186,7 @@ class Station {
     void connect(Time now) {
         client_ = broker_.connect(
             [this](const Message& message, Time at) {
-                if (!bench_) return;
+                if (!bench_ || client_ == 0) return;
                 reach(at);
                 bench_->hear(message);
                 perform(at);
@@ -196,9 +226,12 @@ class Station {
         bench_->board.heard.clear();
         bench_->notices.clear();
         bench_->client_lines.clear();
-        if (bench_->fatal) fault_ = name_ + ": " + bench_->fatal->text;
-        due_ = bench_->bridge.next_deadline().value_or(Time::max());
-        if (connects_) due_ = std::min(due_, *connects_);
+        if (bench_->fatal) machine_.failed(name_ + ": " + bench_->fatal->text);
+        call_in_time();
+    }
+    void call_in_time() {
+        const auto due = bench_->bridge.next_deadline().value_or(Time::max());
+        machine_.call_at(std::min(due, connects_.value_or(Time::max())));
     }
 
     SimBroker& broker_;
@@ -210,9 +243,7 @@ class Station {
     std::uint64_t source_changes_ = 0;
     bool subscribed_ = false, plugged_ = true, stopped_ = false;
     std::optional<Time> connects_;
-    Time due_ = Time::max();
     std::optional<int> servo_, distance_;
-    std::string fault_;
 };
 
 }  // namespace truth::week
