@@ -27,9 +27,6 @@ BoardValues::BoardValues(Environment& environment, BusSession& session, const Kn
     : environment_(environment), services_(std::move(services)) {
     if (!board.description) return;
     description_ = *board.description;
-    use(property::properties_of(description_, [&](const model::ServiceInfo& service) {
-        return bus::model_of(service, environment.models());
-    }));
     const auto& name = board.item.board;
     const auto& topics = environment.topics;
     reports_ = session.subscribe(topics.service_out(name, "+"),
@@ -42,6 +39,20 @@ BoardValues::BoardValues(Environment& environment, BusSession& session, const Kn
     question.list = true;
     question_ = session.ask(topics.demand(name, asker), bus::to_text(question),
                             [this](const mqtt::Message& message) { answer(message); });
+}
+
+/// The agent answers with its own list: to make one here, all models are read, which takes as long as the
+/// answer.
+void BoardValues::make_list() {
+    if (!std::exchange(listed_, true))
+        use(property::properties_of(description_, [&](const model::ServiceInfo& service) {
+            return bus::model_of(service, environment_.models());
+        }));
+}
+
+const std::vector<property::Property>& BoardValues::properties() {
+    make_list();
+    return properties_;
 }
 
 void BoardValues::use(std::vector<property::Property> properties) {
@@ -63,7 +74,7 @@ void BoardValues::answer(const mqtt::Message& message) {
     if (!reply || !reply->succeeded()) return;
     auto document = property::parse_values(reply->answer);
     if (!document) return;
-    answered_ = true;
+    answered_ = listed_ = true;
     use(std::move(document->properties));
     const auto now = Clock::now();
     for (std::size_t i = 0; i < properties_.size(); ++i)
@@ -76,6 +87,7 @@ void BoardValues::report(const mqtt::Message& message) {
     const auto topic = environment_.topics.parse(message.topic);
     const auto published = model::parse_json(message.payload);
     if (!topic || message.retain || !published || !published->is_object()) return;
+    make_list();
     for (std::size_t i = 0; i < properties_.size(); ++i) {
         const auto& property = properties_[i];
         if (!property::is_reported(property) || property.read->service != topic->service) continue;

@@ -27,7 +27,8 @@ class BoardValues {
     bool answered() const { return answered_; }
     /// Also every value that the board reports by itself.
     bool complete() const;
-    const std::vector<property::Property>& properties() const { return properties_; }
+    /// By the agent; where it did not answer, by the description.
+    const std::vector<property::Property>& properties();
     /// By the number of the property, with its age now.
     property::ShownValue of(std::size_t property) const;
     /// The number on the wire that was set last; nothing: not known.
@@ -40,6 +41,7 @@ class BoardValues {
         property::ShownValue shown;
         Time at{};
     };
+    void make_list();
     void use(std::vector<property::Property> properties);
     void answer(const mqtt::Message& message);
     void report(const mqtt::Message& message);
@@ -52,6 +54,7 @@ class BoardValues {
     std::vector<Known> known_;
     nlohmann::json pins_ = nlohmann::json::object();
     bool answered_ = false;
+    bool listed_ = false;  // properties_ is made
     BusSession::Subscription reports_;
     BusSession::Demand demand_;
     BusSession::Request question_;
