@@ -40,7 +40,8 @@ struct LinkToKeep {
 struct Effects : member::Announcements {
     std::vector<session::Action> link;  ///< Write and SetLineRate only
     std::vector<ClientLine> lines;      ///< for point-to-point clients
-    std::vector<mqtt::Message> notes;   ///< of commands, for histories; behind all of `publish`
+    std::vector<mqtt::Message> notes;   ///< of commands, for histories; behind the answers in `publish`, see
+                                        ///< NotesToTell
     bool board_known = false;           ///< the board was identified (again): its name is known now
     bool name_claimed = false;          ///< the board's name is ours now: commands may come
     /// kLetGo: close the port and do not open it, until kTakeBack.

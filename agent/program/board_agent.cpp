@@ -170,16 +170,7 @@ void BoardAgent::perform(Effects& effects) {
     }
     if (bus_ && effects.name_claimed) subscribe_to_commands();
     if (options_.mqtt.has_user()) drop_stray_answers(effects);
-    if (bus_)
-        for (auto& [message, priority] : effects.publish) {
-            if (priority == mqtt::Priority::kUrgent && hears_stops_)
-                stop_line_->answer(std::move(message));
-            else
-                bus_->publish(std::move(message), priority);
-        }
-    if (bus_)
-        for (auto& note : effects.notes)
-            bus_->publish(std::move(note), mqtt::Priority::kReply);
+    publish(effects);
     for (const auto& [line, client] : effects.lines)
         clients_.send(line, client);
     if (effects.name_claimed) {
@@ -199,6 +190,24 @@ void BoardAgent::perform(Effects& effects) {
         if (life_ == Life::kRunning) log_.error(effects.fatal->text, {});
         end_once_safe([this, status = effects.fatal->status] { finish(status); });
     }
+}
+
+void BoardAgent::publish(Effects& effects) {
+    notes_.add(std::move(effects.notes), Clock::now());
+    for (auto& [message, priority] : effects.publish) {
+        if (!bus_) return;
+        // A history has commands before the state that followed them.
+        if (priority == mqtt::Priority::kAnnouncement) tell_notes();
+        if (priority == mqtt::Priority::kUrgent && hears_stops_)
+            stop_line_->answer(std::move(message));
+        else
+            bus_->publish(std::move(message), priority);
+    }
+}
+
+void BoardAgent::tell_notes() {
+    for (auto& note : notes_.take())
+        if (bus_) bus_->publish(std::move(note), mqtt::Priority::kReply);
 }
 
 void BoardAgent::load(Effects::Load wanted) {
@@ -244,7 +253,8 @@ void BoardAgent::keep_stop(std::optional<model::StopInfo> stopped) {
 }
 
 void BoardAgent::arm_timer() {
-    const auto deadline = bridge_.next_deadline();
+    auto deadline = bridge_.next_deadline();
+    if (const auto due = notes_.next_deadline(); due && (!deadline || *due < *deadline)) deadline = due;
     if (!deadline) {
         armed_for_.reset();
         timer_.cancel();
@@ -258,6 +268,7 @@ void BoardAgent::arm_timer() {
         if (error || ended()) return;
         note_running();
         armed_for_.reset();
+        if (const auto due = notes_.next_deadline(); due && *due <= Clock::now()) tell_notes();
         with_bridge([&](Time now, Effects& out) {
             if (const auto due = bridge_.next_deadline(); due && *due <= now) bridge_.tick(now, out);
         });
@@ -306,6 +317,7 @@ void BoardAgent::wait_until_left(Time limit, std::function<void()> end) {
 void BoardAgent::finish(int status) {
     if (std::exchange(life_, Life::kEnded) == Life::kEnded) return;
     presence_ = Presence::kAway;
+    tell_notes();
     timer_.cancel();
     reset_timer_.cancel();
     counters_timer_.cancel();

@@ -11,6 +11,7 @@
 
 #include "agent/bridge/bridge.hpp"
 #include "agent/clients/point_to_point.hpp"
+#include "agent/command/notes_to_tell.hpp"
 #include "agent/counts/board_log.hpp"
 #include "agent/describe/label_files.hpp"
 #include "agent/inbound/inbox.hpp"
@@ -80,6 +81,8 @@ class BoardAgent {
     void with_bridge(Call&& call);
     void perform(Effects& effects);
     void write(const std::vector<session::Action>& actions);
+    void publish(Effects& effects);
+    void tell_notes();
 
     // The connection to the broker (board_agent_bus.cpp)
     void connect_bus();
@@ -174,6 +177,7 @@ class BoardAgent {
     boost::asio::steady_timer check_timer_;
     boost::asio::steady_timer stops_timer_;
     std::optional<Loader> loader_;  // while firmware is loaded
+    NotesToTell notes_;
     Inbox inbox_;
     Inbox link_inbox_;                 // no command waits behind a request for a link
     std::optional<Time> reads_since_;  // what sockets hold may have been sent since then

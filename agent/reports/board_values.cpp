@@ -172,7 +172,7 @@ void BoardValues::note(bool changed, Duration between, Time now) {
     if (!changed) return;
     ++changes_;
     values_changed_ = true;
-    const Time when = published_at_ ? std::max(now, *published_at_ + between) : now;
+    const Time when = published_at_ ? std::max(now + kBehind, *published_at_ + between) : now;
     if (!due_ || when < *due_) due_ = when;
 }
 

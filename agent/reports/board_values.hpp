@@ -23,8 +23,11 @@ namespace asip::agent {
 /// send anything to the board. Pure.
 class BoardValues {
   public:
-    /// Between two documents of values; what changed after a pause is told at once.
+    /// Between two documents of values.
     static constexpr Duration kBetween = std::chrono::milliseconds(100);
+    /// What changed after a pause is told so long behind the report or answer that says it first: whoever
+    /// waits for that has it before broker and readers are busy with the document.
+    static constexpr Duration kBehind = std::chrono::microseconds(900);
     /// The same where only numbers changed that the board's reports hold, too.
     static constexpr Duration kBetweenNumbers = std::chrono::seconds(1);
     /// A second, to one demander.

@@ -92,10 +92,20 @@ TEST_F(ValuesOfBoard, Command_IsToldWithinATenthOfASecond) {
     bench.ask("asip/uno1/io/in", {{"mode", {3, 3}}});
     for (int i = 0; i < 20; ++i) {
         const bool on = i % 2 == 0;
-        bench.hear("asip/uno1/io/in", R"({"write":[3,)" + std::to_string(on ? 1 : 0) + "]}");
+        bench.ask("asip/uno1/io/in", {{"write", {3, on ? 1 : 0}}}, std::to_string(i + 2));
         bench.pass(100ms);
         EXPECT_EQ(values()["io/3"]["value"], on) << i;
     }
+}
+
+TEST_F(ValuesOfBoard, DocumentOfAChange_ComesBehindTheAnswerThatToldIt) {
+    bench.pass(1s);
+    const auto before = bench.on("asip/uno1/$values").size();
+    EXPECT_EQ(bench.ask("asip/uno1/servo/in", {{"write", {0, 77}}})["status"], "ok");
+    EXPECT_THAT(bench.on("asip/uno1/$values"), SizeIs(before)) << "nothing is in the answer's way";
+    bench.pass(BoardValues::kBehind);
+    EXPECT_THAT(bench.on("asip/uno1/$values"), SizeIs(before + 1));
+    EXPECT_EQ(values()["servo/0/angle"]["value"], 77);
 }
 
 TEST_F(ValuesOfBoard, AskedTooOften_AnswersTwentyASecond) {
