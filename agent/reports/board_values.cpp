@@ -94,10 +94,6 @@ std::vector<std::string> BoardValues::set_by(const Request& request) const {
     return ids;
 }
 
-bool BoardValues::has_contacts() const {
-    return std::any_of(known_.properties().begin(), known_.properties().end(), property::is_contact);
-}
-
 void BoardValues::executed(std::string_view line, Time now) {
     if (const auto request = read(line)) apply(*request, false, now);
 }
@@ -163,6 +159,7 @@ void BoardValues::describe(model::Description description, Time now) {
         return entry == nullptr ? nullptr : entry->model;
     });
     if (properties == known_.properties()) return;
+    has_contacts_ = std::any_of(properties.begin(), properties.end(), property::is_contact);
     known_.use(std::move(properties), now);
     list_changed_ = true;
     note(true, kBetween, now);
@@ -172,7 +169,8 @@ void BoardValues::note(bool changed, Duration between, Time now) {
     if (!changed) return;
     ++changes_;
     values_changed_ = true;
-    const Time when = published_at_ ? std::max(now + kBehind, *published_at_ + between) : now;
+    const auto behind = has_contacts_ ? Duration::zero() : kBehind;
+    const Time when = published_at_ ? std::max(now + behind, *published_at_ + between) : now;
     if (!due_ || when < *due_) due_ = when;
 }
 

@@ -26,7 +26,8 @@ class BoardValues {
     /// Between two documents of values.
     static constexpr Duration kBetween = std::chrono::milliseconds(100);
     /// What changed after a pause is told so long behind the report or answer that says it first: whoever
-    /// waits for that has it before broker and readers are busy with the document.
+    /// waits for that has it before broker and readers are busy with the document. Boards with contacts wait
+    /// for nothing: links read the document.
     static constexpr Duration kBehind = std::chrono::microseconds(900);
     /// The same where only numbers changed that the board's reports hold, too.
     static constexpr Duration kBetweenNumbers = std::chrono::seconds(1);
@@ -76,7 +77,7 @@ class BoardValues {
     /// Whether the request sets a pin low that is on while it is low.
     bool low_is_on(std::string_view line) const;
     /// What others do with a door or a button waits for the document.
-    bool has_contacts() const;
+    bool has_contacts() const { return has_contacts_; }
 
     // --- what is told
     void describe(model::Description description, Time now);
@@ -113,6 +114,7 @@ class BoardValues {
     std::uint64_t restarts_ = 0;
     std::uint64_t changes_ = 0;
     bool away_ = false;
+    bool has_contacts_ = false;
     bool list_changed_ = true;
     bool values_changed_ = true;
     std::optional<Time> due_;
