@@ -26,7 +26,7 @@ from port_server import PortServer  # noqa: E402
 from rig import Browser, eventually, paho_client  # noqa: E402
 
 SECONDS = 20  # of reports of ten boards
-DEMAND_ENDS = 20  # seconds: a service whose value nobody reads reports as before
+DEMAND_ENDS = 20  # seconds after the last reader: by then a service reports at its own period again
 LENT = "lent-loopback"
 
 # From a request to its answer at the port of the third board, in ms each.

@@ -13,8 +13,8 @@
 
 namespace asip::agent {
 
-/// Of the image of `sketch` for `chip` in `folder`, by the file `versions` there: lines such as "AsipServices
-/// 2". 0: none.
+/// The version of the image of `sketch` for `chip` in `folder`; 0: there is none. The file `versions` there
+/// has it, in lines such as "AsipServices 2".
 int loadable_version(const std::filesystem::path& folder, const std::string& sketch, const std::string& chip);
 
 /// Loads firmware into a board by avrdude, beside the agent: one boot loader after the other until one

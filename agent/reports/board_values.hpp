@@ -25,9 +25,8 @@ class BoardValues {
   public:
     /// Between two documents of values.
     static constexpr Duration kBetween = std::chrono::milliseconds(100);
-    /// What changed after a pause is told so long behind the report or answer that says it first: whoever
-    /// waits for that has it before broker and readers are busy with the document. Boards with contacts wait
-    /// for nothing: links read the document.
+    /// The document follows a report or answer by this time, so that broker and readers handle that first.
+    /// Boards with contacts do not wait: links read the document.
     static constexpr Duration kBehind = std::chrono::microseconds(900);
     /// The same where only numbers changed that the board's reports hold, too.
     static constexpr Duration kBetweenNumbers = std::chrono::seconds(1);

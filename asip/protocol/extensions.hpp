@@ -32,7 +32,7 @@ struct Extensions {
     friend bool operator==(const Extensions&, const Extensions&) = default;
 };
 
-/// Of the firmware: 2 is "0.2", 103 is "1.3".
+/// A version of the firmware as people read it: 2 is "0.2", 103 is "1.3".
 std::string version_text(int version);
 
 /// `4,{E:1,I:1,B:1,C:1}`. Fails on a damaged body.

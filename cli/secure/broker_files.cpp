@@ -68,13 +68,6 @@ Outcome<void> check_clock() {
                                               ": set it first, certificates begin and end by it");
 }
 
-std::string joined(const std::vector<std::string>& words) {
-    std::string text;
-    for (const auto& word : words)
-        text += (text.empty() ? "" : ", ") + word;
-    return text;
-}
-
 Outcome<void> ensure_authority(const SecureFolder& folder, SecureReport& report) {
     const auto key = text::file_text(folder.authority_key());
     const bool certificate = fs::exists(folder.authority());

@@ -10,9 +10,6 @@ namespace asip::cli {
 /// Fails where this machine's clock cannot be right, since certificates depend on it.
 Outcome<void> check_clock();
 
-/// With commas.
-std::string joined(const std::vector<std::string>& words);
-
 Outcome<void> ensure_authority(const SecureFolder& folder, SecureReport& report);
 /// The broker's certificate is made anew where it does not fit its key, the authority or the hosts.
 Outcome<void> ensure_certificate(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report);

@@ -164,13 +164,6 @@ std::string explain_user_name(std::string_view name, Role role) {
     return model::explain_board_name(name);
 }
 
-std::string joined(const std::set<std::string>& names) {
-    std::string text;
-    for (const auto& name : names)
-        text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
 std::string access_rules(const std::string& root, const std::vector<RoleOfUser>& users) {
     std::string text =
         "# What each user may do on the bus, made by asipctl secure. `pattern` lines hold for every user, %u "

@@ -25,7 +25,14 @@ std::optional<Role> parse_role(std::string_view word);
 /// Nothing: every board.
 using SomeBoards = std::optional<std::set<std::string>>;
 
-std::string joined(const std::set<std::string>& names);  ///< "uno1, uno2"
+/// "uno1, uno2".
+template <class Names>
+std::string joined(const Names& names) {
+    std::string text;
+    for (const std::string& name : names)
+        text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
 
 struct RoleOfUser {
     std::string name;

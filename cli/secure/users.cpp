@@ -144,7 +144,7 @@ Outcome<void> remove_user(const SecureFolder& folder, SecuredBus& bus, const std
     report.did("removed", who(*bus.find(name)));
     if (removed) report.did("removed", "its credentials", folder.credentials(name));
     std::erase_if(bus.users, [&name](const auto& one) { return one.name == name; });
-    // Another board of that name is nobody's yet.
+    // A later board of that name is another one: users get it when they are added again.
     for (auto& user : bus.users)
         if (user.boards) user.boards->erase(name);
     bus.reads.erase(name);

@@ -70,7 +70,7 @@ void HomeAssistant::describe_firmware(ObjectText& components, const ExportedBoar
         .add("stat_t", firmware(board.board));
 }
 
-// Of a sketch that says no version, and is older than the first that did: 0.
+// A sketch that says no version is older than the first that did: it has 0.
 std::string HomeAssistant::firmware_text(const ExportedBoard& board) const {
     if (board.version.empty() && board.available.empty()) return {};
     std::string text;

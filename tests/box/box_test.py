@@ -93,6 +93,17 @@ class OneBoard(unittest.TestCase):
         cls.bus = Boxes()
         cls.addClassCleanup(cls.bus.close)
 
+    def exported(self):
+        """{topic: text} of what Home Assistant is told from now on."""
+        told = {}
+        client = paho_client()
+        client.on_message = lambda _client, _data, message: told.update({message.topic: message.payload.decode()})
+        client.connect("127.0.0.1", self.bus.broker_port)
+        client.subscribe([("homeassistant/#", 0), ("asip/export/#", 0)])
+        client.loop_start()
+        self.addCleanup(client.loop_stop)
+        return told
+
     def test_board_without_asip_is_found_loaded_with_progress_and_read(self):
         bus = self.bus
         bus.plug("usb-3")
@@ -118,13 +129,7 @@ class OneBoard(unittest.TestCase):
 
     def test_sketch_that_is_out_of_date_is_said_everywhere_and_updated(self):
         bus = self.bus
-        told = {}
-        client = paho_client()
-        client.on_message = lambda _client, _data, message: told.update({message.topic: message.payload.decode()})
-        client.connect("127.0.0.1", bus.broker_port)
-        client.subscribe([("homeassistant/#", 0), ("asip/export/#", 0)])
-        client.loop_start()
-        self.addCleanup(client.loop_stop)
+        told = self.exported()
         metrics = lambda: urllib.request.urlopen(bus.url + "/metrics", timeout=30).read().decode()
         bus.plug("usb-8")
         eventually(lambda: bus.is_without_asip("usb-8"), "the board, without ASIP", 60)
@@ -165,13 +170,7 @@ class OneBoard(unittest.TestCase):
 
     def test_thermometer_from_the_box_shows_degrees_in_home_assistant(self):
         bus = self.bus
-        shown = {}
-        client = paho_client()
-        client.on_message = lambda _client, _data, message: shown.update({message.topic: message.payload.decode()})
-        client.connect("127.0.0.1", bus.broker_port)
-        client.subscribe([("homeassistant/#", 0), ("asip/export/#", 0)])
-        client.loop_start()
-        self.addCleanup(client.loop_stop)
+        shown = self.exported()
         bus.plug("usb-6", parts=[{"kind": "ds18b20", "name": "wire", "pin": 2, "devices": [{"temperature": 21.5}, {"temperature": -3}]}])
         eventually(lambda: bus.is_without_asip("usb-6"), "the board, without ASIP", 40)
         flashed = bus.asipctl("flash", "usb-6", "--board", "nano-old", "--firmware", "AsipThermometers")

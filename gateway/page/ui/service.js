@@ -121,7 +121,7 @@ class Service extends Part {
     set_text(this.waiting, t("no-value-yet") + why);
   }
 
-  /// A user who may send commands has forms; they go when that right ends. A form that stays the same keeps what the user typed.
+  /// Forms are shown to a user while that user may send commands. A form that stays the same keeps what was typed.
   show_commands() {
     const wanted = status.may_command && this.model !== undefined && this.simple !== undefined;
     const names = wanted ? command_order(this.model) : [];

@@ -36,7 +36,7 @@ Duration Pace::at(Time time) const {
                                         [](Time wanted, const auto& one) { return wanted < one.first; });
     if (after == measured_.begin()) return {};
     const auto& [before, had] = *std::prev(after);
-    // What is not measured yet is at the most what a quiet machine needs.
+    // Behind the last measurement the machine is taken to be quiet, for one measurement at most.
     if (after == measured_.end()) return had + std::min<Duration>(time - before, kSleep + kWork);
     const double part =
         std::chrono::duration<double>(time - before) / std::chrono::duration<double>(after->first - before);

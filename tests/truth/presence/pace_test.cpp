@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// By which a truth test with real programs tells a wrong answer from a starved machine.
+// How a truth test with real programs tells a wrong answer from a starved machine.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <thread>
 
 #include "tests/truth/presence/machine.hpp"
 
@@ -88,8 +89,7 @@ TEST(Machine, StoppedProcess_SaysThatItWasStarved) {
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, WUNTRACED), child);
     ASSERT_TRUE(WIFSTOPPED(status));
-    for (const Time until = Clock::now() + 2s; Clock::now() < until;)
-        usleep(10'000);
+    std::this_thread::sleep_for(2s);
     kill(child, SIGCONT);
     ASSERT_EQ(waitpid(child, &status, 0), child);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
