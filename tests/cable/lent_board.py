@@ -10,11 +10,10 @@ import select
 import struct
 import termios
 import threading
-import tty
 
 import websocket
 
-TCGETS2, TCSETS2, BOTHER, CBAUD = 0x802C542A, 0x402C542B, 0o010000, 0o010017
+TCSETS2, BOTHER = 0x402C542B, 0o010000
 
 
 class Port:
@@ -27,11 +26,9 @@ class Port:
 
     def open(self, baud):
         self.fd = os.open(self.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-        tty.setraw(self.fd)
-        settings = list(struct.unpack("=4I20s2I", fcntl.ioctl(self.fd, TCGETS2, bytes(44))))
-        settings[2] = settings[2] & ~CBAUD | BOTHER
-        settings[5] = settings[6] = baud
-        fcntl.ioctl(self.fd, TCSETS2, struct.pack("=4I20s2I", *settings))
+        # At once, and nothing is discarded: a board that the opening restarts may have sent its banner already.
+        raw = struct.pack("=4Ix19s2I", 0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL | BOTHER, 0, bytes(5) + b"\0\1", baud, baud)
+        fcntl.ioctl(self.fd, TCSETS2, raw)
         self.opened.append(baud)
 
     def close(self):
