@@ -128,9 +128,10 @@ class Machine {
         Time asked{};     // when the period was last set
         Time reported{};  // the last report
         Duration patience{};
-        bool pending = false;  // it is being set
-        Duration gap{};        // between reports that no request asked for, on average
-        int gaps = 0;
+        bool pending = false;              // it is being set
+        Duration gap{};                    // between reports that no request asked for, on average
+        int gaps = 0;                      // that are in `gap`
+        std::optional<unsigned> measured;  // the board's own period in ms
     };
     void note_renewed(char service);
     void renew_behind(const protocol::Event& event, Time now);

@@ -17,6 +17,9 @@ constexpr Duration kLongestPatience = std::chrono::seconds(60);
 // Sketches may set a period themselves: it is measured between so many reports.
 constexpr int kGaps = 16;
 constexpr Duration kLongestGap = std::chrono::seconds(1);
+// Reports that follow each other faster have waited on the way: in the port while no program read it, or
+// while this one was not run. Their gaps say nothing of the board.
+constexpr Duration kShortestGap = std::chrono::milliseconds(2);
 constexpr std::chrono::milliseconds kRound(5);
 
 }  // namespace
@@ -41,23 +44,24 @@ void Machine::renew_behind(const protocol::Event& event, Time now) {
 
 // A board of ASIP 0.4 reports its analog pins from its start on, at a period that it does not tell.
 void Machine::note_unasked(const protocol::Event& event, Time now) {
-    if (!identity_.extensions.empty() || event.service != 'I' || event.tag != 'a') return;
+    if (!known_ || !identity_.extensions.empty() || event.service != 'I' || event.tag != 'a') return;
     auto& renewal = renewals_[event.service];
     const Duration gap = now - std::exchange(renewal.reported, now);
     renewal.patience = kFirstPatience;
-    if (gap > kLongestGap)
+    if (gap > kLongestGap || gap < kShortestGap) {
         renewal.gaps = 0;
-    else if (++renewal.gaps <= kGaps)
-        renewal.gap += (gap - renewal.gap) / renewal.gaps;
-    else
-        renewal.gap += (gap - renewal.gap) / kGaps;
+        return;
+    }
+    renewal.gap = renewal.gaps == 0 ? gap : renewal.gap + (gap - renewal.gap) / (renewal.gaps + 1);
+    if (++renewal.gaps < kGaps) return;
+    const auto rounds = std::max<Duration::rep>((renewal.gap + kRound / 2) / kRound, 1);
+    renewal.measured = static_cast<unsigned>((rounds * kRound).count());
+    renewal.gaps = 0;
 }
 
 std::optional<unsigned> Machine::renewed_period(char service, const Renewal& renewal) const {
     if (const auto set = settings_.period(service)) return set;
-    if (renewal.gaps < kGaps) return std::nullopt;
-    const auto rounds = std::max<Duration::rep>((renewal.gap + kRound / 2) / kRound, 1);
-    return static_cast<unsigned>((rounds * kRound).count());
+    return renewal.measured;
 }
 
 void Machine::renew(char service, Renewal& renewal) {
@@ -75,6 +79,7 @@ Time Machine::missing_at(char service, const Renewal& renewal) const {
 }
 
 void Machine::renew_missing(Time now) {
+    if (!identity_.extensions.empty()) return renewals_.clear();  // another board than before
     for (auto& [service, renewal] : renewals_) {
         if (now < missing_at(service, renewal)) continue;
         renewal.patience = std::min(renewal.patience * 2, kLongestPatience);

@@ -133,6 +133,21 @@ TEST_F(Renewal, AFewAnalogReports_AreNoPeriod) {
         EXPECT_FALSE(line.starts_with("I,A,")) << line;
 }
 
+TEST_F(Renewal, ReportsThatHadWaited_AreNoPeriod) {
+    ReportingBoard board(bench, Stop::kNever, 0, 'I', 50);
+    board.pass(3000);
+    bench.now += 1500ms;  // this program is not run
+    for (int i = 0; i < 30; ++i)
+        bench.say("@I,a,1,{0:42}\r\n");
+    board.pass(150);
+    bench.pass(5min);
+    const auto& executed = bench.board.executed;
+    const auto all = std::count_if(executed.begin(), executed.end(),
+                                   [](const std::string& line) { return line.starts_with("I,A,"); });
+    EXPECT_GE(all, 1) << "what was measured before is known, and the reports have ended";
+    EXPECT_EQ(all, std::count(executed.begin(), executed.end(), "I,A,50"));
+}
+
 TEST_F(Renewal, ReportsThatWereTurnedOff_AreNotAskedForAgain) {
     ReportingBoard board(bench, Stop::kClockWraps, 0);
     bench.request("D,A,100");
@@ -150,6 +165,20 @@ TEST_F(Renewal, ServiceThatNeverReports_IsAskedMoreAndMoreRarely) {
     const auto asked = std::count(bench.board.executed.begin(), bench.board.executed.end(), "S,A,100");
     EXPECT_GE(asked, 2);
     EXPECT_LE(asked, 20);
+}
+
+TEST(RenewalOfAny, ReportsThatWaitedInThePort_SetNoPeriod) {
+    for (const bool extensions : {false, true}) {
+        Bench bench;
+        bench.board.extensions = extensions;
+        bench.plug();
+        for (int i = 0; i < 60; ++i)
+            bench.say("@I,a,1,{0:42}\r\n");
+        ASSERT_TRUE(bench.ready_within());
+        bench.pass(5min);
+        for (const auto& line : bench.board.executed)
+            EXPECT_FALSE(line.starts_with("I,A,")) << line << ", extensions: " << extensions;
+    }
 }
 
 TEST(RenewalOfOurs, BoardWithExtensions_IsNotAsked) {
