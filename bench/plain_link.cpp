@@ -57,7 +57,7 @@ void send(int fd, const std::string& line) {
 /// Calls `pressed` with each level that the board tells, until it hangs up.
 void read_levels(int fd, const std::function<void(bool)>& pressed) {
     constexpr std::string_view kLevels = "@I,d,4,";
-    send(fd, "\nI,A,0\nI,P,2,2\n");
+    send(fd, "\nI,P,2,2\n");
     std::string pending;
     char buffer[512];
     for (ssize_t count = 0; (count = read(fd, buffer, sizeof buffer)) > 0;) {
@@ -72,7 +72,7 @@ std::string level_of(const std::string& pin, bool on) {
 }
 
 void begin_lamp(int fd, const std::string& pin) {
-    send(fd, "\nI,A,0\nI,P," + pin + ",3\n");
+    send(fd, "\nI,P," + pin + ",3\n");
 }
 
 }  // namespace
