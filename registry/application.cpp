@@ -18,6 +18,7 @@ namespace log = program::log;
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr int kReadingShare = 4;
+constexpr Duration kGather = std::chrono::milliseconds(50);  // values; they are written each 10 s
 constexpr std::size_t kMaxUnsent = 64;  // messages; beyond, questions wait here and not answers
 
 Instant now() {
@@ -58,6 +59,7 @@ Application::Application(RegistryOptions options)
                                            history_.get(), now(), values_.get());
     client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
     answerer_ = connection_for_answers();
+    if (values_) valuer_ = connection_for_values();
     if (!options_.notify.empty()) {
         auto webhook = Webhook::create(io_, options_.notify);
         if (!webhook) throw std::runtime_error("--notify: " + webhook.error());
@@ -118,6 +120,11 @@ Port Application::port() {
     };
     port.unsubscribe = [this](const std::string& filter) { client_->unsubscribe(filter); };
     port.queued = [this] { return client_->counters().queued; };
+    if (!values_) return port;
+    port.subscribe_values = [this](std::string filter, bool retained) {
+        valuer_->subscribe(std::move(filter), {.retained = retained});
+    };
+    port.unsubscribe_values = [this](const std::string& filter) { valuer_->unsubscribe(filter); };
     return port;
 }
 
@@ -166,6 +173,17 @@ std::unique_ptr<mqtt::Client> Application::connection_for_answers() {
     return std::make_unique<mqtt::Client>(io_, std::move(options), std::move(result));
 }
 
+std::unique_ptr<mqtt::Client> Application::connection_for_values() {
+    auto options = options_.mqtt;
+    options.client_id += options.client_id.empty() ? "" : "-values";
+    options.gather = kGather;
+    mqtt::Client::Handlers result;
+    result.on_disconnected = [this](const mqtt::ConnectionFailure&) { registry_->values_lost(); };
+    result.on_message = [this](const mqtt::Message& received) { message(received); };
+    result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
+    return std::make_unique<mqtt::Client>(io_, std::move(options), std::move(result));
+}
+
 int Application::run() {
     log::info("registry starts", {{"id", options_.id}, {"broker", options_.mqtt.brokers.front().describe()}});
     for (auto& [filter, qos, retained] : registry_->subscriptions()) {
@@ -176,6 +194,7 @@ int Application::run() {
     }
     client_->start();
     answerer_->start();
+    if (valuer_) valuer_->start();
     schedule_tick();
     io_.run();
     return status_;
@@ -271,6 +290,7 @@ void Application::notify() {
 void Application::stop() {
     stopping_ = true;  // nothing is said behind the goodbye
     answerer_->stop(std::chrono::seconds(1), [] {});
+    if (valuer_) valuer_->stop(std::chrono::seconds(1), [] {});
     client_->publish(registry_->goodbye(), mqtt::Priority::kAnnouncement);
     client_->stop(std::chrono::seconds(2), [this] { end(); });
 }

@@ -33,6 +33,7 @@ class Application {
     mqtt::Options mqtt_options() const;
     mqtt::Client::Handlers handlers();
     std::unique_ptr<mqtt::Client> connection_for_answers();
+    std::unique_ptr<mqtt::Client> connection_for_values();
     mqtt::Client& answers() { return answerer_->connected() ? *answerer_ : *client_; }
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
@@ -57,6 +58,9 @@ class Application {
     std::unique_ptr<mqtt::Client> client_;
     /// A busy broker reads a message of each connection in turn.
     std::unique_ptr<mqtt::Client> answerer_;
+    /// Where values are kept. Of each message a broker tells those first that ask for its very topic: a
+    /// program that shows values would wait for the processor until they are kept.
+    std::unique_ptr<mqtt::Client> valuer_;
     std::unique_ptr<Webhook> webhook_;
     bool notify_fault_logged_ = false;
     bool turn_scheduled_ = false;

@@ -18,6 +18,10 @@ struct Port {
     /// `retained`: deliver stored messages, too.
     std::function<void(std::string filter, bool retained)> subscribe;
     std::function<void(const std::string& filter)> unsubscribe;
+    /// Both for values that are kept, over a connection of their own: see Registry::values_lost(). Empty: as
+    /// above.
+    std::function<void(std::string filter, bool retained)> subscribe_values{};
+    std::function<void(const std::string& filter)> unsubscribe_values{};
     /// Messages that wait for the broker.
     std::function<std::size_t()> queued = [] { return std::size_t{0}; };
 };

@@ -96,9 +96,14 @@ ValueChoice Registry::value_choice(const RegistryOptions& options) {
     handlers.set = [this](const PropertyKey& key, double value) { values_->set(key, value, now_); };
     handlers.drop = [this](const PropertyKey& key) { values_->drop(key, now_); };
     handlers.look = [this](const std::string& board) { return catalogue_.board(board, now_); };
+    auto port = port_;
+    if (port_.subscribe_values) {
+        port.subscribe = port_.subscribe_values;
+        port.unsubscribe = port_.unsubscribe_values;
+    }
     return {topics_,
             {options.values, options.values_demand},
-            port_,
+            std::move(port),
             bus::Demander(topics_, user_, "registry-" + random_hex(random_, 16), random_),
             std::move(handlers)};
 }
@@ -160,6 +165,7 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
 void Registry::disconnected() {
     connected_ = false;
     if (choice_) choice_->disconnected();
+    if (!port_.subscribe_values) values_lost();
     catalogue_.suspend();
     feed_.end();
     first_state_.end();

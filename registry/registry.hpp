@@ -47,6 +47,10 @@ class Registry {
     /// `max_packet_bytes`: the broker's limit; 0: none.
     void connected(std::size_t max_packet_bytes, Instant now);
     void disconnected();
+    /// The connection of Port::subscribe_values is broken.
+    void values_lost() {
+        if (choice_) choice_->values_lost();
+    }
     void message(const mqtt::Message& message, Instant now);
     /// The broker accepted, or denied, a message of QoS 1 on this topic.
     void published(const std::string& topic) { tidier_.published(topic); }

@@ -48,6 +48,7 @@ Connection::Connection(asio::io_context& io, const Options& options, BrokerAddre
       events_(events),
       socket_(io),
       timer_(io),
+      gather_timer_(io),
       receives_nothing_(options.unreceived_timeout) {
     static Library library;
     mosquitto_.reset(mosquitto_new(options_.client_id.c_str(), true, this));
@@ -98,7 +99,7 @@ bool Connection::duplicate_socket() {
 
 void Connection::arm() {
     if (phase_ == Phase::kDown || !socket_.is_open()) return;
-    if (!read_armed_ && !comes_back_)
+    if (!read_armed_ && !comes_back_ && !gathers_)
         wait_for(asio::posix::stream_descriptor::wait_read, &Connection::read_armed_);
     if (!write_armed_ && (!tcp_connected_ || mosquitto_want_write(mosquitto_.get())))
         wait_for(asio::posix::stream_descriptor::wait_write, &Connection::write_armed_);
@@ -146,6 +147,7 @@ void Connection::serve() {
     serving_ = true;
     read_all();
     serving_ = false;
+    if (up() && options_.gather > Duration{}) gather();
     // What is written acknowledges as well.
     const bool writes = still_open() && mosquitto_want_write(mosquitto_.get());
     if (options_.quick_ack && socket_.is_open() && !writes) acknowledge_at_once(socket_.native_handle());
@@ -156,6 +158,15 @@ void Connection::serve() {
     if (!still_open()) return;
     if (ready_to_write()) events_.may_write();
     if (still_open()) arm();
+}
+
+void Connection::gather() {
+    if (std::exchange(gathers_, true)) return;
+    gather_timer_.expires_after(options_.gather);
+    gather_timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+        self->gathers_ = false;
+        if (!error) self->arm();
+    });
 }
 
 int Connection::write_out() {
@@ -289,6 +300,7 @@ void Connection::abandon() {
     phase_ = Phase::kDown;
     boost::system::error_code ignored;
     timer_.cancel();
+    gather_timer_.cancel();
     socket_.close(ignored);
     // Not while libmosquitto is further up the stack.
     asio::post(io_, [self = shared_from_this()] { self->mosquitto_.reset(); });

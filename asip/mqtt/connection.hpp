@@ -91,6 +91,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void wait_for(boost::asio::posix::stream_descriptor::wait_type what, bool Connection::* armed);
     void serve();
     void read_all();
+    void gather();
     bool waits_for_bytes() const;
     int write_out();             ///< what is queued; while serving, only once all has been read
     int send_queued(int error);  ///< behind a call of libmosquitto that queues a packet, and its result
@@ -120,6 +121,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::unique_ptr<mosquitto, Destroy> mosquitto_;
     boost::asio::posix::stream_descriptor socket_;
     boost::asio::steady_timer timer_;
+    boost::asio::steady_timer gather_timer_;
     Time opened_{};
     ReceivesNothing receives_nothing_;
     Phase phase_ = Phase::kConnecting;
@@ -129,6 +131,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     unsigned duplicates_ = 0;  ///< counts the sockets that were watched
     bool serving_ = false;
     bool comes_back_ = false;    // for what TLS has read
+    bool gathers_ = false;       ///< see Options::gather
     bool closing_ = false;       ///< what the broker still sends is thrown away
     unsigned packets_seen_ = 0;  ///< counts callbacks, to learn whether reading again may give more
     int connack_code_ = 0;

@@ -82,6 +82,9 @@ struct Options {
     std::size_t max_queued_messages = 4096;
     std::size_t max_queued_bytes = 4u << 20;
 
+    /// After a read, nothing more is read for so long: for messages that nobody waits for, in fewer turns.
+    Duration gather{};
+
     /// See asip/quick_ack.hpp.
     bool quick_ack = true;
 

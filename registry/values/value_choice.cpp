@@ -58,8 +58,7 @@ void ValueChoice::complete(const std::function<std::vector<std::string>()>& each
         to_look_.insert(std::move(board));
 }
 
-void ValueChoice::disconnected() {
-    demander_.disconnected();
+void ValueChoice::values_lost() {
     for (auto& [name, board] : boards_) {
         for (auto& [id, said] : board.said)
             said.value = kGap;

@@ -42,8 +42,9 @@ class ValueChoice {
     void connected(Time now);
     /// All that the broker retains has come: a dashboard that has not is gone.
     void complete(const std::function<std::vector<std::string>()>& each);
-    /// Nothing is known until what is retained has come again.
-    void disconnected();
+    void disconnected() { demander_.disconnected(); }
+    /// The connection that brings values: nothing is known until what is retained has come again.
+    void values_lost();
     /// Something about it changed.
     void changed(const std::string& board) { to_look_.insert(board); }
     /// True: the message is a dashboard. `each`: every board that is known.

@@ -70,6 +70,24 @@ TEST(Client, PropertiesOnVersion5_ArriveAndReturn) {
     EXPECT_THAT(bus.published, testing::ElementsAre("out"));
 }
 
+TEST(Client, GathersMessages_WhatFollowsARead_WaitsForTheNextOne) {
+    constexpr auto kGather = std::chrono::milliseconds(100);
+    MosquittoBroker broker;
+    BusProbe probe(broker.port(), {});
+    auto options = options_for(broker);
+    options.gather = kGather;
+    Recorder bus(options);
+    bus.client->subscribe("t");
+    ASSERT_TRUE(bus.connect());
+    ASSERT_TRUE(bus.until([&] { return bus.client->subscribed(); }));
+    const auto began = Clock::now();
+    for (int i = 0; i < 6; ++i) {
+        probe.publish("t", std::to_string(i));
+        ASSERT_TRUE(bus.received("t", std::to_string(i))) << i;
+    }
+    EXPECT_GE(Clock::now() - began, 5 * kGather) << "six reads";
+}
+
 TEST(Client, NoLocal_DoesNotHearItself) {
     MosquittoBroker broker;
     BusProbe probe(broker.port(), {});

@@ -191,6 +191,8 @@ TEST(ValueChoice, BoardIsLost_RestartsOrHasAnotherAgent_Gap) {
     chosen.say("desk", {{"distance/0", 44}}, "b");
     EXPECT_EQ(chosen.values[key], 44);
     chosen.choice->disconnected();
+    EXPECT_EQ(chosen.values[key], 44) << "values come another way";
+    chosen.choice->values_lost();
     EXPECT_TRUE(std::isnan(chosen.values[key]));
     chosen.choice->connected(chosen.now);
     chosen.say("desk", {{"distance/0", 44}}, "b");
