@@ -7,7 +7,8 @@
 A line is a line of a committed file. The product is what users run or compile against; examples, benchmarks, packaging and documentation
 are not in it. A word of the documentation is what stands between blanks in one of its pages. An option is what may stand on the command
 line of a program, except for help, version and configuration file. features.txt has the files of the features that came after the first
-weighing: they have rows of their own, and "the house" is what the rest weighs.
+weighing, and sections of pages, as FILE#ANCHOR: they have rows of their own, and "the house" is what the rest weighs. Status 1: features.txt
+names a file or a section that is not there.
 """
 import re
 import subprocess
@@ -29,25 +30,43 @@ def pattern(text):
     return re.sub(r"\\\{(.*?)\\\}", lambda each: f"({each[1].replace(',', '|')})", re.escape(text).replace(r"\*", ".*"))
 
 
-def features(names):
-    """{file: feature}; a pattern that no file has is told: it is old, or the tree is."""
-    found = {}
-    for line in (Path(__file__).parent / "features.txt").read_text(encoding="utf-8").splitlines()[2:]:
+def section(text, anchor):
+    """The words below the heading with this anchor, until the next heading of its level; None: there is no such heading."""
+    below, words = 0, None
+    for line in re.sub(r"^ *```.*?^ *```$", lambda block: block[0].replace("\n#", "\n.#"), text, flags=re.M | re.S).split("\n"):
+        heading = re.match(r"(#+) (.*)", line)
+        if heading and below and len(heading[1]) <= below:
+            return words
+        if heading and not below and re.sub(r"[^\w -]", "", heading[2].lower()).replace(" ", "-") == anchor:
+            below, words = len(heading[1]), 0
+        words = words + len(line.split()) if below else words
+    return words
+
+
+def features(root, names):
+    """{file: feature}, {feature: words of its sections in pages of others}, and what features.txt names that is not there."""
+    found, sections, missing = {}, {}, []
+    for line in (Path(__file__).parent / "features.txt").read_text(encoding="utf-8").splitlines()[3:]:
         feature, *patterns = line.split()
         for each in patterns:
-            own = [name for name in names if re.fullmatch(pattern(each), name)]
-            if not own:
-                print(f"features.txt: no file is {each}", file=sys.stderr)
-            found.update(dict.fromkeys(own, feature))
-    return found
+            page, _, anchor = each.partition("#")
+            own = [name for name in names if re.fullmatch(pattern(page), name)]
+            words = section((Path(root) / page).read_text(encoding="utf-8"), anchor) if own and anchor else 0
+            if not own or words is None:
+                missing.append(each)
+            elif anchor:
+                sections[feature] = sections.get(feature, 0) + words
+            else:
+                found.update(dict.fromkeys(own, feature))
+    return found, sections, missing
 
 
 def lines(root):
     """{(room, language): lines} and {(feature, "product" or "tests"): lines}: the rooms are the folders of the product, those beside it, and
-    `tests`; of pages, {(feature, "words"): words}."""
+    `tests`; of pages, {(feature, "words"): words}. And what features.txt names that is not there."""
     found, later = {}, {}
     names = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True, check=True).stdout.split("\0")
-    owner = features(names)
+    owner, sections, missing = features(root, names)
     for name in names:
         folder = "tests" if TESTS.match(name) else "" if "/examples/" in name else name.split("/")[0]
         language = next((each for each, ends in LANGUAGES.items() if Path(name).suffix in ends), None)
@@ -60,7 +79,9 @@ def lines(root):
         elif name in owner and name.endswith(".md"):
             where = owner[name], "words"
             later[where] = later.get(where, 0) + len((Path(root) / name).read_text(encoding="utf-8").split())
-    return found, later
+    for feature, words in sections.items():
+        later[feature, "words"] = later.get((feature, "words"), 0) + words
+    return found, later, missing
 
 
 def show_features(found, later, words):
@@ -82,7 +103,7 @@ def row(name, found, folders):
 
 
 def main():
-    found, later = lines(sys.argv[1])
+    found, later, missing = lines(sys.argv[1])
     print(f"{'':14}" + "".join(f"{each:>12}" for each in (*LANGUAGES, "all")))
     for folder in PRODUCT:
         row(folder, found, [folder])
@@ -98,7 +119,10 @@ def main():
         told = [subprocess.run([Path(sys.argv[2]) / program, each], capture_output=True, text=True, check=False).stdout
                 for each in ("--help", "--help-all")]
         print(f"{program:14}{len(set(OPTION.findall(told[0] + told[1])) - OF_ALL):12} options")
+    for each in missing:
+        print(f"features.txt: {each} is not there", file=sys.stderr)
+    return 1 if missing else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
