@@ -35,7 +35,7 @@ void Shares::add(const std::string& name, Job job, bool urgent) {
     if (idle) wake_();
 }
 
-void Shares::step() {
+Duration Shares::step(Duration began) {
     const auto* name = std::get<const std::string*>(*waiting_.begin());
     const auto found = accounts_.find(*name);
     waiting_.erase(waiting_.begin());
@@ -46,21 +46,23 @@ void Shares::step() {
     auto job = std::move(jobs.front());
     jobs.pop_front();
     running_ = &*found;
-    const auto began = clock_();
     const bool more = job();
     if (!more) job = {};  // what it holds ends in its own turn
-    account.used += clock_() - began;
+    const auto ended = clock_();
+    account.used += ended - began;
     running_ = nullptr;
     if (more) jobs.push_front(std::move(job));
     if (!account.urgent.empty() || !account.others.empty()) waiting_.insert(place_of(*found));
+    return ended;
 }
 
 bool Shares::run() {
     if (waiting_.empty()) return false;
-    const auto until = clock_() + kSlice;
+    auto time = clock_();
+    const auto until = time + kSlice;
     do
-        step();
-    while (!waiting_.empty() && clock_() < until);
+        time = step(time);
+    while (!waiting_.empty() && time < until);
     if (waiting_.empty()) {
         accounts_.clear();
         least_ = {};

@@ -46,7 +46,7 @@ class Shares {
     using Accounts = std::map<std::string, Account, std::less<>>;
     using Place = std::tuple<bool, Duration, const std::string*>;  // not urgent, used, name
     static Place place_of(const Accounts::value_type& account);
-    void step();
+    Duration step(Duration began);  ///< returns when it ended
 
     std::function<Duration()> clock_;
     std::function<void()> wake_;
