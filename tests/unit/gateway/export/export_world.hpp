@@ -120,7 +120,7 @@ class ExportWorld {
         }
     }
 
-    void publish(const mqtt::Message& message) {
+    void publish(const mqtt::Message& message, const Gateway* from = nullptr) {
         sent.push_back({now, message.topic, message.payload});
         if (message.retain) {
             if (message.payload.empty())
@@ -134,8 +134,9 @@ class ExportWorld {
             if (!gateway->alive) continue;
             for (const auto& filter : gateway->exporter->subscriptions())
                 if (topic_matches(filter, live.topic)) gateway->inbox.push_back(live);
-            if (gateway->own && std::any_of(gateway->own_filters.begin(), gateway->own_filters.end(),
-                                            [&](const auto& f) { return topic_matches(f, live.topic); }))
+            if (gateway->own && (echoes || gateway.get() != from) &&
+                std::any_of(gateway->own_filters.begin(), gateway->own_filters.end(),
+                            [&](const auto& f) { return topic_matches(f, live.topic); }))
                 gateway->own_inbox.push_back(live);
         }
         home_assistant_reads(live);
@@ -217,6 +218,8 @@ class ExportWorld {
     Time now{};
     std::uint64_t refused = 0;
     std::size_t looks = 0, most_looks = 0;  // at boards in a turn
+    bool echoes = true;                     // as MQTT 3.1.1: a gateway hears what it publishes itself
+    std::function<void()> between_turns;    // of a gateway that asked for another one
 
   private:
     void turn(const std::function<void()>& what) {
@@ -260,6 +263,7 @@ class ExportWorld {
                     any = true;
                 }
                 if (gateway.alive && std::exchange(gateway.again, false)) {
+                    if (between_turns) between_turns();
                     turn([&] { gateway.exporter->sent(now); });
                     any = true;
                 }
@@ -302,7 +306,7 @@ class ExportWorld {
         };
         port.publish = [this, gateway](mqtt::Message message) {
             if (gateway->room > 0) --gateway->room;
-            publish(message);
+            publish(message, gateway);
         };
         port.has_room = [gateway] { return gateway->room > 0; };
         port.again = [gateway] { gateway->again = true; };
@@ -312,7 +316,6 @@ class ExportWorld {
             gateway->own_granted = false;
             replay(filter, gateway->own_inbox);
         };
-        // As on MQTT 3.1.1, which also brings what the gateway itself publishes.
         port.watch = [gateway](const std::string& filter) { gateway->own_filters.insert(filter); };
         port.unsubscribe = [gateway](const std::string& filter) { gateway->own_filters.erase(filter); };
         port.ready = [] { return true; };

@@ -282,6 +282,30 @@ TEST_F(ExporterTest, BoardThatIsForgottenWhileTheBusIsReadBack_ComesBackWhole) {
     EXPECT_TRUE(world.retained.contains(kDocument));
 }
 
+TEST_F(ExporterTest, BoardThatComesBackWhileOldTopicsAreCleared_IsShownAnew) {
+    world.echoes = false;
+    for (int i = 0; i < 500; ++i)
+        world.put("b" + std::to_string(i), exported(1));
+    world.put("uno1", exported(1));
+    world.value("uno1", "distance", R"({"distance":[42]})");
+    world.start();
+    world.pass(60s);
+    ASSERT_EQ(world.retained[kDistance], "42");
+    auto uno = world.boards.extract("uno1");
+    world.restart_broker(true);
+    world.between_turns = [&] {
+        // Boards were looked at, and topics are.
+        if (uno && world.looks == 0 && world.most_looks > 0) world.boards.insert(std::move(uno));
+    };
+    world.most_looks = 0;
+    world.pass(60s);
+    EXPECT_TRUE(world.boards.contains("uno1"));
+    EXPECT_EQ(world.retained[kGateway], R"({"boards":501})");
+    EXPECT_TRUE(world.retained.contains(kDocument));
+    EXPECT_EQ(world.retained[kBoard], "online");
+    EXPECT_EQ(world.retained[kDistance], "42");
+}
+
 TEST_F(ExporterTest, DocumentThatChangesOften_IsSentEveryTwoSecondsAtMost) {
     world.put("uno1", exported(1));
     world.start();
