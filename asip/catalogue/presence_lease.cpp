@@ -10,6 +10,15 @@ namespace {
 
 constexpr Duration kAskedAgain = std::chrono::hours(24) + std::chrono::minutes(1);
 
+// What the grace after an interruption added is no time in which the board was there. Names, and words beside
+// descriptions without a state, open a lease, too.
+Time lease_ended(const Board& b) {
+    const auto lease = std::chrono::seconds(b.lease_seconds);
+    const bool by_descriptions = b.says_state && !b.names_only;
+    const Time renewed = by_descriptions ? Time{} : std::max(b.last_heard, b.said_at) + lease;
+    return std::min(b.deadline, std::max(b.session_ends, renewed));
+}
+
 }  // namespace
 
 std::uint32_t Catalogue::Impl::lease_of(const DescriptionMembers& members) const {
@@ -85,9 +94,7 @@ void Catalogue::Impl::update_state(std::uint32_t slot, Time now, Events& events,
     if (is != was || added) {
         const bool no_lease = added || b.deadline == Time{};
         const bool unknown = judged ? no_lease : !model::is_there(is) && b.reported_since == Time{};
-        // What the grace after an interruption added is no time in which it was there.
-        const Time lease_ended = b.says_state && !b.names_only ? b.session_ends : b.deadline;
-        b.since = unknown ? Time{} : judged ? lease_ended : now;
+        b.since = unknown ? Time{} : judged ? lease_ended(b) : now;
     }
     const bool told = b.says_state || !model::is_there(is);
     if (!judged && told && b.reported_since != Time{}) b.since = b.reported_since;

@@ -140,6 +140,13 @@ class Board {
     Object.assign(this, { session, seq: 0, sessionEnds: -Infinity, deadline: -Infinity, proven: false, epochHeard: 0 });
   }
 
+  // What the grace after an interruption added is no time in which the board was there. Words beside descriptions without a state open a
+  // lease, too.
+  leaseEnded() {
+    const renewed = this.saysState ? -Infinity : Math.max(this.lastHeard, this.saidAt) + this.lease;
+    return Math.min(this.deadline, Math.max(this.sessionEnds, renewed));
+  }
+
   // Brings the effective state into line with what was reported and the lease; whether it changed.
   update(now, added) {
     const is = this.alive(now) || !isThereWord(this.reported) ? this.reported : 'lost';
@@ -149,9 +156,8 @@ class Board {
     this.keptUntil = -Infinity;
     if (was !== is || added) {
       const unknown = judged ? added || this.deadline === -Infinity : !isThereWord(is) && this.reportedSince === -Infinity;
-      // What the grace after an interruption added is no time in which it was there.
-      const leaseEnded = this.saysState ? this.sessionEnds : this.deadline;
-      this.since = unknown ? -Infinity : judged ? leaseEnded : now;
+      const otherwise = judged ? this.leaseEnded() : now;
+      this.since = unknown ? -Infinity : otherwise;
     }
     if (!judged && this.reportedSince !== -Infinity && (this.saysState || !isThereWord(is))) this.since = this.reportedSince;
     this.judgedReason = judged ? 'expired' : this.reportedReason;

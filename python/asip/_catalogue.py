@@ -259,6 +259,13 @@ class Catalogue:
     # Leases ---------------------------------------------------------------------------------------------------------------
 
     @staticmethod
+    def _lease_ended(entry: Entry) -> float:
+        """What the grace after an interruption added is no time in which the board was there. Words beside descriptions without a state open
+        a lease, too."""
+        renewed = NEVER if entry.says_state else max(entry.last_heard, entry.said_at) + entry.lease
+        return min(entry.deadline, max(entry.session_ends, renewed))
+
+    @staticmethod
     def _update(entry: Entry, now: float, added: bool = False) -> bool:
         """Brings the effective state into line with what was reported and the lease; whether it changed."""
         state = entry.reported if entry.alive(now) or entry.reported not in THERE else "lost"
@@ -268,8 +275,7 @@ class Catalogue:
         changed = was != state or added
         if changed:
             unknown = judged and (added or entry.deadline == NEVER) or not judged and state not in THERE and entry.reported_since == NEVER
-            # What the grace after an interruption added is no time in which it was there.
-            entry.since = NEVER if unknown else now if not judged else entry.session_ends if entry.says_state else entry.deadline
+            entry.since = NEVER if unknown else Catalogue._lease_ended(entry) if judged else now
         if not judged and entry.reported_since != NEVER and (entry.says_state or state not in THERE):
             entry.since = entry.reported_since
         entry.judged_reason = "expired" if judged else entry.reported_reason

@@ -199,6 +199,19 @@ TEST_F(CatalogueTest, Suspended_JudgesNoLeaseAndGivesGraceAfterwards) {
     EXPECT_EQ(state_of("uno2"), "online");
 }
 
+TEST_F(CatalogueTest, NamesWereHeardLast_GraceBehindAnInterruptionIsNoTimeInWhichTheBoardWasThere) {
+    give(description("uno1"));
+    expire(60s);
+    give(board_name("uno1"), 70s);  // the description that came with it was never heard
+    give(board_name("esp1"), 70s);
+    catalogue.suspend();
+    catalogue.resume(at(200s));
+    give(retained(description("uno1", {.seq = 9}), 3), 201s);
+    expire(210s);
+    EXPECT_EQ(board("uno1", 210s).state_age, 6) << "since what was stored ended";
+    EXPECT_EQ(board("esp1", 210s).state_age, 80) << "since a minute behind its name";
+}
+
 TEST_F(CatalogueTest, NamesWithAStoredWordButNoDescription_HaveToBeHeardAgainBehindAnInterruption) {
     give(board_name("uno1"));
     give(board_name("esp1"));  // takes part by names alone: its lease is the usual one
