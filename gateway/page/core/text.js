@@ -81,6 +81,9 @@ export function words(name) {
   return in_language(text) ?? first_up(text);
 }
 
+/// What a program counts, by its name with those of the objects around it: "boards online". A counter of a later version is told in its own words.
+export const counter_text = (name) => known_text(`counter.${name}`) ?? words(name);
+
 /// A title of a model, an argument of its commands and a choice of that. What is English stands in the models alone.
 export const title_text = (title) => known_text(`model.${title}`) ?? title;
 export const argument_word = (name) => known_text(`arg.${name}`) ?? word_text(name.replace(/[-_]/g, " "));

@@ -2,7 +2,7 @@
 // Settings and health: other systems, who may do what, notices, programs with their versions and counters, and boards that are not there.
 import { alive } from "../core/catalogue.js";
 import { count_text, t } from "../core/language.js";
-import { duration_text, moment_text, role_text, state_text, time_of, who_text, words } from "../core/text.js";
+import { counter_text, duration_text, moment_text, role_text, state_text, time_of, who_text } from "../core/text.js";
 import { path_of, request } from "../net/bus.js";
 import { command_line, h, muted, page_of, Part, set_class, set_text, state_mark } from "./dom.js";
 import { boards, status } from "./model.js";
@@ -129,7 +129,7 @@ function fill(list, facts) {
 function counters_of(object, prefix = "") {
   return Object.entries(object ?? {}).flatMap(([name, value]) => {
     if (value !== null && typeof value === "object") return counters_of(value, `${prefix}${name} `);
-    return typeof value === "number" && value !== 0 && name !== "seq" ? [[words(prefix + name), count_text(value)]] : [];
+    return typeof value === "number" && value !== 0 && name !== "seq" ? [[counter_text(prefix + name), count_text(value)]] : [];
   });
 }
 

@@ -5,7 +5,7 @@ import test from "node:test";
 import { kLanguages, language_for, speak, t } from "../../../gateway/page/core/language.js";
 import { asked_text } from "../../../gateway/page/core/asked.js";
 import { button_text, words_of_error } from "../../../gateway/page/core/form.js";
-import { argument_text, choice_text, named, title_of_service, title_text, with_unit, words } from "../../../gateway/page/core/text.js";
+import { argument_text, choice_text, counter_text, named, title_of_service, title_text, with_unit, words } from "../../../gateway/page/core/text.js";
 
 const page = new URL("../../../gateway/page/", import.meta.url);
 const read = (path) => readFileSync(new URL(path, page), "utf8");
@@ -121,6 +121,29 @@ test("TitlesOfModels_AndTheirArguments_StandInEveryLanguage", () => {
     assert.deepEqual([...words_of_models].filter((name) => ![`arg.${name}`, `mode.${name}`, `word.${name}`].some((key) => key in table)), [], language);
     assert.deepEqual(Object.keys(tables.de).filter((name) => !(name in table)), [], language);
   }
+});
+
+/// What a registry counts, by its sources: the members of its document that are numbers, the states of boards and why it refuses a message.
+function counters_of_a_registry() {
+  const source = (path) => readFileSync(new URL(`../../../${path}`, import.meta.url), "utf8");
+  const words_in = (text, pattern) => [...text.matchAll(pattern)].map((match) => match[1]);
+  const document_ = source("registry/statistics.cpp").split("std::string Statistics::document")[1];
+  const own = words_in(document_, /(?:\{|document\[)"(\w+)"/g).filter((name) => !["version", "epoch", "seq", "at", "uptime", "boards", "services", "refused"].includes(name) && !name.endsWith("_fault"));
+  const states = Object.keys(tables.en).filter((name) => name.startsWith("state.")).map((name) => name.slice(6)).filter((name) => name !== "no-asip"); // the page's own
+  const reasons = words_in(source("asip/catalogue/catalogue.cpp").split("to_text(Refusal")[1].split("\n}\n")[0], /return "([\w-]+)"/g).filter((name) => name !== "not-for-us");
+  return [...own, ...states.map((name) => `boards ${name}`), ...reasons.map((name) => `refused ${name}`)];
+}
+
+test("Counters_HaveATitleInEveryLanguage_AndNoneIsEnglishInGerman", () => {
+  const counters = counters_of_a_registry();
+  assert.ok(counters.length >= 28 && counters.includes("messages") && counters.includes("boards lost") && counters.includes("refused too-many"), counters.join());
+  for (const [language, table] of Object.entries(tables)) assert.deepEqual(Object.keys(table).filter((name) => name.startsWith("counter.")).sort(), counters.map((name) => `counter.${name}`).sort(), language);
+  speak("en", tables.en);
+  const english = counters.map(counter_text);
+  speak("de", tables.de);
+  assert.deepEqual(counters.filter((name, i) => [english[i], name, words(name)].includes(counter_text(name))), []);
+  assert.equal(counter_text("refused by_chance"), "Refused by chance", "of a later version: plain words");
+  speak("en", tables.en);
 });
 
 test("ButtonsAndTitles_AreInTheLanguage", () => {
