@@ -11,6 +11,34 @@ from rig import PageTest, eventually, publish_boards
 
 MANY = 10_000
 
+# The table is scrolled by a row, as long as `ms` and each 20 ms: {old: rows that stay in sight and were changed meanwhile, asked: requests for the
+# properties of boards, pause: the longest time between two steps}.
+SCROLLED = """
+const [ms, done] = arguments;
+const scroll = document.querySelector('.scroll'), rows = new Set(), old = new Set();
+performance.clearResourceTimings();
+const watch = new MutationObserver((records) => {
+  const fresh = new Set(records.filter((each) => each.attributeName === 'aria-rowindex').map((each) => each.target));
+  for (const { target } of records) {
+    const row = (target.closest ? target : target.parentElement).closest('.row');
+    if (row && !row.hidden && !fresh.has(row)) old.add(row);
+  }
+});
+watch.observe(document.querySelector('.filler'), { subtree: true, attributes: true, characterData: true, childList: true });
+let pause = 0, last = performance.now();
+const end = last + ms;
+const step = () => {
+  const now = performance.now();
+  pause = Math.max(pause, now - last);
+  last = now;
+  scroll.scrollTop += 44;
+  if (now < end) return setTimeout(step, 20);
+  watch.disconnect();
+  done({ old: old.size, asked: performance.getEntriesByType('resource').filter((each) => each.name.endsWith('/properties')).length, pause });
+};
+step();
+"""
+
 
 class ManyBoards(PageTest):
     boards = ()
@@ -45,6 +73,16 @@ class ManyBoards(PageTest):
         eventually(lambda: f"Done on 0 of {found.replace(',', '')} boards" in self.browser.text("asip-selection output"), "the answer", 60)
         asked = self.browser.run("return performance.getEntriesByType('resource').map((each) => each.name)")
         self.assertEqual([each for each in asked if each.endswith("/stop")], [f"{self.bus.url}/api/stop"])
+
+    def test_RowsThatScrollBy_CostTheirOwnFrameAlone(self):
+        """Rows that stay are not written again, and no board is asked whose row only passes."""
+        self.open(anew=True)
+        eventually(lambda: "board0" in self.browser.table(), "the table")
+        scrolled = lambda ms: self.browser.driver.execute_async_script(SCROLLED, ms)
+        eventually(lambda: scrolled(300)["old"] == 0, "a time between two seconds, in which nothing but the scrolling changes the table", 60)
+        passed = eventually(lambda: next((each for each in (scrolled(1500),) if each["pause"] < 200), None), "a scroll that does not stop", 60)
+        self.assertEqual(passed["asked"], 0)
+        eventually(lambda: self.browser.run("return performance.getEntriesByType('resource').some((each) => each.name.endsWith('/properties'))"), "rows that stay are asked")
 
     def test_TenThousandBoards_AreThereSoonAndScrollSmoothly(self):
         browser = self.browser

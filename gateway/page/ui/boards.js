@@ -11,7 +11,7 @@ import { RowValues } from "./row_values.js";
 import { class_link } from "./class.js";
 import "./notify.js";
 import "./selection.js";
-import { h, page_of, Part, set_class, set_text, small } from "./dom.js";
+import { before_picture, h, page_of, Part, set_class, set_text, small } from "./dom.js";
 
 const columns = [["name", t("board")], ["state", t("state")], ["since", t("since")], ["value", t("value")], ["services", t("services")], ["chip", t("chip-sketch")]];
 const filter = filter_of(""); // kept from visit to visit
@@ -31,14 +31,14 @@ class Boards extends Part {
     this.drawn = new Map(); // index -> row element
     this.spare = [];
     this.current = 0;
-    this.values = new RowValues(() => this.draw());
+    this.values = new RowValues(before_picture(() => { if (this.isConnected) this.draw(); }));
     this.while_shown(() => this.values.end());
     this.selection = document.createElement("asip-selection").begin(picked, () => this.pick([...picked], false));
     this.append(h("h1", { class: "hidden" }, t("boards")), this.attention = h("div", { class: "attention", role: "status", hidden: true }), this.toolbar(), this.selection, this.table());
     this.keep_address();
     this.row_height = this.styled_row_height();
     this.listen(boards, "change", () => this.refresh());
-    this.listen(this.scroll, "scroll", () => this.draw());
+    this.listen(this.scroll, "scroll", () => this.draw(true));
     this.listen(window, "resize", () => this.resized());
     this.listen(document, "visibilitychange", () => this.draw());
     this.listen(status, "change", () => {
@@ -246,7 +246,8 @@ class Boards extends Part {
     }
   }
 
-  draw() {
+  /// `scrolled`: rows that were drawn before stand as they are; nothing is said anew in each frame.
+  draw(scrolled = false) {
     const { first, end } = visible_rows(this.scroll.scrollTop, this.height, this.row_height, this.rows.length);
     for (const [index, row] of this.drawn) {
       if (index >= first && index < end) continue;
@@ -258,6 +259,7 @@ class Boards extends Part {
     const now = Date.now();
     for (let index = first; index < end; ++index) {
       let row = this.drawn.get(index);
+      if (row && scrolled) continue;
       if (!row) {
         row = this.spare.pop() ?? this.new_row();
         row.hidden = false;
@@ -269,7 +271,7 @@ class Boards extends Part {
     }
     const seen = this.rows.slice(first, end).filter((row) => row.name && alive(row.state));
     const wanted = `${document.hidden} ${filter.value} ${seen.map((row) => row.name).join(" ")}`;
-    if (wanted !== this.wanted_values) this.values.want(seen, filter.value);
+    if (wanted !== this.wanted_values) this.values.want(seen, filter.value, scrolled);
     this.wanted_values = wanted;
   }
 

@@ -23,10 +23,12 @@ export class RowValues {
 
   text(board) { return this.followed.get(board)?.text ?? ""; }
 
-  /// The rows that are drawn, and of which service a value is wanted: "" the first sensor, "-" none.
-  want(rows, service) {
+  /// The rows that are drawn, and of which service a value is wanted: "" the first sensor, "-" none. `passing`: the user scrolls.
+  want(rows, service, passing) {
     this.wanted = { rows: rows.slice(0, kMaxRows), service };
-    this.timer ??= setTimeout(() => {
+    if (this.timer !== undefined && !passing) return;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => {
       this.timer = undefined;
       this.follow();
     }, kSettleMs);
