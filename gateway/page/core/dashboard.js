@@ -2,7 +2,7 @@
 // What can stand on a dashboard, and what a widget shows. A widget is as the gateway keeps it:
 // {id, kind, title, size, board, property}; in place of `board` it may have `labels`: the gateway makes one of each board then.
 import { t } from "./language.js";
-import { is_number, range_of } from "./properties.js";
+import { is_number, moves, range_of } from "./properties.js";
 import { state_text, unit_text } from "./text.js";
 
 export const kSizes = ["small", "wide", "large"];
@@ -22,8 +22,9 @@ export function offers_of(board, properties) {
   })).slice(0, kMaxOffers);
 }
 
-// What moves has no widget: it runs only while it is held.
+// What moves is shown alone: it runs only while it is held.
 function kinds_of(property) {
+  if (moves([property])) return ["value"];
   if (property.access !== "read" && property.advanced && property.service !== "io") return [];
   const slider = range_of(property) ? ["slider"] : [];
   switch (property.kind) {

@@ -165,9 +165,10 @@ export function answer_text(answer) {
 export const says_more = (reason) => ["invalid", "not-kept", "not-loaded", "partly"].includes(reason);
 
 /// Why there is no proof, or why it was not sent. What is said beside the reason is in English: others read the reason's own sentence first.
+/// So do all of a board that is stopped: the page says who stopped it, in other words than those of the wire.
 export function why_text({ status, reason, error }) {
   const known = known_text(`answer.${status}.${reason}`) ?? (status === "timeout" ? t("answer.timeout.") : undefined);
-  if (error !== undefined && (!known || locale.startsWith("en"))) return error;
+  if (error !== undefined && (!known || (locale.startsWith("en") && reason !== "stopped"))) return error;
   const whole = (known ?? reason ?? "") + (status === "timeout" && reason !== "no-value" ? t("maybe") : "");
   return error !== undefined && says_more(reason) ? `${whole} (${error})` : whole;
 }

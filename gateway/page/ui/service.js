@@ -41,11 +41,11 @@ class Service extends Part {
     this.waiting = h("p", { class: "muted note" }, t("no-value-yet"));
     this.titles = [0, 1].map(() => h("h3", {}, h("span", {}), " ", small()));
     this.settings = h("details", { hidden: true }, h("summary", {}, t("advanced")), this.more = h("div", { class: "values" }), h("div", { class: "commands" }));
-    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], this.adder(t("controls"), (kind) => kind === "switch" || kind === "slider")), this.set_box = h("div", { class: "setters" }), this.known = h("p", { class: "muted note" }), this.usual = h("div", { class: "commands" }));
+    this.card = h("div", { class: "card", hidden: true }, h("div", { class: "card-head" }, this.titles[1], this.adder(t("controls"), (each) => each.access !== "read")), this.set_box = h("div", { class: "setters" }), this.known = h("p", { class: "muted note" }), this.usual = h("div", { class: "commands" }));
     this.titles[0].id = `service-${this.service.name}`;
     this.show_titles();
     this.hidden = true;
-    this.append(h("div", { class: "card-head" }, this.titles[0], this.adder(t("values"), (kind) => kind !== "switch" && kind !== "slider")), this.values, this.waiting, this.note, this.plots);
+    this.append(h("div", { class: "card-head" }, this.titles[0], this.adder(t("values"), (each) => each.access === "read")), this.values, this.waiting, this.note, this.plots);
     this.controls.append(this.card);
     if (this.pins) this.advanced.append(this.settings);
     this.while_shown(() => { this.card.remove(); this.settings.remove(); this.unfollow(); });
@@ -59,8 +59,8 @@ class Service extends Part {
   }
 
   adder(what, wanted) {
-    const offers = async () => (await offers_of_board(this.board, (each) => each.service === this.service.name)).filter((offer) => wanted(offer.widget.kind));
-    return document.createElement("asip-add-widget").begin(t("what-service", { what, service: service_text(this.service.name) }), offers);
+    return document.createElement("asip-add-widget").begin(t("what-service", { what, service: service_text(this.service.name) }),
+      () => offers_of_board(this.board, (each) => each.service === this.service.name && wanted(each)));
   }
 
   /// Whether commands can reach the board now.

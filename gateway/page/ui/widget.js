@@ -99,7 +99,7 @@ class Widget extends Part {
   }
 
   make_stop() {
-    this.button = h("button", { class: "stop", title: t("brings-every-board"),
+    this.button = h("button", { class: "stop", title: status.you.resume ? t("brings-every-board") : t("brings-every"),
       onclick: () => this.send(undefined) }, title_of(this.widget, this.property));
     this.body.append(this.button);
   }
@@ -220,7 +220,7 @@ function stopped_text(answer) {
   const boards = Object.entries(answer?.boards ?? {});
   const failed = boards.filter(([, each]) => each.status !== "ok").map(([name]) => name);
   if (failed.length > 0) return ["timeout", `${t("stopped-but", { failed: failed.join(", ") })}.`];
-  return boards.length === 0 ? ["refused", t("no-board-dashboard")] : ["ok", `${t("stopped")}. ${t("commands-refused")}`];
+  return boards.length === 0 ? ["refused", t("no-board-dashboard")] : ["ok", `${t("stopped")}.${status.you.resume ? ` ${t("commands-refused")}` : ""}`]; // a link resumes none
 }
 
 customElements.define("asip-widget", Widget);

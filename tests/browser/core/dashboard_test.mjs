@@ -33,8 +33,8 @@ test("Labels of boards choose them, as a selector says it", () => {
   assert.deepEqual(selectors_of(rows), ["camera", "class=4b", 'owner="Smith, Ann"']);
 });
 
-test("What moves is not offered", () => {
-  assert.deepEqual(offers_of("robot", [property("motors/0/power", { kind: "number", min: -255, max: 255, access: "both", advanced: true })]), []);
+test("What moves is shown, and not set", () => {
+  assert.deepEqual(texts(offers_of("robot", [property("motors/0/power", { kind: "number", min: -255, max: 255, access: "both", advanced: true })])), ["motors/0/power: value"]);
 });
 
 test("Widgets are moved within the list", () => {

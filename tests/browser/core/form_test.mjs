@@ -143,6 +143,7 @@ test("EveryAnswer_IsSaidInWords", () => {
   assert.deepEqual(answer_text({ status: "ok", proof: "answer", answer: { distance: [42, 118] } }), { kind: "ok", text: "Answer: 42, 118" });
   assert.deepEqual(answer_text({ status: "error", code: 7, error: "INVALID_DEVICE_NUMBER" }), { kind: "error", text: "The board's error 7: invalid device number." });
   assert.deepEqual(answer_text({ status: "refused", reason: "queue-full", error: "64 commands wait" }), { kind: "refused", text: "Not sent: 64 commands wait" });
+  assert.deepEqual(answer_text({ status: "refused", reason: "stopped", error: "the board is stopped by loopback since 2026-11-01T10:00:00Z" }), { kind: "refused", text: "Not sent: the board was stopped" });
   assert.match(answer_text({ status: "timeout", reason: "connection" }).text, /may or may not/);
   const words = "the board gave no proof in time; it may or may not have been executed";
   assert.deepEqual(answer_text({ status: "timeout", error: words }), { kind: "timeout", text: "The board gave no proof in time; it may or may not have been executed." });
