@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A day of a home user, and one of the operator of 5,000 boards: as they work, from what they see first to what they are told at night,
-in English and in German. A lesson in two languages is in class_test.py.
-(A teacher's day is in tests/box; a robot developer's in world_test.py and tests/robot.)"""
+in English and in German. A lesson in two languages is in class_test.py. A teacher's day is in teacher_test.py, a robot builder's in robot_test.py."""
 
 import http.server
 import json

@@ -28,26 +28,30 @@ class Evening(PageTest):
         page = self.browser
         page.driver.get("about:blank")
         page.driver.get(f"{self.bus.url}/")
-        eventually(lambda: "No board is there yet" in page.text(".empty"), "the invitation", 30)
+        eventually(lambda: self.t("no-board-there") in page.text(".empty"), "the invitation", 30)
         page.run("window.clicks = 0; addEventListener('pointerdown', () => { ++clicks; }, true);")
         self.began = time.monotonic()
         page.shown(".empty .button").click()
-        self.at_step("Find it")
+        self.at_step("find")
 
-    def at_step(self, title, seconds=20):
-        eventually(lambda: self.browser.text(".steps [aria-current]") == title, f"the step {title}", seconds)
+    def at_step(self, name, seconds=20):
+        eventually(lambda: self.browser.text(".steps [aria-current]") == self.t(name), f"the step {name}", seconds)
 
-    def name_and_show(self, name, room, value, beside=0.0):
-        """Names the board, adds its first value to a dashboard, and sees it there."""
+    def name_it(self, name, room):
         page = self.browser
-        self.at_step("Name it", 60)
-        form = page.shown("form[aria-label='Name and place']")
+        self.at_step("name", 60)
+        form = page.shown(f"form[aria-label='{self.t('name-place')}']")
         page.driver.switch_to.active_element.send_keys(name)
         form.find_elements("css selector", "input")[1].click()
         page.driver.switch_to.active_element.send_keys(room)
         page.screenshot(f"add-board-name-{name}")
-        page.button("Save", ".add-board").click()
-        self.at_step("Show it", 30)
+        page.button(self.t("save"), ".add-board").click()
+        self.at_step("show", 30)
+
+    def name_and_show(self, name, room, value, beside=0.0):
+        """Names the board, adds its first value to a dashboard, and sees it there."""
+        page = self.browser
+        self.name_it(name, room)
         page.button("Add", ".add-board").click()
         eventually(lambda: value in page.text(".dashboard-grid"), f"{value} on the dashboard", 30)
         seconds, clicks = time.monotonic() - self.began - beside, page.run("return clicks")
@@ -72,11 +76,11 @@ class FromTheBox(Evening):
         page.desktop()
         bus.plug("usb-3")
         page.button("Load usb-3", ".add-board").click()
-        self.at_step("Load it")
+        self.at_step("load")
         loading = time.monotonic()
         eventually(lambda: "AsipServices: writing" in page.text(".loading-log"), "the log", 40)
         page.screenshot("add-board-loading")
-        self.at_step("Name it", 90)
+        self.at_step("name", 90)
         self.assertNotIn("does not answer", page.text(".add-board"), "loading takes longer than other requests")
         beside = time.monotonic() - loading
         self.name_and_show("Left window", "Kitchen", "42", beside)
@@ -122,7 +126,7 @@ class Simulated(Evening):
         page.button("Take desk", ".add-board").click()
         self.name_and_show("Desk", "Office", "42")
         self.open("add/desk")
-        self.at_step("Name it")
+        self.at_step("name")
 
     def test_BoardsOfAViewer_AreNotAdded(self):
         self.open(anew=True)
