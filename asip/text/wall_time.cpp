@@ -8,6 +8,13 @@ namespace {
 
 constexpr std::string_view kShape = "0000-00-00T00:00:00.000Z";
 
+/// With what is left out at its end.
+std::string whole_time(std::string_view text) {
+    if (text.ends_with('Z') && text.size() > 10) text.remove_suffix(1);
+    const bool known = text.size() == 10 || text.size() == 16 || text.size() == 19 || text.size() == 23;
+    return known ? std::string(text) + std::string(kShape.substr(text.size())) : std::string();
+}
+
 bool has_shape(std::string_view text) {
     if (text.size() != kShape.size()) return false;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -52,7 +59,8 @@ std::string iso_time(WallTime time) {
     return text;
 }
 
-std::optional<WallTime> parse_iso_time(std::string_view text) {
+std::optional<WallTime> parse_iso_time(std::string_view written) {
+    const auto text = whole_time(written);
     if (!has_shape(text)) return std::nullopt;
     const std::chrono::year_month_day date{std::chrono::year(number_at(text, 0, 4)),
                                            std::chrono::month(static_cast<unsigned>(number_at(text, 5, 2))),

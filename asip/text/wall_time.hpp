@@ -19,7 +19,8 @@ inline std::string iso_time(std::chrono::system_clock::time_point time) {
     return iso_time(std::chrono::floor<std::chrono::milliseconds>(time));
 }
 
-/// Exactly what iso_time() writes; nothing: another text, or no day of the calendar.
+/// What iso_time() writes, or its beginning until the day, the minute, the second; with or without the Z.
+/// Nothing: another text, or no day of the calendar.
 std::optional<WallTime> parse_iso_time(std::string_view text);
 
 }  // namespace asip::text

@@ -36,7 +36,7 @@ Expected<void> read_member(Rights& rights, const std::string& word) {
     if (value.empty()) return fail("\"" + word + "\" is not NAME=VALUE");
     if (name == "until") {
         rights.until = text::parse_iso_time(value);
-        if (!rights.until) return fail("\"" + value + "\" is not a time such as 2027-01-31T00:00:00.000Z");
+        if (!rights.until) return fail("\"" + value + "\" is not a time such as 2027-01-31");
     } else if (name == "boards") {
         rights.boards = split(value, ',');
     } else if (name == "services") {

@@ -42,7 +42,7 @@ void read_labels(JsonReader& reader, Query& query) {
 text::WallTime read_time(JsonReader& reader, const char* key) {
     const auto text = reader.text(key, {}, kMaxFilterBytes);
     const auto time = text::parse_iso_time(text);
-    if (!time) reader.fault(key, "is not a time such as 2026-11-21T00:00:00.000Z");
+    if (!time) reader.fault(key, "is not a time such as 2026-11-21T10:00Z");
     return time.value_or(text::WallTime{});
 }
 

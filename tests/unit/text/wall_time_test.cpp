@@ -23,10 +23,21 @@ TEST(ParseIsoTime, WhatIsoTimeWrites_IsReadBack) {
         EXPECT_EQ(parse_iso_time(iso_time(wall(at))), wall(at));
 }
 
+TEST(ParseIsoTime, WhatIsCutShort_IsTheFirstMomentOfIt) {
+    for (const auto& [text, whole] : {std::pair{"2023-11-14", "2023-11-14T00:00:00.000Z"},
+                                      {"2023-11-14T22:13", "2023-11-14T22:13:00.000Z"},
+                                      {"2023-11-14T22:13Z", "2023-11-14T22:13:00.000Z"},
+                                      {"2023-11-14T22:13:20Z", "2023-11-14T22:13:20.000Z"},
+                                      {"2023-11-14T22:13:20.123", "2023-11-14T22:13:20.123Z"}})
+        EXPECT_EQ(parse_iso_time(text), parse_iso_time(whole)) << text;
+}
+
 TEST(ParseIsoTime, AnythingElse_IsNothing) {
-    for (const char* bad : {"", "2023-11-14", "2023-13-14T22:13:20.123Z", "2023-02-29T22:13:20.123Z",
-                            "2023-11-14T24:13:20.123Z", "2023-11-14T22:13:20.12xZ", "2023-11-14T22:13:20.123",
-                            "2023-11-14T22:13:20.123Zx", "-023-11-14T22:13:20.123Z"}) {
+    for (const char* bad :
+         {"", "Z", "2023-11", "2023-11-14T22", "2023-13-14", "2023-13-14T22:13:20.123Z",
+          "2023-02-29T22:13:20.123Z", "2023-11-14T24:13:20.123Z", "2023-11-14T22:13:20.12xZ",
+          "2023-11-14T22:13:20.12Z", "2023-11-14T22:13:20.123ZZ", "2023-11-14T22:13:20.123Zx",
+          "-023-11-14T22:13:20.123Z", "2023-11-14 22:13"}) {
         EXPECT_FALSE(parse_iso_time(bad)) << bad;
     }
 }
