@@ -35,14 +35,14 @@ class Choice(PageTest):
         self.browser.driver.get(f"{self.bus.url}/#/{route}")
         self.browser.shown("asip-link .sign.good", seconds=30)
 
-    def language(self):
+    def page_language(self):
         return self.browser.run("return document.documentElement.lang")
 
     def test_BrowsersLanguage_IsThatOfThePage(self):
         for wanted, lang, boards in ((("de-AT", "en"), "de", "Boards"), (("pt-BR", "es-MX"), "es", "Placas"), (("fr",), "fr", "Cartes"), (("it-CH",), "it", "Schede"), (("ja",), "en", "Boards")):
             self.speaks(*wanted)
             self.begin()
-            self.assertEqual((self.language(), self.browser.text("nav a")), (lang, boards))
+            self.assertEqual((self.page_language(), self.browser.text("nav a")), (lang, boards))
 
     def test_ChosenLanguage_IsRemembered(self):
         self.begin()
@@ -50,7 +50,7 @@ class Choice(PageTest):
         eventually(lambda: self.browser.text("nav a") == "Schede", "the page in Italian")
         self.begin("settings")
         eventually(lambda: self.browser.text("h1") == "Impostazioni e stato", "Italian again")
-        self.assertEqual((self.language(), Select(self.browser.shown("#language")).first_selected_option.text), ("it", "Italiano"))
+        self.assertEqual((self.page_language(), Select(self.browser.shown("#language")).first_selected_option.text), ("it", "Italiano"))
         Select(self.browser.shown("#language")).select_by_visible_text("English")
         eventually(lambda: self.browser.text("h1") == "Settings and health", "the page in English")
 
