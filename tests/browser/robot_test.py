@@ -25,7 +25,7 @@ import asip, time
 with asip.connect(by="line-follower") as bus:
     robot = bus.board("usb-1")
     print(robot.distance.read(), flush=True)
-    with robot.motors.hold(drive=[-80, 80], seconds=0.5) as held:
+    with robot.motors.hold(drive=[-80, 80], seconds=5) as held:
         while not held.lost:
             time.sleep(0.05)
 """
@@ -50,10 +50,14 @@ class RobotBuilder(Evening):
         """Where the robot stands, as one who looks at the floor sees it: "at 12,0 heading 0 laps 0"."""
         return self.bus.part(f"{BOARD}/rover")
 
-    def drives(self):
+    def moving(self):
+        """Tells whether it has moved from where it stands now."""
         place = lambda: [int(number) for number in re.findall(r"-?\d+", self.floor())[:2]]
         x, y = place()
-        eventually(lambda: abs(place()[0] - x) + abs(place()[1] - y) > 5, "the robot drives", 60)
+        return lambda: abs(place()[0] - x) + abs(place()[1] - y) > 5
+
+    def drives(self):
+        eventually(self.moving(), "the robot drives", 60)
 
     def rests(self):
         eventually(lambda: len({self.floor() for _ in range(5)}) == 1, "the robot stands", 60)
@@ -89,18 +93,22 @@ class RobotBuilder(Evening):
             box.send_keys(str(value))
         return form
 
-    def hold(self, power, until, what):
-        """The button is down until something has happened."""
+    def hold(self, power, until=lambda: True, what="it drives"):
+        """The button is down until something has happened; again where a busy machine was too slow to renew that."""
         form = self.motors(power)
         button = form.find_element("css selector", "button.hold")
         self.browser.run("arguments[0].scrollIntoView({ block: 'center' })", button)
-        ActionChains(self.browser.driver).click_and_hold(button).perform()
-        try:
-            self.answered(form, "ok", self.t("held"))
-            self.drives()
-            eventually(until, what, 60)
-        finally:
-            ActionChains(self.browser.driver).release().perform()
+        moved = self.moving()
+
+        def pressed():
+            ActionChains(self.browser.driver).click_and_hold(button).perform()
+            try:
+                self.answered(form, "ok", self.t("held"))
+                return eventually(lambda: "done" if moved() and until() else "" if self.t("held") in form.text else "lost", what, 60) == "done"
+            finally:
+                ActionChains(self.browser.driver).release().perform()
+
+        eventually(pressed, what, 60)
         self.answered(form, "ok", self.t("let-go-safe"))
         self.rests()
 
@@ -181,7 +189,7 @@ class RobotBuilder(Evening):
         self.assertRegex(said, r"\d")
         self.assertIn("refused (stopped): the board is stopped by", told)
         self.browser.button(self.t("resume-board", board=BOARD), ".title-row").click()
-        self.hold(FORWARDS, lambda: True, "the page drives it again")
+        self.hold(FORWARDS)
         self.history()
         eventually(lambda: "line-follower" in self.browser.text("details.history"), "the history names the program", 60)
 
@@ -235,7 +243,7 @@ class RobotBuilder(Evening):
         self.rests()
         answer = phone.shown(".kind-stop .answer.ok")
         self.assertEqual(answer.text, f"{self.t('stopped')}.", "a link resumes nothing: its stop does not hold, and it says nothing else")
-        self.hold(FORWARDS, lambda: True, "it drives again")
+        self.hold(FORWARDS)
 
 
 class RobotBuilderInGerman(RobotBuilder):
