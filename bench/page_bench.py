@@ -4,7 +4,9 @@
     bench_page [SECONDS]    of the plot, and of one that gets the points of eight hours; 60 when not given
 """
 
+import contextlib
 import http.server
+import itertools
 import json
 import os
 import pathlib
@@ -18,6 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "
 from rig import DESK, Browser, Bus, Trace, eventually, paho_client, publish_boards  # noqa: E402
 
 BOARDS = 10_000
+CHANGES = 200  # a second
 POINTS = 3600
 EIGHT_HOURS = 8 * 3600 * 60  # points
 
@@ -89,6 +92,31 @@ def heap(browser):
     return browser.driver.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"] / 1e6
 
 
+@contextlib.contextmanager
+def states_that_change(bus):
+    """One board after the other falls asleep meanwhile."""
+    client = paho_client()
+    client.connect("127.0.0.1", bus.broker_port)
+    client.loop_start()
+    ended = threading.Event()
+
+    def say():
+        for i in itertools.count():
+            if ended.wait(1 / CHANGES):
+                return
+            client.publish(f"asip/servicebus/board{i * 7 % BOARDS}/$state", "sleeping" if i // BOARDS % 2 == 0 else "online", retain=True)
+
+    speaker = threading.Thread(target=say)
+    speaker.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        speaker.join()
+        client.disconnect()
+        client.loop_stop()
+
+
 def many_boards(bus, browser):
     publish_boards(bus, BOARDS)
     began = time.monotonic()
@@ -99,6 +127,8 @@ def many_boards(bus, browser):
     row(f"{BOARDS:,} boards: first paint", f"{paint:.0f} ms", "300 ms", "100 ms")
     row(f"{BOARDS:,} boards: all of them in the table", f"{complete:.1f} s", "", "")
     row(f"{BOARDS:,} boards: frames a second while scrolling", f"{browser.scroll_rate():.0f}", "45", "60")
+    with states_that_change(bus):
+        row(f"  and {CHANGES} of them a second change their state", f"{browser.scroll_rate():.0f}", "45", "60")
     row(f"{BOARDS:,} boards: memory of the page's scripts", f"{heap(browser):.0f} MB", "", "")
 
 
