@@ -13,6 +13,12 @@ namespace {
 constexpr std::size_t kMaxPropertyBytes = 65535;
 constexpr int kFirstErrorCode = 128;
 
+/// RabbitMQ gives its error without a reason while a node of the cluster is dead on which a program had
+/// subscribed to the topic. Everybody else has the message.
+bool is_refusal(int reason_code) {
+    return reason_code >= kFirstErrorCode && reason_code != MQTT_RC_IMPLEMENTATION_SPECIFIC;
+}
+
 bool can_be_published(const Message& message) {
     return message.qos >= 0 && message.qos <= 1 && can_be_topic(message.topic) &&
            message.payload.size() <= MQTT_MAX_PAYLOAD && message.correlation.size() <= kMaxPropertyBytes &&
@@ -169,7 +175,7 @@ void ClientCore::publish_answered(int id, int reason_code, Time now, Actions& ou
     auto entry = acknowledgements_.answered(id);
     if (!entry) return;  // QoS 0: libmosquitto reports these as well
     auto& topic = entry->message.topic;
-    if (reason_code >= kFirstErrorCode) {
+    if (is_refusal(reason_code)) {
         const std::string reason = mosquitto_reason_string(reason_code);
         ++counters_.rejected;
         tell(action::PublishDenied{topic, reason}, out);

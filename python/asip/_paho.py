@@ -31,6 +31,7 @@ KEEPALIVE_SECONDS = 10
 # MQTT 5 limits what a broker may have under way to us: without it one of QoS 1 messages beyond that waits unseen.
 _MAX_PACKET_BYTES = 2 << 20
 _BAD_CREDENTIALS = (4, 5, 134, 135)  # of a CONNACK: "bad user or password" and "not authorised", of 3.1.1 and of 5
+_DELIVERED_TO_OTHERS = 131  # of a PUBACK: RabbitMQ says so of a topic to which a dead node of the cluster had a subscription
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 
 
@@ -127,7 +128,8 @@ class Link:
     def _published(self, _client: Any, _data: Any, mid: int, *rest: Any) -> None:
         self._acknowledge_at_once()
         reason = rest[0] if rest else 0
-        denied = getattr(reason, "value", reason) >= 128
+        code = getattr(reason, "value", reason)
+        denied = code >= 128 and code != _DELIVERED_TO_OTHERS
         with self._mids:
             key = self._asked.pop(mid, None)
             if denied and key is None:

@@ -2,10 +2,12 @@
 """Brokers that know MQTT 3.1.1 alone, and brokers of a list: a real paho-mqtt, and TCP ports that do what each test says."""
 import socket
 import time
+import types
 import unittest
 import unittest.mock
 
 import asip
+from asip._paho import Link
 from asip.testing import eventually
 from scripted_broker import CONNACK, ScriptedBroker, good
 
@@ -29,6 +31,18 @@ def refuses_with(*body):
         connection.send(CONNACK, bytes(body))
         return connection.packet()
     return refuses
+
+
+class Denials(unittest.TestCase):
+    def test_a_broker_that_gives_no_reason_has_refused_nothing(self):
+        """A cluster of RabbitMQ says so of each topic to which a dead node had a subscription."""
+        denied = []
+        settings = types.SimpleNamespace(user=None, password_bytes=None)
+        link = Link(types.SimpleNamespace(tls=False), settings, "test", True, None, None, None, denied.append)
+        link._asked = {1: "delivered", 2: "denied"}
+        link._published(None, None, 1, 131)
+        link._published(None, None, 2, 135)
+        self.assertEqual(denied, ["denied"])
 
 
 class Versions(unittest.TestCase):

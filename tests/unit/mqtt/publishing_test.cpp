@@ -189,6 +189,20 @@ TEST(Publishing, Qos1MessageThatCouldNotBeSentWithQos0_KeepsItsQos) {
     EXPECT_EQ(bus.broker().published[0].qos, 1);
 }
 
+/// A cluster of RabbitMQ says so of each topic to which a dead node had a subscription.
+TEST(Publishing, ErrorWithoutAReason_IsNoRefusal) {
+    SimulatedBus bus;
+    ASSERT_TRUE(bus.connect());
+    bus.broker().publish_code = 131;
+    bus.publish("delivered", "0", 1);
+    EXPECT_THAT(bus.denied, IsEmpty());
+    EXPECT_THAT(bus.published, ElementsAre("delivered"));
+    bus.broker().publish_code = 135;
+    bus.publish("denied", "1", 1);
+    EXPECT_THAT(bus.denied, ElementsAre("denied"));
+    EXPECT_THAT(bus.published, ElementsAre("delivered"));
+}
+
 TEST(Publishing, TopicThatMqttCannotCarry_IsRefused) {
     SimulatedBus bus;
     ASSERT_TRUE(bus.connect());

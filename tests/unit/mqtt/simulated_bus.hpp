@@ -30,6 +30,7 @@ struct SimulatedBroker {
     int subscription_refusals = 0;  ///< so many subscriptions are refused
     std::string refused_filter{};   ///< always
     bool refuses_qos_1 = false;     ///< of subscriptions
+    int publish_code = 0;           ///< by which it acknowledges
     bool closes_subscribers = false;
     bool closes_publishers = false;
     bool sees_goodbye = true;
@@ -141,6 +142,7 @@ class SimulatedBus {
     std::vector<mqtt::ConnectionFailure> failures;
     std::vector<mqtt::Message> messages;
     std::vector<std::string> published;
+    std::vector<std::string> denied;
     std::vector<std::string> refused_filters;
     std::vector<std::string> debug_lines;
     int subscribed_calls = 0;
@@ -261,7 +263,8 @@ class SimulatedBus {
         const int id = ++last_id_;
         core.publish_sent(0, id, to.reads, now, actions_);
         if (to.closes_publishers) return end(mqtt::closed_by(address(), 0));
-        if (message.qos > 0) reply([=, this] { core.publish_answered(id, 0, now, actions_); });
+        if (message.qos > 0)
+            reply([=, this, code = to.publish_code] { core.publish_answered(id, code, now, actions_); });
     }
     void perform(mqtt::action::Goodbye&) {
         ++broker().goodbyes;
@@ -279,7 +282,7 @@ class SimulatedBus {
     void perform(mqtt::action::Lost& action) { losses.push_back(action.failure); }
     void perform(mqtt::action::AttemptFailed& action) { failures.push_back(action.failure); }
     void perform(mqtt::action::Published& action) { published.push_back(action.topic); }
-    void perform(mqtt::action::PublishDenied&) {}
+    void perform(mqtt::action::PublishDenied& action) { denied.push_back(action.topic); }
     void perform(mqtt::action::Subscribed&) { ++subscribed_calls; }
     void perform(mqtt::action::SubscribeRefused& action) { refused_filters.push_back(action.filter); }
     void perform(mqtt::action::CheckAnswered&) { ++checks_answered; }
