@@ -40,6 +40,13 @@ std::string page_with(const std::string& members, const std::string& items) {
     return R"({"registry":"r1","epoch":"e","seq":1,)" + members + R"("items":[)" + items + "]}";
 }
 
+/// As on another node of a cluster, which has nothing of what it retains.
+TEST_F(ForgedRegistryTest, RegistryThatRetainsNothing_IsFoundByTheDoctor) {
+    const auto doctor = answered_by([](int) { return page_with(R"("total":0,)", ""); }, {"doctor"});
+    EXPECT_THAT(doctor.output, HasSubstr("ok       registry r1 answers"));
+    EXPECT_THAT(doctor.output, Not(HasSubstr("no registry runs")));
+}
+
 TEST_F(BusTest, DescriptionWithAModelThatIsNotValid_IsShownWithWhatIsWrong) {
     const std::string description =
         R"({"board":"esp","session":"a","seq":1,"services":[{"name":"x","model":{"name":"x"}}]})";
