@@ -106,6 +106,25 @@ TEST_F(LoadTest, BoardsThatShareConnections_AreTheSameToTheRegistry) {
     EXPECT_TRUE(counts("lost", 16));
 }
 
+TEST_F(LoadTest, ListOfBrokers_EachHasAShareOfTheBoards) {
+    const MosquittoBroker other;
+    BusProbe heard(other.port(), {"asip/servicebus/#"});
+    ChildProcess load(
+        {ASIP_LOAD_PROGRAM, "--broker", broker.address() + "," + other.address(), "--boards", "2"});
+    const auto comes = [](BusProbe& probe, const std::string& board) {
+        return probe.wait_for(
+            [&](const mqtt::Message& message) {
+                return message.topic == "asip/servicebus/" + board + "/$state";
+            },
+            time_limit(60s));
+    };
+    BusProbe here(broker.port(), {"asip/servicebus/#"});
+    EXPECT_TRUE(comes(here, "load-000000"));
+    EXPECT_TRUE(comes(heard, "load-000001"));
+    load.signal(SIGINT);
+    EXPECT_EQ(load.wait_exit(time_limit(60s)), 0) << load.errors();
+}
+
 TEST_F(LoadTest, QuestionsAndWatchers_ShowWhatTheRegistriesBear) {
     RunningRegistry other(broker.address(), "r2");
     ASSERT_TRUE(registry.complete());
