@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <stdexcept>
 
@@ -26,6 +28,20 @@ std::vector<std::string> in_root(std::vector<std::string> command) {
     entered.insert(entered.end(), std::make_move_iterator(command.begin()),
                    std::make_move_iterator(command.end()));
     return entered;
+}
+
+/// What docs/clusters.md has a reader write for three machines: its first block of that kind.
+std::string configuration_of_page() {
+    std::ifstream page(ASIP_CLUSTERS_PAGE);
+    std::string text, line;
+    bool inside = false;
+    while (std::getline(page, line)) {
+        line.erase(0, line.find_first_not_of(' '));
+        if (line == "```" && inside) break;
+        if (inside) text += line + "\n";
+        inside = inside || line == "```ini";
+    }
+    return text;
 }
 
 /// Three nodes that find each other by a list. They need the name server of Erlang, which is started here so
@@ -54,21 +70,20 @@ class RabbitMq final : public NodeEngine {
     }
 
     Environment environment(std::size_t node, const std::string& names) const {
-        std::string peers;
-        for (std::size_t i = 0; i < ports().size(); ++i)
-            peers += fmt::format("cluster_formation.classic_config.nodes.{} = {}\n", i + 1, node_name(i));
-        const auto configuration = folder().write(
-            fmt::format("rb{}.conf", node), fmt::format(R"(listeners.tcp.1 = {3}:{0}
-mqtt.listeners.tcp.1 = {3}:{1}
-loopback_users = none
-mqtt.allow_anonymous = true
-mqtt.tcp_listen_options.nodelay = true
-cluster_formation.peer_discovery_backend = classic_config
-log.console.level = warning
-cluster_partition_handling = autoheal
-net_ticktime = 120
-{2})",
-                                                        inner_[node], ports()[node], peers, address(node)));
+        static constexpr std::array kMachines{"rabbit@one", "rabbit@two", "rabbit@three"};
+        auto text = configuration_of_page();
+        for (std::size_t i = 0; i < ports().size(); ++i) {
+            const std::string machine = kMachines.at(i);
+            const auto at = text.find(machine);
+            if (at == std::string::npos)
+                throw std::runtime_error("docs/clusters.md does not name " + machine);
+            text.replace(at, machine.size(), node_name(i));
+        }
+        text += fmt::format(
+            "listeners.tcp.1 = {2}:{0}\nmqtt.listeners.tcp.1 = {2}:{1}\nlog.console.level = warning\n"
+            "loopback_users = none\n",
+            inner_[node], ports()[node], address(node));
+        const auto configuration = folder().write(fmt::format("rb{}.conf", node), text);
         const auto own = folder().file(fmt::format("rb{}", node));
         return {{"HOME", folder().path().string()},
                 {"RUNNING_UNDER_SYSTEMD", "1"},  // the server in place of its script
