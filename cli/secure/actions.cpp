@@ -94,10 +94,13 @@ void next_after_init(const SecureOptions& options, const SecureFolder& folder, c
                 "asipctl --credentials " + folder.credentials("admin").string() + " doctor");
 }
 
-/// How a program of this role is started; {} is the credentials file.
-std::string use_of(Role role) {
+/// How a program of this role is started, or an agent that is a service gets it; {} is the credentials file.
+std::string use_of(Role role, bool as_services) {
     switch (role) {
         case Role::kBoard:
+            if (as_services)
+                return "sudo install -m 640 -g asip {} " + std::string(kServiceCredentials) +
+                       "/ && sudo systemctl restart 'asip-agent@*'";
             return "asip-agent --serial /dev/ttyACM0 --credentials {}";
         case Role::kRegistry:
             return "asip-registry --credentials {}";
@@ -260,8 +263,10 @@ Outcome<void> secure_add(const SecureOptions& options, const Environment& enviro
         if (*role == Role::kHomeAssistant)
             tell_home_assistant(*folder, *bus, file, report);
         else
-            report.next("copy " + file.string() + " to its machine, and there",
-                        fmt::format(fmt::runtime(use_of(*role)), file.filename().string()));
+            report.next(
+                "copy " + file.string() + " to its machine, and there",
+                fmt::format(fmt::runtime(use_of(*role, keeps_services(options, folder->path(), *bus))),
+                            file.filename().string()));
     }
     return {};
 }

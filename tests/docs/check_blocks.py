@@ -47,7 +47,7 @@ class Block:
 
     def commands(self):
         """What is typed: behind a prompt, or all of a block of a shell, or lines that begin with a program of ours."""
-        prompted = [line.strip()[2:] for line in self.lines if re.match(r" *\$ ", line)]
+        prompted = [typed[1] for typed in (re.match(r" *[a-z]*\$ (.*)", line) for line in self.lines) if typed]
         if self.language == "console":
             return prompted + [line.strip()[2:] for line in self.lines if re.match(r" *# ", line)]
         if self.language == "sh":

@@ -4,7 +4,7 @@
 
     pages.py SYSTEM PAGE     SYSTEM: the container of tests/packages/debian, with /debs and /boot-loader.hex; PAGE: in-class, at-home, operate
 
-Each line behind a prompt is typed as it stands there, in its order. Not typed: `./run deb`, whose packages the test before has built,
+`operate` also needs SYSTEM-hall, another machine. Each line behind a prompt is typed as it stands there, in its order. Not typed: `./run deb`, whose packages the test before has built,
 and which are where it leaves them. The boards are simulated ones from the box: a boot loader and no sketch.
 """
 import os
@@ -105,6 +105,11 @@ def install(reader, commands):
     return commands[2:]
 
 
+def inline(beginning, text):
+    """The commands within sentences that begin so."""
+    return re.findall(f"`({beginning}[^`]*)`", re.sub(r"\s+", " ", text))
+
+
 def in_class(reader, commands, text):
     flash, look, *commands = install(reader, commands)
     reader.gets_a_board()
@@ -121,7 +126,7 @@ def in_class(reader, commands, text):
     code = re.search(r'"code":"(\w+)"', reader.sees('"free":1', f"curl {json} -d '{{\"boards\":[\"*\"]}}' http://127.0.0.1:8080/api/lessons"))[1]
     reader.sees('"board":"student-1"', f"curl {json} -c /tmp/pupil -d '{{\"code\":\"{code}\"}}' {outside}/api/join")
     reader.sees('"status":"ok"', f"curl {json} -b /tmp/pupil -d '[13,1]' {outside}/api/boards/student-1/services/io/commands/write")
-    for command in re.findall(r"`(asipctl (?:stop|resume) [^`]*)`", text):
+    for command in inline(r"asipctl (?:stop|resume) ", text):
         reader.types(command)
 
 
@@ -135,11 +140,20 @@ def at_home(reader, commands, _):
     for command in commands:
         reader.types(command)
     reader.root("apt-get install -y -qq mosquitto-clients")
-    shown = reader.sees('"Lamp"', "mosquitto_sub -t 'homeassistant/device/#' -C 1 -W 10")
+    shown = reader.sees('"Lamp"', "mosquitto_sub -t homeassistant/device/asip-uno1/config -C 1 -W 10")
     for word in ("Desk", "Office", "Distance 0"):
         assert word in shown, f"{word} is not in {shown}"
     reader.types("sudo asip-gateway export home-assistant --off")
     reader.sees("^$", "mosquitto_sub -t 'homeassistant/device/#' -C 1 -W 2")
+
+
+def prompted(name, text):
+    """What is typed at another machine."""
+    return re.findall(rf"^ *{name}\$ (.*)$", text, re.M)
+
+
+def copied(reader, other, name):
+    other.root(f"cat >/home/reader/asip/{name} <<'TEXT'\n{reader.root(f'cat /etc/asip/bus/credentials/{name}')}TEXT")
 
 
 def operate(reader, commands, text):
@@ -147,18 +161,36 @@ def operate(reader, commands, text):
     reader.root("echo '127.0.0.1 bus.example' >>/etc/hosts")
     reader.types(secure, answers={"[y/N]": "y"})
     reader.types(look)
+    add_ann, add_board, *commands = commands
+    # Ann and the board of the hall are at one other machine.
+    other = Reader(f"{reader.system}-hall")
+    other.root(f"echo '{reader.root('hostname -I').split()[0]} bus.example' >>/etc/hosts; cp /debs/*.deb /home/reader/asip/")
+    reader.types(add_ann)
+    copied(reader, other, "ann.credentials")
+    get_tool, use_file, sees = prompted("ann", text)
+    other.types(get_tool, answers={"[Y/n]": "y"})
+    other.types(use_file)
+    other.types(sees)
+    get_agent, called, give_file, again = prompted("hall", text)
+    other.types(get_agent, answers={"[Y/n]": "y"})
+    other.gets_a_board()
+    other.plugs_it_in()
+    name = re.search(r"board=(\S+)", other.sees("board=", called))[1]
+    shown = reader.types(add_board.replace("hall-1", name))
+    assert f"{give_file} && {again}".replace("hall-1", name) in shown, "what it prints is what the page says"
+    copied(reader, other, f"{name}.credentials")
+    other.types(give_file.replace("hall-1", name))
+    other.types(again)
+    other.sees(f"{name} .*no ASIP sketch yet", sees)
+    other.types(inline("asipctl flash ", text)[0].replace("hall-1", name))
+    other.sees(f"{name} +online", sees)
     for command in commands:
         reader.types(command)
-    # Ann's machine is this one.
-    reader.root("cp /etc/asip/bus/credentials/ann.credentials /home/reader/asip/ && chown reader /home/reader/asip/ann.credentials")
-    reader.types(re.search(r"`(asipctl context add [^`]*)`", text)[1])
-    reader.sees("", "asipctl list")
-    # So is the board's.
-    reader.root("cp /etc/asip/bus/credentials/hall-1.credentials /home/reader/asip/ && chown reader /home/reader/asip/hall-1.credentials")
-    reader.types(re.search(r"`(sudo install [^`]*)`", text)[1])
-    reader.sees("-rw-r----- 1 root asip ", "sudo ls -l /etc/asip/credentials/hall-1.credentials")
-    reader.types(re.search(r"`(sudo systemctl restart asip-registry)`", text)[1])
+    for command in inline("sudo systemctl restart asip-registry", text):
+        reader.types(command)
     reader.sees("asip.rules.yml", "ls -R /usr/share/asip")
+    for command in inline("sudo asipctl backup", text):
+        reader.types(command, answers={"Passphrase: ": "correct horse", "The same again: ": "correct horse"})
 
 
 def main(system, page):
