@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/text/wall_time.hpp"
 
+#include <array>
 #include <cstdint>
 
 namespace asip::text {
@@ -8,15 +9,17 @@ namespace {
 
 constexpr std::string_view kShape = "0000-00-00T00:00:00.000Z";
 
-/// With what is left out at its end.
-std::string whole_time(std::string_view text) {
+/// With what is left out at its end; of another length: zeros.
+std::array<char, kShape.size()> whole_time(std::string_view text) {
     if (text.ends_with('Z') && text.size() > 10) text.remove_suffix(1);
-    const bool known = text.size() == 10 || text.size() == 16 || text.size() == 19 || text.size() == 23;
-    return known ? std::string(text) + std::string(kShape.substr(text.size())) : std::string();
+    std::array<char, kShape.size()> whole{};
+    if (text.size() != 10 && text.size() != 16 && text.size() != 19 && text.size() != 23) return whole;
+    kShape.copy(whole.data(), whole.size());
+    text.copy(whole.data(), text.size());
+    return whole;
 }
 
 bool has_shape(std::string_view text) {
-    if (text.size() != kShape.size()) return false;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const bool digit = text[i] >= '0' && text[i] <= '9';
         if (kShape[i] == '0' ? !digit : text[i] != kShape[i]) return false;
@@ -60,7 +63,8 @@ std::string iso_time(WallTime time) {
 }
 
 std::optional<WallTime> parse_iso_time(std::string_view written) {
-    const auto text = whole_time(written);
+    const auto whole = whole_time(written);
+    const std::string_view text(whole.data(), whole.size());
     if (!has_shape(text)) return std::nullopt;
     const std::chrono::year_month_day date{std::chrono::year(number_at(text, 0, 4)),
                                            std::chrono::month(static_cast<unsigned>(number_at(text, 5, 2))),
