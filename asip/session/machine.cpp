@@ -103,6 +103,7 @@ void Machine::set_up_line(Identity found, Time now, Actions& out) {
     changed_ = changed_ || changed;
     if (known_ && changed && is_other_board(identity_, found)) settings_ = {};
     identity_ = std::move(found);
+    if (!identity_.extensions.empty()) renewals_.clear();  // its reports do not end
     known_ = true;
     no_answer_reported_ = true;  // whatever becomes of the rate: it answered
     if (!found_at_) found_at_ = now;

@@ -44,7 +44,7 @@ void Machine::renew_behind(const protocol::Event& event, Time now) {
 
 // A board of ASIP 0.4 reports its analog pins from its start on, at a period that it does not tell.
 void Machine::note_unasked(const protocol::Event& event, Time now) {
-    if (!known_ || !identity_.extensions.empty() || event.service != 'I' || event.tag != 'a') return;
+    if (!identity_.extensions.empty() || event.service != 'I' || event.tag != 'a') return;
     auto& renewal = renewals_[event.service];
     const Duration gap = now - std::exchange(renewal.reported, now);
     renewal.patience = kFirstPatience;
@@ -79,7 +79,6 @@ Time Machine::missing_at(char service, const Renewal& renewal) const {
 }
 
 void Machine::renew_missing(Time now) {
-    if (!identity_.extensions.empty()) return renewals_.clear();  // another board than before
     for (auto& [service, renewal] : renewals_) {
         if (now < missing_at(service, renewal)) continue;
         renewal.patience = std::min(renewal.patience * 2, kLongestPatience);
