@@ -82,7 +82,8 @@ struct Options {
     std::size_t max_queued_messages = 4096;
     std::size_t max_queued_bytes = 4u << 20;
 
-    /// After a read, nothing more is read for so long: for messages that nobody waits for, in fewer turns.
+    /// The client reads at most once in this time, so that many messages wake it only once. It suits a
+    /// connection whose messages nobody waits for. Zero: it reads each message as it comes.
     Duration gather{};
 
     /// See asip/quick_ack.hpp.

@@ -21,6 +21,6 @@ inline std::string iso_time(std::chrono::system_clock::time_point time) {
 
 /// What iso_time() writes, or its beginning until the day, the minute, the second; with or without the Z.
 /// Nothing: another text, or no day of the calendar.
-std::optional<WallTime> parse_iso_time(std::string_view text);
+std::optional<WallTime> parse_iso_time(std::string_view written);
 
 }  // namespace asip::text

@@ -171,7 +171,7 @@ void Fleet::open(std::size_t number) {
     auto mqtt = options_.mqtt;
     mqtt.client_id += "-" + std::to_string(number);
     // Machines of a cluster have its list in different orders.
-    const auto first = number % std::max<std::size_t>(1, mqtt.brokers.size());
+    const auto first = number % mqtt.brokers.size();
     std::rotate(mqtt.brokers.begin(), mqtt.brokers.begin() + static_cast<std::ptrdiff_t>(first),
                 mqtt.brokers.end());
     if (own_connection()) mqtt.will = slots_[number].board->will();
