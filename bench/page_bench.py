@@ -6,7 +6,6 @@
 
 import contextlib
 import http.server
-import itertools
 import json
 import os
 import pathlib
@@ -17,7 +16,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "browser"))
 
-from rig import DESK, Browser, Bus, Trace, eventually, paho_client, publish_boards  # noqa: E402
+from rig import DESK, Browser, Bus, Trace, eventually, meanwhile, paho_client, publish_boards  # noqa: E402
 
 BOARDS = 10_000
 CHANGES = 200  # a second
@@ -98,23 +97,14 @@ def states_that_change(bus):
     client = paho_client()
     client.connect("127.0.0.1", bus.broker_port)
     client.loop_start()
-    ended = threading.Event()
 
-    def say():
-        for i in itertools.count():
-            if ended.wait(1 / CHANGES):
-                return
-            client.publish(f"asip/servicebus/board{i * 7 % BOARDS}/$state", "sleeping" if i // BOARDS % 2 == 0 else "online", retain=True)
+    def say(n):
+        client.publish(f"asip/servicebus/board{n * 7 % BOARDS}/$state", "sleeping" if n // BOARDS % 2 == 0 else "online", retain=True)
 
-    speaker = threading.Thread(target=say)
-    speaker.start()
-    try:
+    with meanwhile(CHANGES, say):
         yield
-    finally:
-        ended.set()
-        speaker.join()
-        client.disconnect()
-        client.loop_stop()
+    client.disconnect()
+    client.loop_stop()
 
 
 def many_boards(bus, browser):

@@ -3,12 +3,11 @@
 
 import contextlib
 import json
-import threading
 import time
 import unittest
 
 import paho.mqtt.client as mqtt
-from rig import PageTest, eventually
+from rig import PageTest, eventually, meanwhile
 
 FIELD = {"type": "number", "unit": "mm"}
 FLOOR = {"name": "floor", "version": 1, "id": "F", "events": {
@@ -82,25 +81,6 @@ class Hostile(PageTest):
         metrics = self.browser.driver.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
         return next(each["value"] for each in metrics if each["name"] == "TaskDuration")
 
-    @contextlib.contextmanager
-    def meanwhile(self, hertz, work):
-        """Calls work(n) so often, in the background."""
-        ended = threading.Event()
-
-        def run():
-            began = time.monotonic()
-            for n in range(1_000_000):
-                if ended.wait(max(0, began + n / hertz - time.monotonic())):
-                    return
-                work(n)
-        thread = threading.Thread(target=run)
-        thread.start()
-        try:
-            yield
-        finally:
-            ended.set()
-            thread.join()
-
     def test_ValuesThatCannotBeDrawn_AreSaid_AndTheNextGoodOnesAreDrawn(self):
         self.open_world()
         self.publish("world/mirto/out", pose(10, 20))
@@ -136,7 +116,7 @@ class Hostile(PageTest):
         def jump(n):
             for i, name in enumerate(names):
                 self.client.publish(f"asip/world/{name}/out", json.dumps(pose(n % 2 * 1000, i * 10)))
-        with self.meanwhile(20, jump):
+        with meanwhile(20, jump):
             eventually(lambda: self.arrow(names[-1]), "the last rover", 30)
             before, began = self.busy(), time.monotonic()
             time.sleep(4)
@@ -167,7 +147,7 @@ class Hostile(PageTest):
             self.client.publish("asip/servicebus/world/$state", "online" if n % 2 else "offline")
             if n % 10 == 0:
                 self.describe(["mirto", f"rover{n % 20}"])
-        with self.meanwhile(50, flap), self.quick():
+        with meanwhile(50, flap), self.quick():
             for name in ("rover0", "rover10", "rover0"):
                 eventually(lambda wanted=name: self.browser.find(f"#service-{wanted}"), f"{name} while it flaps")
         self.describe(["mirto"])

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bus (tests/support/bus.py) and a browser for the tests of the web page."""
 
+import contextlib
+import itertools
 import json
 import pathlib
 import shutil
 import sys
 import tempfile
+import threading
+import time
 import unittest
 import urllib.request
 
@@ -25,6 +29,26 @@ SCREENSHOTS = BUILD / "screenshots"
 
 CHROMIUM_OPTIONS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
     --disable-component-update --disable-sync --disable-dev-shm-usage --hide-scrollbars""".split()
+
+
+@contextlib.contextmanager
+def meanwhile(hertz, work):
+    """Calls work(n) so often, in the background."""
+    ended = threading.Event()
+
+    def run():
+        began = time.monotonic()
+        for n in itertools.count():
+            if ended.wait(max(0, began + n / hertz - time.monotonic())):
+                return
+            work(n)
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 class Browser:
