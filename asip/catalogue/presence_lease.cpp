@@ -28,27 +28,27 @@ std::uint32_t Catalogue::Impl::lease_of(const DescriptionMembers& members) const
         std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());
 }
 
-// A live description proves its board; a retained one is worth what the broker says is left of it. `repeats`:
-// it says nothing new.
+// A live description proves its board. Each renews the lease from when it was published: a bridge may deliver
+// one late, or again. `repeats`: it says nothing new.
 void Catalogue::Impl::renewed_by_description(Board& b, const Announcement& a, bool repeats, Time now,
                                              Events& events) {
-    const auto lease = std::chrono::seconds(b.lease_seconds);
+    const auto said_at = published(a, b.lease_seconds, now);
+    if (said_at || !repeats) {
+        const Time ends = said_at.value_or(now) + std::chrono::seconds(b.lease_seconds);
+        const bool sets = !a.retained && !repeats;  // a lease that became shorter, too
+        b.session_ends = sets ? ends : std::max(b.session_ends, ends);
+        b.deadline = sets ? ends : std::max(b.deadline, b.session_ends);
+    }
     if (!a.retained) {
-        b.deadline = b.session_ends = now + lease;
         b.proven = true;
         b.retained_without_expiry = !a.expiry_seconds;
         b.names_only = false;
         listen(b, false, events);
         // One that does not speak of the state makes what is retained of it no older.
-        b.says_state ? heard(b, now) : void(b.last_heard = now);
-        return;
-    }
-    if (model::is_there(b.reported)) b.retained_without_expiry = !a.expiry_seconds;
-    // Also where it says that the board is not there: until then what an earlier session says comes late.
-    if (a.expiry_seconds || !repeats) {
-        const Duration left = a.expiry_seconds ? std::chrono::seconds(*a.expiry_seconds) : lease;
-        b.session_ends = std::max(b.session_ends, now + std::min<Duration>(left, lease));
-        b.deadline = std::max(b.deadline, b.session_ends);
+        b.last_heard = std::max(b.last_heard, *said_at);
+        if (b.says_state) b.epoch_heard = epoch_;
+    } else if (model::is_there(b.reported)) {
+        b.retained_without_expiry = !a.expiry_seconds;
     }
 }
 

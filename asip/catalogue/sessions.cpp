@@ -62,8 +62,7 @@ Catalogue::Impl::Judgement Catalogue::Impl::judge_other_session(Board& b, const 
 }
 
 std::optional<Time> Catalogue::Impl::published(const Announcement& a, std::uint32_t lease_seconds, Time now) {
-    if (!a.retained) return now;
-    if (!a.expiry_seconds) return std::nullopt;
+    if (!a.expiry_seconds) return a.retained ? std::nullopt : std::optional(now);
     const Duration left = std::chrono::seconds(*a.expiry_seconds);
     return now - std::max<Duration>(std::chrono::seconds(lease_seconds) - left, Duration{});
 }

@@ -194,8 +194,8 @@ class Boards {
     const board = this.of(name, now);
     const { described } = board;
     const other = board.session !== document.session;
-    let published = now;
-    if (retained) published = expiry === undefined ? -Infinity : now - Math.max(0, document.lease - expiry);
+    let published = retained ? -Infinity : now;
+    if (expiry !== undefined) published = now - Math.max(0, document.lease - expiry);
     const verdict = board.judge(document, retained, published, now);
     if (verdict === 'refuse') return undefined;
     if (verdict === 'accept') {
@@ -204,12 +204,15 @@ class Boards {
       board.takeSaidState(retained, published, other || !described, this.epoch, now);
       if (!board.saysState && !retained && described && other && !isThereWord(board.reported)) board.say('online', '', now, now);
     }
+    if (published !== -Infinity || verdict === 'accept') { // from when it was published: a bridge may deliver one late, or again
+      const ends = (published === -Infinity ? now : published) + board.lease;
+      const sets = !retained && verdict === 'accept'; // a lease that became shorter, too
+      board.sessionEnds = sets ? ends : Math.max(board.sessionEnds, ends);
+      board.deadline = sets ? ends : Math.max(board.deadline, board.sessionEnds);
+    }
     if (!retained) {
-      Object.assign(board, { deadline: now + board.lease, sessionEnds: now + board.lease, proven: true, lastHeard: now });
+      Object.assign(board, { proven: true, lastHeard: Math.max(board.lastHeard, published) });
       if (board.saysState) board.epochHeard = this.epoch;
-    } else if (expiry !== undefined || verdict === 'accept') {
-      board.sessionEnds = Math.max(board.sessionEnds, now + Math.min(expiry ?? board.lease, board.lease));
-      board.deadline = Math.max(board.deadline, board.sessionEnds);
     }
     board.hinted = false;
     return board.update(now, added) || verdict === 'accept' ? board : undefined;

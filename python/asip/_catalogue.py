@@ -80,7 +80,7 @@ class Catalogue:
         entry = self._of(board, now)
         session, seq = document["session"], document["seq"]
         described, other = entry.described, entry.session != session
-        published = now if not retained else NEVER if expiry is None else now - max(0.0, document["lease"] - expiry)
+        published = now - max(0.0, document["lease"] - expiry) if expiry is not None else NEVER if retained else now
         verdict = self._judge(entry, document, retained, published, now)
         if verdict == "refuse":
             return False
@@ -91,14 +91,15 @@ class Catalogue:
             self._take_said_state(entry, retained, published, other or not described, now)
             if not entry.says_state and not retained and described and other and entry.reported not in THERE:
                 self._say(entry, "online", "", now, now)
+        if published != NEVER or verdict == "accept":  # from when it was published: a bridge may deliver one late, or again
+            ends = (now if published == NEVER else published) + entry.lease
+            sets = not retained and verdict == "accept"  # a lease that became shorter, too
+            entry.session_ends = ends if sets else max(entry.session_ends, ends)
+            entry.deadline = ends if sets else max(entry.deadline, entry.session_ends)
         if not retained:
-            entry.deadline = entry.session_ends = now + entry.lease
-            entry.proven, entry.last_heard = True, now
+            entry.proven, entry.last_heard = True, max(entry.last_heard, published)
             if entry.says_state:
                 entry.epoch_heard = self._epoch
-        elif expiry is not None or verdict == "accept":
-            entry.session_ends = max(entry.session_ends, now + (entry.lease if expiry is None else min(float(expiry), entry.lease)))
-            entry.deadline = max(entry.deadline, entry.session_ends)
         entry.hinted = False
         return self._update(entry, now, added) or verdict == "accept"
 

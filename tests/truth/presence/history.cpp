@@ -227,7 +227,8 @@ class History : Play {
              fmt::format("{:.3f}", seconds(at)) + " " + message.payload.substr(0, 200));
         auto again = message;
         const auto age = std::chrono::duration_cast<std::chrono::seconds>(now_ - at).count();
-        if (again.expiry_seconds) *again.expiry_seconds -= static_cast<std::uint32_t>(age);
+        if (again.expiry_seconds)
+            *again.expiry_seconds -= std::min(*again.expiry_seconds, static_cast<std::uint32_t>(age));
         broker_.replay(view.client(), again, now_);
     }
 };
