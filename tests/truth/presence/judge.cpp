@@ -52,21 +52,25 @@ std::string Judge::told(const View& view, const std::string& board, const BoardT
     return {};
 }
 
-// A view that was there when an earlier session's description took the place of the later one's, and since,
-// knows better. One that started behind that has what the broker stores. One that was away believes the
-// stored description if the lease of the later session that it knows was over, or takes the stored word for
-// a later session whose lease is over.
+// An agent that asks whether another session lives has the broker keep nothing of what it says, and an
+// earlier session overwrites what the broker keeps of a later one. A view that did not hear what was said
+// last, and has heard nothing since it has the bus, knows what is kept. It would be the same had that not
+// been said: no rule can tell these two. A view that was there when an earlier session's description took the
+// place of the later one's, and since, knows better. One that started behind that has what the broker stores.
+// One that was away believes the stored description if the lease of the later session that it knows was over,
+// or takes the stored word for a later session whose lease is over.
 std::vector<Really> Judge::possible(const View& view, const BoardTruth& truth, Time now) const {
     std::vector<Really> possible{truth.really(now)};
     if (truth.at_end) possible.push_back(truth.at_end->really(now));
-    if (truth.beside_kept && !view.heard(*truth.beside_kept)) possible.push_back(truth.kept.really(now));
+    if (view.connected_at() > truth.last_said() && !view.heard(truth.described_at))
+        for (const auto& kept : truth.all_kept(now))
+            possible.push_back(kept);
     if (!truth.in_vain) return possible;
     const Time at = truth.in_vain->at;
     if (view.heard(at) && view.connected_at() < at) return possible;
-    if (view.started_at() > at) return {truth.in_vain->really(now), truth.last_in_vain.really(now)};
     possible.push_back(truth.last_in_vain.really(now));
     possible.push_back(truth.in_vain->really(now));
-    possible.push_back({true, BoardState::kLost, StateReason::kExpired, at, at});
+    if (view.started_at() <= at) possible.push_back({true, BoardState::kLost, StateReason::kExpired, at, at});
     return possible;
 }
 

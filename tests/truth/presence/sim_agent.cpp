@@ -18,6 +18,11 @@ constexpr std::uint64_t kStartOfTime = 1'790'000'000;  // of the day, when the s
 // Messages of bridged brokers come in their order behind that.
 constexpr Duration kReordered = std::chrono::milliseconds(800);
 
+// A stored description counts before a word of otherwise that is older by more. Ages of both are whole
+// seconds, and both take a while.
+constexpr Duration kApart = std::chrono::seconds(2);
+constexpr Duration kUnsure = std::chrono::milliseconds(1400);
+
 std::string word_of(const Really& what) {
     return fmt::format("{} {}", to_text(what.state), to_text(what.reason));
 }
@@ -80,6 +85,15 @@ Really BoardTruth::Stored::really(Time now) const {
     return until(lease_end, what, now);
 }
 
+std::vector<Really> BoardTruth::all_kept(Time now) const {
+    const bool otherwise =
+        !asip::model::is_there(kept_word.state) && kept_word.announced && kept_word.state != kept.what.state;
+    std::vector<Really> all;
+    if (otherwise && kept.at <= kept_word.since + kApart + kUnsure) all.push_back(kept_word);
+    if (!otherwise || kept.at >= kept_word.since + kApart - kUnsure) all.push_back(kept.really(now));
+    return all;
+}
+
 // Also of a name that was claimed and not announced yet. An agent that is heard takes it back; of a board
 // that has the state already it changes nothing.
 void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
@@ -87,13 +101,14 @@ void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really what{true, state, asip::model::reason_of_word(state), now, now};
     say(what);
     in_vain.reset();
-    kept = {what, now, now};
+    kept_word = what;
     if (at_end && at_end->what.state != state) at_end->what = what;
     last_will = now;
     wills.push_back(now);
     const bool again = before.announced && before.state == state;
     const bool lives = is_heard();
     if (again || lives) said = before;
+    if (!again) last_new_word = now;
     if (again || (!lives && (of == described_by || now > described_at + kReordered))) return;
     unordered_word = what;
     taken_back = !lives;
@@ -105,35 +120,31 @@ bool BoardTruth::counts(const std::string& by, Time now) const {
 
 void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::Client over,
                           int lease_seconds, bool stored, Time now) {
+    const bool is_there = asip::model::is_there(what.state);
+    const Really gone{true, what.state, asip::model::reason_of_word(what.state), now, now};
     const bool just_gone_otherwise = !asip::model::is_there(said.state) && what.state != said.state &&
                                      now < std::max(described_at, last_will) + kReordered;
     if (at_end && now > at_end->lease_end + kReordered) at_end.reset();
-    if (by < session && now < lease_end + kReordered) at_end = {said, now, lease_end};
-    if (asip::model::is_there(what.state)) there_at = now;
+    // The word beside that description is of no session: it is taken for that of the other one.
+    const bool took_word = unordered_word && unordered_word->since >= described_at;
+    const Really last = took_word ? *unordered_word : said;
+    if (by < session && now < lease_end + kReordered) at_end = {is_there ? last : gone, now, lease_end};
+    if (is_there) there_at = now;
     session = by;
     lease_end = now + std::chrono::seconds(lease_seconds);
     described_by = over;
     described_at = now;
-    if (stored) stored_until = lease_end, in_vain.reset();
+    if (stored) stored_until = lease_end, in_vain.reset(), kept = {what, now, lease_end};
     if (unordered_word && now > unordered_word->since + kReordered) unordered_word.reset();
     if (just_gone_otherwise) unordered_word = Really{true, said.state, said.reason, now, now};
     say(what);
-}
-
-void BoardTruth::leave_to_word(const Really& what, int lease_seconds, bool stores, Time now) {
-    if (!stores) {
-        beside_kept = beside_kept.value_or(now);
-        return;
-    }
-    kept = {what, now, now + std::chrono::seconds(lease_seconds)};
-    beside_kept.reset();
 }
 
 void BoardTruth::describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now) {
     if (stored) stored_until = std::min(stored_until, now);
     if (stored) vain_at = now;
     last_in_vain = {what, now, now + std::chrono::seconds(lease_seconds)};
-    if (stored) in_vain = {what, in_vain ? in_vain->at : now, last_in_vain.lease_end};
+    if (stored) in_vain = {what, in_vain ? in_vain->at : now, last_in_vain.lease_end}, kept = last_in_vain;
     const bool ends = now > lease_end - kReordered;
     if (ends) at_end = {what, now, now + std::chrono::seconds(lease_seconds)};
     words.push_back({word_of(what), ends ? std::nullopt : std::optional(described_at)});
@@ -271,7 +282,6 @@ void SimAgent::perform(Announcements& out, Time now) {
         if (message.topic == description_topic_) {
             // What older agents say on `$state` is of no session.
             const Really what{true, state_, reason_, since_, now};
-            if (!says_state_) truth_.leave_to_word(what, lease_seconds_, message.retain, now);
             if (!says_state_ || truth_.counts(announcer_->session(), now)) {
                 truth_.describe(what, announcer_->session(), client_, lease_seconds_, message.retain, now);
             } else {
@@ -280,9 +290,12 @@ void SimAgent::perform(Announcements& out, Time now) {
             if (!says_state_) leave_out_state(message.payload);
         }
         // A word on `$state` is of no session: that of an agent that is not believed is taken for a will.
-        if (message.topic.ends_with("/$state") && truth_.session != announcer_->session()) {
-            const auto state = asip::model::board_state_from_text(message.payload);
-            if (!asip::model::is_there(*state)) truth_.word(*state, client_, now);
+        if (message.topic.ends_with("/$state")) {
+            const auto state = *asip::model::board_state_from_text(message.payload);
+            if (message.retain)
+                truth_.kept_word = {true, state, asip::model::reason_of_word(state), now, now};
+            if (truth_.session != announcer_->session() && !asip::model::is_there(state))
+                truth_.word(state, client_, now);
         }
         if (client_ != 0) broker_.publish(client_, std::move(message), now);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,11 +28,12 @@ class SimAgent;
 
 /// What is so of one name, whichever agents have had it.
 struct BoardTruth {
-    Really said;          ///< the last words, of an agent or of the broker in its place
-    Time lease_end{};     ///< of them
-    Time there_at{};      ///< when the board was last said to be there
-    std::string session;  ///< of them: the later one, while its lease runs
-    Time last_will{};     ///< or another word of no session
+    Really said;           ///< the last words, of an agent or of the broker in its place
+    Time lease_end{};      ///< of them
+    Time there_at{};       ///< when the board was last said to be there
+    std::string session;   ///< of them: the later one, while its lease runs
+    Time last_will{};      ///< or another word of no session
+    Time last_new_word{};  ///< the last of those that did not say the same as was said before
     std::vector<Time> wills;
     /// One beside a description of another connection, or soon before one that says otherwise, until a
     /// renewal behind it: nothing says which of them bridged brokers deliver last, nor of which session a
@@ -54,10 +56,9 @@ struct BoardTruth {
     /// What the other one said, where an earlier session spoke as the lease of the later one ended: messages
     /// take a while, so the lease is not over in each view at the same moment.
     std::optional<Stored> at_end;
-    /// What the broker keeps of agents that leave the state to `$state`. While such an agent asks whether a
-    /// later session lives, it says otherwise: a view that starts behind that has nothing but what is kept.
+    /// The description that the broker keeps, and the word: of whichever session.
     Stored kept;
-    std::optional<Time> beside_kept{};
+    Really kept_word;
     /// The broker has the description until then, its lease or one of an earlier session behind it.
     Time stored_until{};
     std::vector<const SimAgent*> agents;
@@ -75,8 +76,6 @@ struct BoardTruth {
     /// An agent's description.
     void describe(const Really& what, const std::string& by, SimBroker::Client over, int lease_seconds,
                   bool stored, Time now);
-    /// The same, ahead of that, of an agent that leaves the state to `$state`.
-    void leave_to_word(const Really& what, int lease_seconds, bool stores, Time now);
     /// The description of an earlier session beside a later one.
     void describe_in_vain(const Really& what, int lease_seconds, bool stored, Time now);
     /// `$state` says that the board is gone: the broker in the place of an agent, or one of an earlier
@@ -89,6 +88,11 @@ struct BoardTruth {
     Before before(const SimAgent& agent, Time now) const;
     Really last_word() const;
     Really really(Time now) const;
+    /// What a view makes of what the broker keeps: where word and description are nearly of one moment, of
+    /// either.
+    std::vector<Really> all_kept(Time now) const;
+    /// When something new was said last, or a description came, by whichever session.
+    Time last_said() const { return std::max({described_at, last_new_word, last_in_vain.at}); }
 };
 
 /// A board and its agent: the real Announcer, with what happens to boards, programs, machines and clocks
