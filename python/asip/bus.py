@@ -91,7 +91,8 @@ class Bus:
                 with contextlib.suppress(errors.Disconnected):
                     self._know_all(_REGISTRY_SECONDS)
                 raise errors.NotThere(self._engine.peek(lambda session: session.catalogue.unknown(name)), board=name, reason="board-not-there")
-            why = board.status if not board.online else "online, but its agent published no description"
+            away = f'{board.status}; bus.boards("{name}")[0] is that board with its history'
+            why = away if not board.online else "online, but its agent published no description"
             raise errors.NotThere(f"{name} is {why}", board=name, reason="board-not-there")
         self._learn([board], end)
         return board

@@ -37,6 +37,17 @@ class Histories(Memory):
         with self.assertRaisesRegex(asip.Invalid, r'board\["servo/1/angle"\].history\(\)'):
             self.desk["servo"].history()
 
+    def test_a_board_that_is_away_tells_its_history_by_what_the_refusal_says(self):
+        self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, write=["write", 0, None])
+        self.memory.kept["desk/servo/0/angle"] = [["2026-01-31T12:00:00.000Z", 42]]
+        self.memory.desk.lose()
+        with self.memory.connect() as bus:
+            with self.assertRaisesRegex(asip.NotThere, r'desk is lost.*; bus.boards\("desk"\)\[0\] is that board with its history'):
+                bus.board("desk", timeout=0.2)
+            board = bus.boards("desk")[0]
+            self.assertEqual([one.mean for one in board["servo/0/angle"].history()], [42])
+        self.memory.desk.back()
+
     def test_of_two_registries_the_one_counts_that_knew_it_for_the_longest(self):
         self.memory.desk.offer("servo/0/angle", "number", min=0, max=180, write=["write", 0, None])
         hours_ago = lambda hours: f"{datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(hours=hours):%Y-%m-%dT%H:%M:%S.000Z}"
