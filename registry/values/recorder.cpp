@@ -84,6 +84,7 @@ void Recorder::begin(std::optional<Tick> last, Instant now) {
 }
 
 void Recorder::begin_stretch(Tick start) {
+    start_ = start;
     for (auto& [key, entry] : entries_) {
         entry.at = entry.hours_given = start;
         entry.minutes.begin(start);
@@ -120,7 +121,8 @@ void Recorder::put(Entry& entry, double value, Tick at) {
     hold(entry, at);
     entry.value = value;
     auto& changes = entry.rows.changes;
-    if (!changes.empty() && at < changes.back().at + kLeast) {
+    // One of the stretch before stays: what is in this one begins in it.
+    if (!changes.empty() && changes.back().at >= start_ && at < changes.back().at + kLeast) {
         changes.back().value = value;
     } else {
         if (waiting_++ == 0) oldest_ = at;
@@ -235,14 +237,10 @@ ValueRows Recorder::take(Instant now) {
     return rows;
 }
 
-Tick Recorder::known_until(Instant now) const {
-    if (!timeline_) return 0;
-    return waiting_ > 0 ? oldest_ : timeline_->at(now.time);
-}
-
 Stretch Recorder::present(Instant now) const {
     auto stretch = timeline_->stretch(now.time);
-    stretch.end = known_until(now);
+    // What is asked up to now has no gap of a moment at its end.
+    stretch.end = waits() ? oldest_ : timeline_->by_clock(now);
     return stretch;
 }
 

@@ -125,9 +125,7 @@ class Recorder {
     }
     /// What is to be written since the call before. A gap that a full memory made ends with it.
     ValueRows take(Instant now);
-    /// What was taken holds until then.
-    Tick known_until(Instant now) const;
-    /// The present stretch, up to there.
+    /// The present stretch, as far as it was taken.
     Stretch present(Instant now) const;
     bool waits() const { return waiting_ > 0; }
     /// Changes that had no room.
@@ -157,6 +155,7 @@ class Recorder {
     std::unordered_map<PropertyKey, Entry, PropertyHash> entries_;  // looked up for each change
     std::map<std::string, std::size_t> of_board_;                   // entries
     std::vector<Stretch> ended_;
+    Tick start_ = 0;   // of the present stretch
     Tick oldest_ = 0;  // of the changes that wait
     std::size_t waiting_ = 0;
     std::size_t dropped_ = 0, refused_ = 0;

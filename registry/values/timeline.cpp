@@ -30,11 +30,20 @@ Tick Timeline::at(Time time) const {
     return start_ + std::chrono::duration_cast<std::chrono::milliseconds>(time - began_.time).count();
 }
 
+std::int64_t Timeline::ahead(Instant now) const {
+    return wall_ticks(now) - (at(now.time) + offset_);
+}
+
+Tick Timeline::by_clock(Instant now) const {
+    const auto differs = ahead(now);
+    return at(now.time) + (std::abs(differs) <= kSetBy ? differs : 0);
+}
+
 bool Timeline::tick(Instant now) {
-    const auto ahead = wall_ticks(now) - (at(now.time) + offset_);
-    if (std::abs(ahead) <= kSetBy) return false;
+    const auto set_by = ahead(now);
+    if (std::abs(set_by) <= kSetBy) return false;
     if (now.time - began_.time <= kCorrects) {
-        offset_ += ahead;
+        offset_ += set_by;
         return false;
     }
     begin(at(now.time), now);

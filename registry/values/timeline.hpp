@@ -34,6 +34,9 @@ class Timeline {
     Timeline(std::optional<Tick> last, Instant now) { begin(last, now); }
 
     Tick at(Time time) const;
+    /// `now` as the clock says it: it and the ticks may differ by kSetBy. A clock that was set since tick()
+    /// has no say.
+    Tick by_clock(Instant now) const;
     Stretch stretch(Time now) const { return {start_, at(now), offset_}; }
     /// True: the clock was set so that the stretch ends here, and another one has begun. `now.time` never
     /// decreases.
@@ -41,6 +44,8 @@ class Timeline {
 
   private:
     void begin(std::optional<Tick> last, Instant now);
+    /// By how much the clock is before the ticks.
+    std::int64_t ahead(Instant now) const;
 
     Tick start_ = 0;
     std::int64_t offset_ = 0;

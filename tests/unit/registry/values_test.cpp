@@ -483,6 +483,40 @@ TEST(Values, ClockIsSetJustBehindAChange_WhatStaysIsKnown) {
     EXPECT_EQ(now->mean, 2);
 }
 
+TEST(Values, ClockIsSetByAnHourAtAChange_BothStretchesKnowTheirs) {
+    for (const std::int64_t hour : {-3'600'000, 3'600'000}) {
+        Machine machine;
+        machine.hold(1, hours(1));
+        machine.write();
+        machine.hold(2, milliseconds(20));
+        machine.wall_clock += hour;
+        machine.recorder->tick(machine.now());
+        machine.write_after(minutes(5));
+        const auto now = value_at(machine.ask(minutes(2), 1000), machine.wall_clock - 60'000);
+        ASSERT_TRUE(now) << hour;
+        EXPECT_EQ(now->max, 2) << hour;
+    }
+}
+
+TEST(Values, ClocksDifferALittle_KnownUpToNowByTheClock) {
+    for (const int differ :
+         {1, static_cast<int>(Timeline::kSetBy), -1, -static_cast<int>(Timeline::kSetBy)}) {
+        Machine machine;
+        machine.hold(1, hours(1));
+        machine.wall_clock += differ;
+        machine.write();
+        EXPECT_TRUE(value_at(machine.ask(minutes(10), 1000), machine.wall_clock)) << differ;
+    }
+}
+
+TEST(Values, ClockWasSetSinceItWasLookedAt_NothingIsKnownOfTheTimeBetween) {
+    Machine machine;
+    machine.hold(1, hours(1));
+    machine.write();
+    machine.wall_clock += 1'800'000;
+    EXPECT_FALSE(value_at(machine.ask(hours(1), 1000), machine.wall_clock - 60'000));
+}
+
 TEST(Values, DiskTakesLong_WhatIsAskedIsRefusedAtOnceAndAnsweredLater) {
     const HistoryFile kept;
     boost::asio::io_context io;
