@@ -125,6 +125,28 @@ TEST_F(LoadTest, ListOfBrokers_EachHasAShareOfTheBoards) {
     EXPECT_EQ(load.wait_exit(time_limit(60s)), 0) << load.errors();
 }
 
+TEST_F(LoadTest, LabelOfABoard_IsTakenAndSeenByTheRegistry) {
+    ASSERT_TRUE(registry.complete());
+    ChildProcess load(command({"--boards", "2"}));
+    ASSERT_TRUE(counts("online", 2));
+    BusProbe probe(broker.port(), {"answers", "asip/reply/#"});
+    const auto answer = probe.request("asip/load-000001/in", R"({"labels":{"room":"lab"}})", time_limit(60s));
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(json::parse(*answer).at("status"), "ok") << *answer;
+    EXPECT_TRUE(wait_until(
+        [&] {
+            const auto found = ask(probe, R"({"find":"boards","labels":"room=lab"})");
+            return found && found->boards.size() == 1 && found->boards[0].board == "load-000001";
+        },
+        time_limit(60s)));
+    const auto refused =
+        probe.request("asip/load-000000/in", R"({"labels":{"a room":"lab"}})", time_limit(60s));
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(json::parse(*refused).at("status"), "refused") << *refused;
+    load.signal(SIGINT);
+    EXPECT_EQ(load.wait_exit(time_limit(60s)), 0) << load.errors();
+}
+
 TEST_F(LoadTest, QuestionsAndWatchers_ShowWhatTheRegistriesBear) {
     RunningRegistry other(broker.address(), "r2");
     ASSERT_TRUE(registry.complete());
