@@ -26,8 +26,8 @@ class DelayedDelivery {
     /// Without an answer for so long it is no stall: a dead connection is given up earlier, so this broker
     /// does not answer checks.
     static constexpr Duration kNoAnswer = std::chrono::seconds(30);
-    /// So many messages of QoS 1 are on their way at once (Mosquitto); more wait at the broker, and an answer
-    /// overtakes them.
+    /// So many messages of QoS 1 are on their way at least (Mosquitto and MQTT 3.1.1); more wait at the
+    /// broker, and an answer overtakes them.
     static constexpr unsigned kWindow = 20;
     /// So long it is waited until fewer come between two checks.
     static constexpr Duration kDraining = std::chrono::seconds(5);

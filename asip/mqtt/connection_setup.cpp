@@ -91,6 +91,7 @@ int Connection::configure() {
     mosquitto_int_option(m, MOSQ_OPT_PROTOCOL_VERSION, v5_ ? MQTT_PROTOCOL_V5 : MQTT_PROTOCOL_V311);
     // Without it a QoS 1 round trip waits for a delayed acknowledgement: 44 ms instead of 0.09.
     mosquitto_int_option(m, MOSQ_OPT_TCP_NODELAY, 1);
+    mosquitto_int_option(m, MOSQ_OPT_RECEIVE_MAXIMUM, Options::kReceiveMaximum);
     // Else libmosquitto writes each packet at once, and acknowledges a message before it hands it out:
     // a program that waits for what the message says would wait for that, too. See write_out().
     mosquitto_threaded_set(m, true);

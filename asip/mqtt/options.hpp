@@ -67,8 +67,13 @@ struct Options {
     Duration unreceived_timeout = std::chrono::seconds(5);
     /// The broker delivers no larger packets (MQTT 5), which bounds our memory. It must be clearly above the
     /// broker's limit, 256 KiB in our configurations: Mosquitto takes a message that is too large for a
-    /// subscriber, and never frees its place among the 20 of QoS 1. 0: no limit.
+    /// subscriber, and never frees its place among those of QoS 1. 0: no limit.
     std::uint32_t max_packet_bytes = kMaxPacketBytes;
+    /// The broker has at most so many messages of QoS 1 under way to us (MQTT 5); others wait in its queue.
+    /// With the usual 20, Mosquitto sends 20 in the time in which it reads thousands of a flood, and the
+    /// message of another sender waits seconds behind them. The largest messages in that number are 50 MB at
+    /// the broker.
+    static constexpr int kReceiveMaximum = 200;
     /// The longest payload of use on a topic; empty: any. Of a longer one a byte more is copied, so that its
     /// reader finds it too long. Asked above kShortPayload only.
     std::function<std::size_t(std::string_view topic)> longest_payload{};

@@ -48,6 +48,13 @@ TEST_F(Packets, Connect_SaysHowLargeAPacketMayBe) {
     EXPECT_THAT(broker.connect_packet, testing::HasSubstr(std::string("\x27\x00\x01\x23\x45", 5)));
 }
 
+TEST_F(Packets, Connect_SaysHowManyMessagesMayBeUnderWay) {
+    Recorder bus(options());
+    bus.client->start();
+    ASSERT_TRUE(until(bus, [&] { return bus.client->connected(); }));
+    EXPECT_THAT(broker.connect_packet, testing::HasSubstr(std::string("\x21\x00\xc8", 3)));
+}
+
 TEST(PacketLimit, LargerMessage_IsNotDeliveredAndTheNextOneIs) {
     MosquittoBroker broker;
     auto options = options_for(broker);
