@@ -57,18 +57,6 @@ std::optional<double> number_from_color(const std::string& text) {
     return static_cast<double>(*color);
 }
 
-std::optional<double> number_of(const Field& field, const json& value, Strictness strictness) {
-    if (value.is_number()) return value.get<double>();
-    if (value.is_boolean()) return value.get<bool>() ? 1 : 0;
-    if (!value.is_string()) return std::nullopt;
-    const auto& word = value.get_ref<const std::string&>();
-    if (const auto named = number_from_name(field, word)) return named;
-    if (field.type == ValueType::kColor) {
-        if (const auto color = number_from_color(word)) return color;
-    }
-    return strictness == Strictness::kLenient ? number_from_text(word) : std::nullopt;
-}
-
 std::string wrong_kind(const Field& field, const json& value) {
     if (field.type == ValueType::kColor) return shown(value) + " is not a color: a number or \"#rrggbb\"";
     if (field.type == ValueType::kNumber) return shown(value) + " is not a number";
@@ -185,6 +173,18 @@ std::size_t value_index(const CommandModel& command, const std::string& name) {
 }
 
 }  // namespace
+
+std::optional<double> number_of(const Field& field, const json& value, Strictness strictness) {
+    if (value.is_number()) return value.get<double>();
+    if (value.is_boolean()) return value.get<bool>() ? 1 : 0;
+    if (!value.is_string()) return std::nullopt;
+    const auto& word = value.get_ref<const std::string&>();
+    if (const auto named = number_from_name(field, word)) return named;
+    if (field.type == ValueType::kColor) {
+        if (const auto color = number_from_color(word)) return color;
+    }
+    return strictness == Strictness::kLenient ? number_from_text(word) : std::nullopt;
+}
 
 Text write_value(const Field& field, const json& value, Strictness strictness, const std::string& place) {
     if (field.type == ValueType::kList) return write_list(field, value, strictness, place);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "asip/expected.hpp"
@@ -11,6 +12,9 @@ namespace asip::model {
 /// Strict: a number in JSON is a number. Lenient: what a person typed or the wire carries, numbers come as
 /// text.
 enum class Strictness { kStrict, kLenient };
+
+/// A number, the number of a name or a color; whether it is within bounds is not asked.
+std::optional<double> number_of(const Field& field, const nlohmann::json& value, Strictness strictness);
 
 /// One value as it stands on the wire. `place` names it in the reason: "angle", "pixels/0/color".
 Expected<std::string> write_value(const Field& field, const nlohmann::json& value, Strictness strictness,

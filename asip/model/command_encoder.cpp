@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "asip/model/argument_writer.hpp"
+#include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
 #include "asip/protocol/body.hpp"
 #include "asip/protocol/limits.hpp"
@@ -197,7 +198,16 @@ Expected<EncodedCommand> encode_json_command(const ServiceModel& model, const nl
     return finish(model, *known, *values, Strictness::kStrict);
 }
 
-Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::string_view text) {
+namespace {
+
+/// A command that the board accepts, and what was given for each argument, as text.
+struct ReadCommand {
+    const CommandModel* model = nullptr;
+    EncodedCommand encoded;
+    json values;
+};
+
+Expected<ReadCommand> read_text_command(const ServiceModel& model, std::string_view text) {
     const auto line = std::string{model.id, ','} + std::string(text.substr(0, protocol::kMaxPayloadBytes));
     const auto request = protocol::parse_request(line);
     if (!request) return fail(request.error());
@@ -205,16 +215,14 @@ Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::str
     std::optional<std::string> reason;
     for (const auto& command : model.commands) {
         if (command.tag != request->tag) continue;
-        const auto values = values_from_text(command, request->parameters, any);
+        auto values = values_from_text(command, request->parameters, any);
         auto result = values ? finish(model, command, *values, Strictness::kLenient) : fail(values.error());
-        if (result) return result;
+        if (result) return ReadCommand{&command, std::move(*result), std::move(*values)};
         if (!reason) reason = result.error();
     }
     if (reason) return fail(*reason);
     return fail(model.name + " has no command with tag '" + request->tag + "'");
 }
-
-namespace {
 
 /// A value that was read from text and checked, as JSON has it.
 json typed(const Field& field, const json& value) {
@@ -230,28 +238,22 @@ json typed(const Field& field, const json& value) {
         return items;
     }
     if (field.type == ValueType::kText) return value;
-    const auto& text = value.get_ref<const std::string&>();
-    for (const auto& [name, number] : field.names)
-        if (name == text) return number;
-    auto number = json::parse(text, nullptr, false);
-    return number.is_number() ? number : value;
+    return json_number(*number_of(field, value, Strictness::kLenient));
 }
 
 }  // namespace
 
+Expected<EncodedCommand> encode_text_command(const ServiceModel& model, std::string_view text) {
+    return read_text_command(model, text).map([](ReadCommand&& read) { return std::move(read.encoded); });
+}
+
 Expected<RequestValues> request_values(const ServiceModel& model, std::string_view text) {
-    const auto encoded = encode_text_command(model, text);
-    if (!encoded) return fail(encoded.error());
-    const auto& command = *model.command(encoded->command);
-    // What the encoder wrote: without the sender's names and spellings.
-    const auto request = protocol::parse_request(encoded->line);
-    if (!request) return fail(request.error());
-    const auto values = values_from_text(command, request->parameters, encoded->line.size() > 3);
-    if (!values) return fail(values.error());
-    const auto args = given_arguments(command);
-    RequestValues result{&command, json::array()};
-    for (std::size_t i = 0; i < args.size() && i < values->size(); ++i)
-        result.values.push_back(typed(*args[i], (*values)[i]));
+    const auto read = read_text_command(model, text);
+    if (!read) return fail(read.error());
+    const auto args = given_arguments(*read->model);
+    RequestValues result{read->model, json::array()};
+    for (std::size_t i = 0; i < args.size(); ++i)
+        result.values.push_back(typed(*args[i], read->values[i]));
     return result;
 }
 

@@ -2,6 +2,7 @@
 #include "asip/model/json.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "asip/text/file_text.hpp"
@@ -76,6 +77,12 @@ Expected<nlohmann::json> parse_json(std::string_view text, JsonLimits limits) {
         return fail("JSON nests deeper than " + std::to_string(limits.max_depth));
     auto value = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
     if (value.is_discarded()) return fail("not valid JSON: " + place_of_fault(text));
+    return value;
+}
+
+nlohmann::json json_number(double value) {
+    constexpr double kExact = 9e15;
+    if (std::floor(value) == value && std::abs(value) < kExact) return static_cast<std::int64_t>(value);
     return value;
 }
 

@@ -24,6 +24,9 @@ bool json_depth_within(std::string_view text, int limit);
 /// last counts.
 Expected<nlohmann::json> parse_json(std::string_view text, JsonLimits limits = {});
 
+/// A whole number has no point, as boards take it.
+nlohmann::json json_number(double value);
+
 /// Compact. Bytes that are not UTF-8 become U+FFFD; never throws for them.
 std::string dump_json(const nlohmann::json& value);
 /// Indented by two spaces, for people.

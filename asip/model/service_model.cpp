@@ -65,6 +65,7 @@ std::string ServiceModel::ref() const {
 
 std::vector<const Field*> given_arguments(const CommandModel& command) {
     std::vector<const Field*> result;
+    result.reserve(command.args.size());
     for (const auto& argument : command.args)
         if (argument.type != ValueType::kCount) result.push_back(&argument);
     return result;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "asip/property/property.hpp"
 
-#include <cmath>
-
 namespace asip::property {
 
 std::string_view type_of(const Property& property) {
@@ -29,12 +27,6 @@ std::string_view type_of(const Property& property) {
 std::string_view access_of(const Property& property) {
     if (!property.settable()) return "read";
     return property.kind == Kind::kButton ? "write" : "both";
-}
-
-nlohmann::json json_number(double value) {
-    constexpr double kExact = 9e15;
-    if (std::floor(value) == value && std::abs(value) < kExact) return static_cast<std::int64_t>(value);
-    return value;
 }
 
 std::string plain_id(std::string_view id) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "asip/model/json.hpp"
 #include "asip/model/meaning.hpp"
 
 /// What can be read or set on a board, from description, models and meanings: docs/properties.md.
@@ -88,8 +89,7 @@ struct Property {
 std::string_view type_of(const Property& property);
 std::string_view access_of(const Property& property);
 
-/// A whole number has no point, as boards take it.
-nlohmann::json json_number(double value);
+using model::json_number;
 
 /// "servo" of servo/0/angle.
 inline std::string_view service_of(std::string_view id) {

@@ -156,6 +156,18 @@ TEST(EncodeText, WhatIsNoRequest_IsRefused) {
     EXPECT_FALSE(encode_text_command(standard("servo"), std::string(1'000'000, 'W')));
 }
 
+TEST(RequestValues, AnySpelling_IsNumbersAndTexts) {
+    const auto values = [](const char* model, std::string_view text) {
+        const auto result = request_values(standard(model), text);
+        return result ? result->values.dump() : "! " + result.error();
+    };
+    EXPECT_EQ(values("servo", "W,0,090"), "[0,90]");
+    EXPECT_EQ(values("servo", "W,0,900"), "! angle: 900 is above 180");
+    EXPECT_EQ(values("io", "P,13,output"), "[13,3]");
+    EXPECT_EQ(values("lcd", "W,0,7,up"), R"([0,"7,up"])");
+    EXPECT_EQ(values("pixels", "P,2,{0:255,1:#ff0000}"), "[[[0,255],[1,16711680]]]");
+}
+
 TEST(EncodeWords, AsTyped_IsUnderstood) {
     EXPECT_EQ(from_words("servo", {"write", "0", "90"}), "S,W,0,90");
     EXPECT_EQ(from_words("servo", {"W", "0", "90"}), "S,W,0,90");
