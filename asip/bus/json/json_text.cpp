@@ -22,13 +22,20 @@ bool is_plain(unsigned char c) {
 }  // namespace
 
 void append_json_text(std::string& out, std::string_view text) {
-    if (!std::all_of(text.begin(), text.end(), is_plain)) {
-        out += model::dump_json(text);
-        return;
+    const auto start = out.size();
+    out += '"';
+    std::size_t written = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (is_plain(static_cast<unsigned char>(text[i]))) continue;
+        if (text[i] != '"' && text[i] != '\\') {
+            out.resize(start);
+            out += model::dump_json(text);
+            return;
+        }
+        out.append(text, written, i - written) += '\\';
+        written = i;
     }
-    out += '"';
-    out += text;
-    out += '"';
+    out.append(text, written) += '"';
 }
 
 void append_json_seconds(std::string& out, double seconds) {

@@ -9,6 +9,7 @@
 
 #include "asip/bus/json/json_text.hpp"
 #include "asip/bus/registry/answer.hpp"
+#include "asip/model/json.hpp"
 
 namespace asip::bus {
 namespace {
@@ -96,6 +97,15 @@ TEST(ItemText, OfAChange_IsTheTextOfItsTree) {
         append_json(text, item);
         EXPECT_EQ(json::parse(text), to_json(item));
         EXPECT_EQ(read_history_item(json::parse(text)), item);
+    }
+}
+
+TEST(ItemText, AnyText_IsWhatATreeMakesOfIt) {
+    for (const char* text :
+         {"", "plain", R"({"a\b":["c"]})", "\"", "\\", "\"\t\"", "\"\xC3\xA9", "\"\xFF", "\x7F"}) {
+        std::string out = "before ";
+        append_json_text(out, text);
+        EXPECT_EQ(out, "before " + model::dump_json(text));
     }
 }
 
