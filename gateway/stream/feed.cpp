@@ -9,8 +9,10 @@ void append_sse(std::string& out, const StreamEvent& event) {
 }
 
 std::string websocket_message(const StreamEvent& event, std::string_view ref_json) {
-    std::string out = "{\"ref\":";
-    out.append(ref_json).append(",\"event\":\"").append(event.kind).append("\"");
+    constexpr std::size_t kAround = 64;
+    std::string out;
+    out.reserve(kAround + ref_json.size() + event.place.size() + event.data.size());
+    out.append("{\"ref\":").append(ref_json).append(",\"event\":\"").append(event.kind).append("\"");
     if (!event.place.empty()) out.append(",\"place\":\"").append(event.place).append("\"");
     if (event.data.size() > 2)
         out.append(",").append(event.data, 1);
