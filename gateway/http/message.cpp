@@ -57,8 +57,9 @@ std::string_view next_part(std::string_view& rest, char separator) {
 bool take_absolute(Request& request) {
     const std::string_view target = request.target;
     const auto colon = target.find("://");
+    if (colon == std::string_view::npos) return true;
     const auto scheme = lower(target.substr(0, colon));
-    if (colon == std::string_view::npos || (scheme != "http" && scheme != "https")) return true;
+    if (scheme != "http" && scheme != "https") return true;
     const auto behind = target.substr(colon + 3);
     const auto end = std::min(behind.size(), behind.find_first_of("/?"));
     const auto authority = behind.substr(0, end);

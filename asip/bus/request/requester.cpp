@@ -66,7 +66,10 @@ std::string clock_in(const mqtt::Message& answer) {
 // for one.
 std::string with_reply_members(const std::string& payload, const std::string& reply_to, const std::string& id,
                                const std::optional<std::string>& clock, const Requester::More& more) {
-    std::string out = "{";
+    constexpr std::size_t kAround = 128;
+    std::string out;
+    out.reserve(kAround + payload.size() + reply_to.size() + id.size() + more.by.size());
+    out += '{';
     const auto text = [&out](std::string_view name, std::string_view value) {
         (out += out.size() > 1 ? ",\"" : "\"").append(name) += "\":";
         append_json_text(out, value);
