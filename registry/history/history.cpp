@@ -69,50 +69,56 @@ HistoryFault::HistoryFault(sqlite3* database, int code)
     : std::runtime_error(sqlite3_errmsg(database)),
       damaged((code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB) {}
 
-History::History(Options options) : options_(std::move(options)) {
-    try {
-        open();
-    } catch (const HistoryFault&) {
-        sqlite3_close_v2(database_);
-        throw;
-    }
+Database::Database(const std::string& path) {
+    sqlite3* file = nullptr;
+    const int result = sqlite3_open(path.c_str(), &file);
+    file_.reset(file);
+    if (file == nullptr) throw HistoryFault("out of memory");
+    if (result != SQLITE_OK) throw HistoryFault(file, result);
+    sqlite3_busy_timeout(file, 1000);
 }
 
-History::~History() {
-    sqlite3_close_v2(database_);
+void Database::execute(const std::string& sql) {
+    const int result = sqlite3_exec(*this, sql.c_str(), nullptr, nullptr, nullptr);
+    if (result != SQLITE_OK) throw HistoryFault(*this, result);
 }
 
-void History::open() {
-    const int result = sqlite3_open(options_.path.c_str(), &database_);
-    if (database_ == nullptr) throw HistoryFault("out of memory");
-    if (result != SQLITE_OK) throw HistoryFault(database_, result);
-    sqlite3_busy_timeout(database_, 1000);
-    if (pragma("PRAGMA user_version") > kHistoryVersion)
-        throw HistoryFault("a later version of this program wrote it");
-    execute(kSchema);
-    for (const auto& [version, upgrade] :
-         {std::pair(0, kUpgradeFrom0), std::pair(1, kUpgradeFrom1), std::pair(2, kUpgradeFrom2)}) {
-        if (pragma("PRAGMA user_version") == version) execute(upgrade);
-    }
+std::int64_t Database::number(const std::string& sql) {
+    Statement row(*this, sql);
+    return row.step() ? row.integer(0) : 0;
 }
 
-template <class Write>
-void History::in_transaction(const Write& write) {
+std::size_t Database::used_bytes() {
+    const auto pages = number("PRAGMA page_count") - number("PRAGMA freelist_count");
+    return static_cast<std::size_t>(pages * number("PRAGMA page_size"));
+}
+
+void Database::in_transaction(const std::function<void()>& write) {
     int moved = 0;
-    sqlite3_file_control(database_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    sqlite3_file_control(*this, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
     if (moved != 0) throw HistoryFault("the file was moved or deleted");
     execute("BEGIN");
     try {
         write();
         execute("COMMIT");
     } catch (const std::exception&) {
-        sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
+        sqlite3_exec(*this, "ROLLBACK", nullptr, nullptr, nullptr);
         throw;
     }
 }
 
+History::History(Options options) : options_(std::move(options)), database_(options_.path) {
+    if (database_.number("PRAGMA user_version") > kHistoryVersion)
+        throw HistoryFault("a later version of this program wrote it");
+    database_.execute(kSchema);
+    for (const auto& [version, upgrade] :
+         {std::pair(0, kUpgradeFrom0), std::pair(1, kUpgradeFrom1), std::pair(2, kUpgradeFrom2)}) {
+        if (database_.number("PRAGMA user_version") == version) database_.execute(upgrade);
+    }
+}
+
 void History::write(const std::vector<bus::HistoryItem>& items, const KeptTime::Mark& mark) {
-    in_transaction([&] {
+    database_.in_transaction([&] {
         write_changes(items, mark.kept.count());
         write_mark(mark);
     });
@@ -147,7 +153,7 @@ void History::write_mark(const KeptTime::Mark& mark) {
 }
 
 void History::try_writing() {
-    in_transaction([&] { execute("PRAGMA user_version=3"); });
+    database_.in_transaction([&] { database_.execute("PRAGMA user_version=3"); });
 }
 
 std::optional<KeptTime::Mark> History::mark() {
@@ -172,9 +178,9 @@ void History::trim(KeptTime::Milliseconds now) {
         .bind(oldest)
         .step();
     // A tenth at a time, until what is left fits: pages given back can be used again at once.
-    for (int round = 0; round < 20 && used_bytes() > options_.max_bytes; ++round) {
-        execute("DELETE FROM changes WHERE id<=(SELECT min(id)+(max(id)-min(id))/10 FROM changes)");
-        execute("PRAGMA incremental_vacuum");
+    for (int round = 0; round < 20 && database_.used_bytes() > options_.max_bytes; ++round) {
+        database_.execute("DELETE FROM changes WHERE id<=(SELECT min(id)+(max(id)-min(id))/10 FROM changes)");
+        database_.execute("PRAGMA incremental_vacuum");
     }
 }
 
@@ -198,7 +204,7 @@ JournalBoards History::boards() {
 }
 
 void History::write_boards(const JournalBoards& boards) {
-    in_transaction([&] {
+    database_.in_transaction([&] {
         Statement row(
             database_,
             "INSERT OR REPLACE INTO boards(name,first,last,state,since,first_kept,last_kept,since_kept) "
@@ -209,21 +215,6 @@ void History::write_boards(const JournalBoards& boards) {
             row.bind(board.first_kept.count()).bind(board.since_kept.count()).step();
         }
     });
-}
-
-void History::execute(const char* sql) {
-    const int result = sqlite3_exec(database_, sql, nullptr, nullptr, nullptr);
-    if (result != SQLITE_OK) throw HistoryFault(database_, result);
-}
-
-std::int64_t History::pragma(const char* sql) {
-    Statement row(database_, sql);
-    return row.step() ? row.integer(0) : 0;
-}
-
-std::size_t History::used_bytes() {
-    const auto pages = pragma("PRAGMA page_count") - pragma("PRAGMA freelist_count");
-    return static_cast<std::size_t>(pages * pragma("PRAGMA page_size"));
 }
 
 }  // namespace asip::registry

@@ -33,9 +33,6 @@ class History {
     /// Opens or makes the file; a file of an earlier version is brought up to date. This and every function
     /// throw HistoryFault where the file cannot be used.
     explicit History(Options options);
-    ~History();
-    History(const History&) = delete;
-    History& operator=(const History&) = delete;
 
     /// In one transaction, in this order, as of the time of the mark. Fails where another file has taken the
     /// place of this one, too.
@@ -58,17 +55,11 @@ class History {
     JournalBoards boards();
 
   private:
-    void open();
-    void execute(const char* sql);
     void write_changes(const std::vector<bus::HistoryItem>& items, std::int64_t kept);
     void write_mark(const KeptTime::Mark& mark);
-    template <class Write>
-    void in_transaction(const Write& write);
-    std::int64_t pragma(const char* sql);
-    std::size_t used_bytes();
 
     Options options_;
-    sqlite3* database_ = nullptr;
+    Database database_;
 };
 
 }  // namespace asip::registry

@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -16,6 +17,26 @@ struct HistoryFault : std::runtime_error {
     HistoryFault(sqlite3* database, int code);
     explicit HistoryFault(const std::string& reason) : std::runtime_error(reason) {}
     bool damaged = false;
+};
+
+/// An open SQLite file. Each function throws HistoryFault where it fails.
+class Database {
+  public:
+    explicit Database(const std::string& path);
+    operator sqlite3*() const { return file_.get(); }
+
+    void execute(const std::string& sql);
+    /// Of the first row; 0: there is none.
+    std::int64_t number(const std::string& sql);
+    std::size_t used_bytes();
+    /// All or nothing. Fails where another file has taken the place of this one, too.
+    void in_transaction(const std::function<void()>& write);
+
+  private:
+    struct Close {
+        void operator()(sqlite3* file) const { sqlite3_close_v2(file); }
+    };
+    std::unique_ptr<sqlite3, Close> file_;
 };
 
 /// A prepared SQLite statement: parameters are bound in order, rows read in order. Each call throws

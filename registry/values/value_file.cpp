@@ -43,41 +43,14 @@ std::string table_of(Level level) {
 
 }  // namespace
 
-ValueFile::ValueFile(Options options) : options_(std::move(options)) {
-    try {
-        open();
-    } catch (const HistoryFault&) {
-        sqlite3_close_v2(database_);
-        throw;
-    }
-}
-
-ValueFile::~ValueFile() {
-    sqlite3_close_v2(database_);
-}
-
-void ValueFile::open() {
-    const int result = sqlite3_open(options_.path.c_str(), &database_);
-    if (database_ == nullptr) throw HistoryFault("out of memory");
-    if (result != SQLITE_OK) throw HistoryFault(database_, result);
-    sqlite3_busy_timeout(database_, 1000);
-    const auto version = number("PRAGMA user_version");
+ValueFile::ValueFile(Options options) : options_(std::move(options)), database_(options_.path) {
+    const auto version = database_.number("PRAGMA user_version");
     if (version > kFileVersion) throw HistoryFault("a later version of this program wrote it");
-    execute(kTables);
+    database_.execute(kTables);
     const auto journal_pages =
         std::clamp(options_.max_bytes / 4 / kPageBytes, kMinJournalPages, kMaxJournalPages);
-    execute(("PRAGMA wal_autocheckpoint=" + std::to_string(journal_pages)).c_str());
-    if (version == 0) execute("PRAGMA user_version=1");
-}
-
-void ValueFile::execute(const char* sql) {
-    const int result = sqlite3_exec(database_, sql, nullptr, nullptr, nullptr);
-    if (result != SQLITE_OK) throw HistoryFault(database_, result);
-}
-
-std::int64_t ValueFile::number(const char* sql) {
-    Statement row(database_, sql);
-    return row.step() ? row.integer(0) : 0;
+    database_.execute("PRAGMA wal_autocheckpoint=" + std::to_string(journal_pages));
+    if (version == 0) database_.execute("PRAGMA user_version=1");
 }
 
 std::optional<Tick> ValueFile::last() {
@@ -88,7 +61,7 @@ std::optional<Tick> ValueFile::last() {
 
 /// No board takes the places of others.
 bool ValueFile::has_room(const std::string& board) {
-    if (count_ < 0) count_ = number("SELECT count(*) FROM properties");
+    if (count_ < 0) count_ = database_.number("SELECT count(*) FROM properties");
     if (count_ >= static_cast<std::int64_t>(kMaxNames)) return false;
     Statement own(database_, "SELECT count(*) FROM properties WHERE board=?");
     own.bind(board);
@@ -124,23 +97,19 @@ std::optional<std::int64_t> ValueFile::id_of(const PropertyKey& key, Tick at) {
 }
 
 bool ValueFile::write(const ValueRows& rows) {
-    int moved = 0;
-    sqlite3_file_control(database_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
-    if (moved != 0) throw HistoryFault("the file was moved or deleted");
     bool all = true;
-    execute("BEGIN");
     try {
-        for (const auto& each : rows.stretches)
-            Statement(database_, "INSERT OR REPLACE INTO stretches(start,until,shift) VALUES(?,?,?)")
-                .bind(each.start)
-                .bind(each.end)
-                .bind(each.offset)
-                .step();
-        if (!rows.stretches.empty()) write_properties(rows, all);
-        execute("COMMIT");
+        database_.in_transaction([&] {
+            for (const auto& each : rows.stretches)
+                Statement(database_, "INSERT OR REPLACE INTO stretches(start,until,shift) VALUES(?,?,?)")
+                    .bind(each.start)
+                    .bind(each.end)
+                    .bind(each.offset)
+                    .step();
+            if (!rows.stretches.empty()) write_properties(rows, all);
+        });
         if (!rows.stretches.empty()) drop_old(rows.stretches.back().end);
     } catch (const std::exception&) {
-        sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
         forget_names();
         throw;
     }
@@ -215,20 +184,16 @@ bool ValueFile::drop_part(Level level, bool also_last) {
 }
 
 void ValueFile::drop_old(Tick now) {
-    const auto used = [this] {
-        return static_cast<std::size_t>((number("PRAGMA page_count") - number("PRAGMA freelist_count")) *
-                                        number("PRAGMA page_size"));
-    };
     // Where there is no room, what is fine goes first: of the oldest there is something coarser.
     for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours})
         for (const bool also_last : {false, true})
-            while (used() > options_.max_bytes && drop_part(level, also_last)) {
+            while (database_.used_bytes() > options_.max_bytes && drop_part(level, also_last)) {
             }
     if (now < dropped_at_ + kDropEach) return;
     dropped_at_ = now;
     for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours}) {
         const auto first = (now - options_.max_age[static_cast<std::size_t>(level)]) / part_ticks(level);
-        while (number(("SELECT min(part)<" + std::to_string(first) + " FROM " + table_of(level)).c_str()) !=
+        while (database_.number("SELECT min(part)<" + std::to_string(first) + " FROM " + table_of(level)) !=
                0)
             drop_part(level, true);
     }

@@ -29,9 +29,6 @@ class ValueFile {
     static constexpr std::size_t kMaxNamesOfBoard = 2'000;
 
     explicit ValueFile(Options options);
-    ~ValueFile();
-    ValueFile(const ValueFile&) = delete;
-    ValueFile& operator=(const ValueFile&) = delete;
 
     /// The end of the last stretch.
     std::optional<Tick> last();
@@ -49,9 +46,6 @@ class ValueFile {
         std::int64_t id = 0;
         Tick written = 0;  // in a part that begins here
     };
-    void open();
-    void execute(const char* sql);
-    std::int64_t number(const char* sql);
     bool has_room(const std::string& board);
     std::optional<std::int64_t> id_of(const PropertyKey& key, Tick at);
     void write_properties(const ValueRows& rows, bool& all);
@@ -66,7 +60,7 @@ class ValueFile {
     bus::Answer names(const bus::Query& query);
 
     Options options_;
-    sqlite3* database_ = nullptr;
+    Database database_;
     std::map<PropertyKey, Name> names_;  // those that were written
     std::int64_t count_ = -1;            // of all names; negative: not known yet
     Tick dropped_at_ = 0;
