@@ -16,16 +16,6 @@ bool wants_history(const Queries::Request& request) {
     return query != nullptr && (query->find == bus::Find::kHistory || query->find == bus::Find::kValues);
 }
 
-/// ROOT/reply/USER/registry/CLIENT: USER. A broker without users has them all under one name.
-std::string asker_of(const std::string& topic) {
-    constexpr std::string_view kReply = "/reply/";
-    const auto begin = topic.find(kReply);
-    if (begin == std::string::npos) return topic;
-    const auto user =
-        topic.substr(begin + kReply.size(), topic.find('/', begin + kReply.size()) - begin - kReply.size());
-    return user.starts_with('$') ? topic : user;
-}
-
 /// Without reading the question; empty: not known.
 std::string reply_topic_of(const mqtt::Message& message) {
     if (!message.response_topic.empty()) return message.response_topic;
@@ -50,7 +40,7 @@ mqtt::Message message_of(bus::Answer answer, const bus::ReplyTo& reply) {
 
 bool QueryEndpoint::floods(const mqtt::Message& message) const {
     if (refused_.empty()) return false;
-    const auto asker = asker_of(reply_topic_of(message));
+    const auto asker = bus::asker_of(reply_topic_of(message));
     const auto told = refused_.find(asker);
     return told != refused_.end() && told->second >= kMaxRefused && waiting_.full_of(asker);
 }
@@ -100,7 +90,7 @@ void QueryEndpoint::take(Question question) {
     const bool now = waiting.empty() && answered_ < kAtOnce &&
                      !(&waiting == &of_history_ && reads_history_) && takes_answers_();
     if (now) return answer(question);
-    const auto asker = asker_of(question.reply.topic);
+    const auto asker = bus::asker_of(question.reply.topic);
     const auto left = waiting.push(asker, std::move(question));
     if (left)
         refuse(std::string(bus::kRefusedQueueFull), "too many questions of this asker wait; ask again later",
@@ -108,7 +98,7 @@ void QueryEndpoint::take(Question question) {
 }
 
 void QueryEndpoint::refuse(std::string reason, std::string error, const bus::ReplyTo& reply) {
-    auto& told = refused_[asker_of(reply.topic)];
+    auto& told = refused_[bus::asker_of(reply.topic)];
     if (refused_.size() > kMaxRefused || ++told > kMaxRefused) return;
     publish(queries_.refuse(std::move(reason), std::move(error)), reply);
 }

@@ -7,11 +7,11 @@
 #include <optional>
 #include <string>
 
+#include "asip/bus/request/asker_turns.hpp"
 #include "asip/bus/request/request_envelope.hpp"
 #include "asip/bus/topics.hpp"
 #include "asip/mqtt/message.hpp"
 #include "registry/queries.hpp"
-#include "registry/waiting_questions.hpp"
 
 namespace asip::registry {
 
@@ -83,8 +83,8 @@ class QueryEndpoint {
     std::size_t answered_ = 0;                    // since the last turn
     std::map<std::string, std::size_t> refused_;  // of each asker, since the last tick
     static constexpr std::size_t kMaxRefused = 64;
-    WaitingQuestions<Question> waiting_;
-    WaitingQuestions<Question> of_history_;  // these are read on another thread, one at a time
+    bus::AskerTurns<Question> waiting_;
+    bus::AskerTurns<Question> of_history_;  // these are read on another thread, one at a time
     bool reads_history_ = false;
     std::string forget_topic_;  // empty: queries and requests to forget come by one topic
     std::deque<Later> later_;

@@ -8,6 +8,9 @@ namespace asip::agent {
 
 namespace {
 
+// A broker that is busy reads one in the time in which it reads thousands of a flood.
+constexpr std::size_t kAnswersUnderWay = 8;
+
 bool same_connection(const mqtt::Options& a, const mqtt::Options& b) {
     return a.brokers == b.brokers && a.user == b.user && a.password == b.password && a.ca_file == b.ca_file &&
            a.cert_file == b.cert_file && a.key_file == b.key_file && a.insecure == b.insecure &&
@@ -18,7 +21,12 @@ bool same_connection(const mqtt::Options& a, const mqtt::Options& b) {
 
 StopLine::StopLine(boost::asio::io_context& io, mqtt::Options options) {
     mqtt::Client::Handlers handlers;
-    handlers.on_subscribed = [this] { tell(true, {}); };
+    handlers.on_subscribed = [this] {
+        tell(true, {});
+        send_answers();
+    };
+    handlers.on_published = [this](const std::string&) { send_answers(); };
+    handlers.on_publish_denied = [this](const std::string&, const std::string&) { send_answers(); };
     handlers.on_disconnected = [this](const mqtt::ConnectionFailure& failure) { tell(false, failure.text); };
     handlers.on_connect_failed = [this](const mqtt::ConnectionFailure& failure) {
         tell(false, failure.text);
@@ -34,6 +42,21 @@ StopLine::StopLine(boost::asio::io_context& io, mqtt::Options options) {
     };
     client_ = std::make_shared<mqtt::Client>(io, std::move(options), std::move(handlers));
     client_->start();
+}
+
+void StopLine::answer(mqtt::Message message) {
+    const auto asker = bus::asker_of(message.topic);
+    answers_.push(asker, std::move(message));
+    send_answers();
+}
+
+void StopLine::send_answers() {
+    const auto under_way = [this] {
+        const auto counters = client_->counters();
+        return counters.queued + counters.unacknowledged;
+    };
+    while (!answers_.empty() && under_way() < kAnswersUnderWay)
+        client_->publish(answers_.pop(), mqtt::Priority::kUrgent);
 }
 
 std::vector<std::shared_ptr<StopLine::Entry>> StopLine::entries() {

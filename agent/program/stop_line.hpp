@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/bus/request/asker_turns.hpp"
 #include "asip/mqtt/client.hpp"
 
 namespace asip::agent {
@@ -42,18 +43,22 @@ class StopLine {
     Listening listen(std::string topic, Handlers handlers);
 
     /// Sends the answer to a stop here: on the board's connection it would wait behind the acknowledgement of
-    /// each command.
-    void answer(mqtt::Message message) { client_->publish(std::move(message), mqtt::Priority::kUrgent); }
+    /// each command. Askers take turns: the answers of a flood of stops wait for themselves, and beyond its
+    /// bound are dropped.
+    void answer(mqtt::Message message);
 
   private:
     struct Entry {
         std::string topic;
         Handlers handlers;
     };
+    void send_answers();
     void tell(bool heard, const std::string& why);
     std::vector<std::shared_ptr<Entry>> entries();
 
     std::vector<std::weak_ptr<Entry>> entries_;
+    /// One request for all boards of a process gets an answer of each.
+    bus::AskerTurns<mqtt::Message, 4096, 16'384> answers_;
     std::shared_ptr<mqtt::Client> client_;
 };
 

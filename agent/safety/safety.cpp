@@ -6,6 +6,7 @@
 
 #include "agent/command/command_note.hpp"
 #include "agent/command/error_report.hpp"
+#include "asip/bus/request/asker_turns.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/message.hpp"
@@ -141,6 +142,7 @@ void Safety::stop_services() {
 void Safety::on_stop(const Stop& message, Time now, session::Actions& actions, Effects& out) {
     OpenStop stop;
     stop.reply = message.reply();
+    stop.asker = bus::asker_of(stop.reply.topic);
     stop.latched = message.latch;
     stop.arrived = now;
     stop.deadline =
@@ -168,7 +170,10 @@ void Safety::on_stop(const Stop& message, Time now, session::Actions& actions, E
     send(now, actions);
     stop.refused = message.waiting;
     stop.open.insert(lines.begin(), lines.end());
-    if (stops_.size() >= kMaxStops) return answer(stop, false, now, out);
+    const auto of_asker = std::count_if(stops_.begin(), stops_.end(),
+                                        [&](const OpenStop& other) { return other.asker == stop.asker; });
+    if (stops_.size() >= kMaxStops || std::cmp_greater_equal(of_asker, kMaxStopsOfAsker))
+        return answer(stop, false, now, out);
     stops_.push_back(std::move(stop));
 }
 
@@ -191,7 +196,7 @@ void Safety::answer(const OpenStop& stop, bool in_time, Time now, Effects& out) 
     statistics_.answered(reply, stop.reply.wanted(), now - stop.arrived);
     if (auto message = bus::reply_message(stop.reply, reply))
         out.publish.push_back({std::move(*message), mqtt::Priority::kUrgent});
-    note_command(board_, {"stop", {}, {}, stop.reply.by, reply}, out);
+    if (notes_of_stops_.take(now)) note_command(board_, {"stop", {}, {}, stop.reply.by, reply}, out);
 }
 
 bool Safety::release_all() {

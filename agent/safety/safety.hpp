@@ -10,6 +10,7 @@
 
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
+#include "agent/counts/allowance.hpp"
 #include "agent/counts/statistics.hpp"
 #include "agent/inbound/inbound.hpp"
 #include "agent/reports/board_values.hpp"
@@ -30,6 +31,7 @@ class Safety {
   public:
     /// Stops whose answers are open. A further one is obeyed, and answered at once as not confirmed.
     static constexpr std::size_t kMaxStops = 256;
+    static constexpr std::size_t kMaxStopsOfAsker = 32;
 
     /// All must outlive it.
     Safety(Board& board, Statistics& statistics, BoardValues& values)
@@ -71,6 +73,7 @@ class Safety {
     /// A `$stop` that is not answered yet.
     struct OpenStop {
         bus::ReplyTo reply;
+        std::string asker;
         std::set<std::string> open;
         std::vector<std::string> executed;
         std::size_t refused = 0;
@@ -96,6 +99,7 @@ class Safety {
     std::unordered_map<session::RequestId, std::string> requests_;  // -> safe form; bounded by the queue
     std::map<std::string, Holds::Hold> expired_;                    // by safe form, not yet undone
     std::vector<OpenStop> stops_;
+    Allowance notes_of_stops_{100, 20};  // behind a flood of them the answers to commands would wait
 };
 
 }  // namespace asip::agent

@@ -121,7 +121,8 @@ TopicRule rule_of(TopicKind kind) {
             return asked_of_board("BOARD/in", kAgentQueue,
                                   "agent and board: 64 commands a client wait, in turn");
         case TopicKind::kStop:
-            return asked_of_board("BOARD/$stop", "agent: 256 stops", "agent and board: ahead of all others");
+            return asked_of_board("BOARD/$stop", "agent: 256 stops, 32 of a user",
+                                  "agent and board: ahead of all others");
         case TopicKind::kServiceOut:
             return reported("BOARD/SERVICE/out", "gateway: the last value of each service", "each reader",
                             "-");

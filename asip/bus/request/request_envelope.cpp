@@ -8,6 +8,7 @@
 
 #include "asip/bus/json/json_text.hpp"
 #include "asip/bus/request/agent_clock.hpp"
+#include "asip/bus/request/asker_turns.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/client_core.hpp"
 #include "asip/text/file_text.hpp"
@@ -141,6 +142,15 @@ std::string take_reply_members(json& object, ReplyTo& reply) {
 }
 
 }  // namespace
+
+std::string asker_of(const std::string& topic) {
+    constexpr std::string_view kReply = "/reply/";
+    const auto begin = topic.find(kReply);
+    if (begin == std::string::npos) return topic;
+    const auto user =
+        topic.substr(begin + kReply.size(), topic.find('/', begin + kReply.size()) - begin - kReply.size());
+    return user.starts_with('$') ? topic : user;
+}
 
 std::string user_level(std::string_view user) {
     return std::string(can_be_level(user) ? user : "$nobody");

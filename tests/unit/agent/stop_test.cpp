@@ -239,6 +239,26 @@ TEST_F(StoppedBoard, ManyStopsAtOnce_AreEachAnsweredAndBounded) {
     EXPECT_EQ(bench.on("stops").size(), 1000u);
 }
 
+TEST_F(StoppedBoard, ManyStopsOfOneUser_TakeNoPlaceOfAnother) {
+    const auto stop_of = [&](const std::string& user, int id) {
+        bench.hear(kStop,
+                   R"({"reply_to":"asip/reply/)" + user + R"(/uno1/c","id":")" + std::to_string(id) + "\"}");
+    };
+    bench.board.mute = true;
+    for (std::size_t i = 0; i < 2 * Safety::kMaxStops; ++i)
+        stop_of("olga", static_cast<int>(i));
+    EXPECT_EQ(bench.on("asip/reply/olga/uno1/c").size(), 2 * Safety::kMaxStops - Safety::kMaxStopsOfAsker);
+    stop_of("ann", 1);
+    EXPECT_THAT(bench.on("asip/reply/ann/uno1/c"), IsEmpty()) << "it waits for the board";
+}
+
+TEST_F(StoppedBoard, ManyStopsAtOnce_AreNotEachNoted) {
+    for (int i = 0; i < 1000; ++i)
+        bench.hear(kStop, "");
+    EXPECT_THAT(bench.on("asip/servicebus/uno1/$commands").size(),
+                testing::AllOf(testing::Ge(100), testing::Le(200)));
+}
+
 TEST(StopWithoutActuators, BoardAnswersAQuestion_IsOk) {
     OnlineBench bench;
     bench.hear(kStop, R"({"id":"s","reply_to":"stops"})");

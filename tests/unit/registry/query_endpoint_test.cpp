@@ -135,8 +135,8 @@ TEST_F(HistoryQuestion, ToOneThatKeepsNone_IsRefusedAtOnce) {
     EXPECT_THAT(answers.later, IsEmpty());
 }
 
-TEST(WaitingQuestionsTest, AskersTakeTurns_AndWhoAsksMuchWaitsForItself) {
-    WaitingQuestions<std::string> waiting;
+TEST(AskerTurnsTest, AskersTakeTurns_AndWhoAsksMuchWaitsForItself) {
+    bus::AskerTurns<std::string> waiting;
     for (int i = 0; i < 3; ++i)
         EXPECT_FALSE(waiting.push("eve", "eve" + std::to_string(i)));
     EXPECT_FALSE(waiting.push("ann", "ann0"));
@@ -146,8 +146,8 @@ TEST(WaitingQuestionsTest, AskersTakeTurns_AndWhoAsksMuchWaitsForItself) {
     EXPECT_THAT(order, ElementsAre("eve0", "ann0", "eve1", "eve2"));
 }
 
-TEST(WaitingQuestionsTest, MoreThanItsShare_IsGivenBack_AndAFullOneMakesRoomForOthers) {
-    using Waiting = WaitingQuestions<std::string>;
+TEST(AskerTurnsTest, MoreThanItsShare_IsGivenBack_AndAFullOneMakesRoomForOthers) {
+    using Waiting = bus::AskerTurns<std::string>;
     Waiting waiting;
     std::size_t left = 0;
     for (std::size_t i = 0; i < 2 * Waiting::kMax; ++i)

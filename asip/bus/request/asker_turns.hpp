@@ -9,15 +9,18 @@
 #include <string_view>
 #include <utility>
 
-namespace asip::registry {
+namespace asip::bus {
 
-/// Questions that wait. Askers take turns. Bounded: kMaxOfAsker for each, kMax in all; where it is full, an
-/// asker with fewer takes the last place of the one with most. Pure.
-template <class Question>
-class WaitingQuestions {
+/// The USER of an answer's topic, or that topic. A broker without users has all askers under one name.
+std::string asker_of(const std::string& reply_topic);
+
+/// Questions, or answers, that wait. Askers take turns. Bounded: `max_of_asker` for each, `max` in all; where
+/// it is full, an asker with fewer takes the last place of the one with most. Pure.
+template <class Question, std::size_t max_of_asker = 32, std::size_t max = 1024>
+class AskerTurns {
   public:
-    static constexpr std::size_t kMaxOfAsker = 32;
-    static constexpr std::size_t kMax = 1024;
+    static constexpr std::size_t kMaxOfAsker = max_of_asker;
+    static constexpr std::size_t kMax = max;
 
     /// What has no place: this question, or the one that made room for it.
     std::optional<Question> push(const std::string& asker, Question question) {
@@ -69,4 +72,4 @@ class WaitingQuestions {
     std::size_t size_ = 0;
 };
 
-}  // namespace asip::registry
+}  // namespace asip::bus
