@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "asip/descriptor.hpp"
 #include "asip/link/baud.hpp"
 #include "asip/link/stream_base.hpp"
 
@@ -26,25 +27,6 @@ using Descriptor = asio::posix::stream_descriptor;
 Unexpected<StreamError> error(Kind kind, std::string text) {
     return Unexpected<StreamError>(StreamError{kind, std::move(text)});
 }
-
-class Fd {
-  public:
-    explicit Fd(int fd) : fd_(fd) {}
-    ~Fd() {
-        if (fd_ >= 0) ::close(fd_);
-    }
-    Fd(const Fd&) = delete;
-    Fd& operator=(const Fd&) = delete;
-    int get() const { return fd_; }
-    int release() {
-        const int fd = fd_;
-        fd_ = -1;
-        return fd;
-    }
-
-  private:
-    int fd_;
-};
 
 StreamError open_error(const std::string& device, int problem) {
     switch (problem) {
@@ -117,20 +99,20 @@ class Port final : public CoreStream<Descriptor, SerialPort> {
 
 Expected<std::unique_ptr<SerialPort>, StreamError> open_serial(asio::io_context& io,
                                                                const std::string& device, int baud) {
-    Fd fd(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-    if (fd.get() < 0) return Unexpected<StreamError>(open_error(device, errno));
-    if (!isatty(fd.get())) return error(Kind::kNotASerialPort, device + " is not a serial port");
+    asip::Descriptor fd(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    if (fd.number() < 0) return Unexpected<StreamError>(open_error(device, errno));
+    if (!isatty(fd.number())) return error(Kind::kNotASerialPort, device + " is not a serial port");
     // TIOCEXCL keeps later openers out, except those of root; the lock shows which programs opened
     // before.
-    if (flock(fd.get(), LOCK_EX | LOCK_NB) != 0) return Unexpected<StreamError>(open_error(device, EBUSY));
-    ioctl(fd.get(), TIOCEXCL);
-    if (!make_raw(fd.get()))
+    if (flock(fd.number(), LOCK_EX | LOCK_NB) != 0) return Unexpected<StreamError>(open_error(device, EBUSY));
+    ioctl(fd.number(), TIOCEXCL);
+    if (!make_raw(fd.number()))
         return error(Kind::kFailed, "cannot set up " + device + ": " + std::strerror(errno));
-    if (!set_terminal_baud(fd.get(), baud))
+    if (!set_terminal_baud(fd.number(), baud))
         return error(Kind::kFailed, device + " cannot run at " + std::to_string(baud) + " baud");
     Descriptor descriptor(io);
     boost::system::error_code problem;
-    descriptor.assign(fd.get(), problem);
+    descriptor.assign(fd.number(), problem);
     if (problem) return error(Kind::kFailed, "cannot use " + device + ": " + problem.message());
     fd.release();
     descriptor.non_blocking(true, problem);

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "asip/program/descriptor.hpp"
+#include "asip/descriptor.hpp"
 
 namespace asip::program {
 namespace {
@@ -20,6 +20,10 @@ namespace fs = std::filesystem;
 
 Unexpected<std::string> failed(const fs::path& path) {
     return fail(path.string() + " cannot be written: " + std::strerror(errno));
+}
+
+fs::path folder_of(const fs::path& path) {
+    return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
 bool sync_folder(const fs::path& path) {
@@ -33,22 +37,33 @@ bool make_folder(const fs::path& path) {
     if (path.has_parent_path() && path.parent_path() != path && !make_folder(path.parent_path()))
         return false;
     if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return false;
-    return sync_folder(path.has_parent_path() ? path.parent_path() : fs::path("."));
+    return sync_folder(folder_of(path));
+}
+
+bool write_draft(const fs::path& draft, std::string_view text, const FileRights& rights) {
+    const Descriptor file(::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    return file.valid() && file.write(text) && ::fchown(file.number(), rights.user, rights.group) == 0 &&
+           ::fchmod(file.number(), rights.mode) == 0 && file.sync();
 }
 
 }  // namespace
 
+bool replace_file(const fs::path& path, std::string_view text, const FileRights& rights) {
+    auto draft = path;
+    draft += ".new";
+    ::unlink(draft.c_str());  // what a killed program left, or another user planted
+    if (write_draft(draft, text, rights) && ::rename(draft.c_str(), path.c_str()) == 0)
+        return sync_folder(folder_of(path));
+    const int why = errno;
+    ::unlink(draft.c_str());
+    errno = why;
+    return false;
+}
+
 Expected<void> keep_file(const fs::path& path, std::string_view text) {
-    const auto folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const auto folder = folder_of(path);
     if (!make_folder(folder)) return failed(folder);
-    auto unfinished = path;
-    unfinished += ".new";
-    {
-        ::unlink(unfinished.c_str());  // what a killed program left, or another user planted
-        const Descriptor file(::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
-        if (!file.valid() || !file.write(text) || !file.sync()) return failed(unfinished);
-    }
-    if (::rename(unfinished.c_str(), path.c_str()) != 0 || !sync_folder(folder)) return failed(path);
+    if (!replace_file(path, text)) return failed(path);
     return {};
 }
 
@@ -56,7 +71,7 @@ Expected<void> drop_file(const fs::path& path) {
     std::error_code error;
     if (!fs::remove(path, error) && !error) return {};
     if (error) return fail(path.string() + ": " + error.message());
-    if (!sync_folder(path.has_parent_path() ? path.parent_path() : fs::path("."))) return failed(path);
+    if (!sync_folder(folder_of(path))) return failed(path);
     return {};
 }
 

@@ -72,13 +72,13 @@ Outcome<void> copy(const std::string& from, const std::string& to, const Databas
 
 }  // namespace
 
-Outcome<program::Descriptor> BackupMachine::copy_database(const BackupItem& item) const {
+Outcome<Descriptor> BackupMachine::copy_database(const BackupItem& item) const {
     const AsUser as(user_for(item));
     const WorkFolder work;
     auto done = copy(name_of(item), work.file(),
                      open_database(work.file(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE));
     if (!done) return tl::unexpected(done.error());
-    return program::Descriptor(::open(work.file().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    return Descriptor(::open(work.file().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
 }
 
 bool BackupMachine::goes_on_here(const BackupItem& item) const {
@@ -102,14 +102,13 @@ bool BackupMachine::goes_on_here(const BackupItem& item) const {
     return result;
 }
 
-Outcome<void> BackupMachine::restore_database(const BackupItem& item, const program::Descriptor& text) const {
+Outcome<void> BackupMachine::restore_database(const BackupItem& item, const Descriptor& text) const {
     if (const auto there = look(item); !there || !*there)
         if (auto made = there ? write(item, "") : tl::unexpected(there.error()); !made) return made;
     const AsUser as(user_for(item));
     const WorkFolder work;
     {
-        const program::Descriptor copied(
-            ::open(work.file().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+        const Descriptor copied(::open(work.file().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
         const bool whole =
             each_part(text, item.at, item.size, [&](std::string_view part) { return copied.write(part); });
         if (!whole) return failure(program::kExitFailure, work.file() + ": " + std::strerror(errno));

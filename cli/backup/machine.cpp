@@ -19,7 +19,6 @@ namespace asip::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Descriptor;
 
 constexpr mode_t kOthersWrite = 022, kGroupReads = 040, kAllRead = 004;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;

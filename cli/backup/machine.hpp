@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "asip/program/descriptor.hpp"
+#include "asip/descriptor.hpp"
 #include "cli/backup/items.hpp"
 
 namespace asip::cli {
@@ -58,11 +58,11 @@ class BackupMachine {
     Outcome<void> write(const BackupItem& item, const std::string& text) const;
 
     /// A database as it is at one moment, in a file that has no name any more.
-    Outcome<program::Descriptor> copy_database(const BackupItem& item) const;
+    Outcome<Descriptor> copy_database(const BackupItem& item) const;
     /// Whether the one here began before that of the backup ended, and goes on behind it, or cannot be read.
     bool goes_on_here(const BackupItem& item) const;
     /// In place of all that is in it, whole or not at all. Fails where another program has it open.
-    Outcome<void> restore_database(const BackupItem& item, const program::Descriptor& text) const;
+    Outcome<void> restore_database(const BackupItem& item, const Descriptor& text) const;
 
   private:
     Owner owner_of(const BackupItem& item) const;

@@ -80,7 +80,7 @@ tl::unexpected<Failure> failed_with(const std::string& what) {
 
 }  // namespace
 
-Outcome<void> seal(const program::Descriptor& out, const Passphrase& passphrase,
+Outcome<void> seal(const Descriptor& out, const Passphrase& passphrase,
                    const std::function<Outcome<void>(const Sink& sink)>& produce) {
     const auto front = std::string(passphrase.given ? kSealed : kPublic) + random_bytes(kBackupSaltBytes);
     Cipher cipher(passphrase, front, true);
@@ -104,14 +104,14 @@ Outcome<void> seal(const program::Descriptor& out, const Passphrase& passphrase,
     return {};
 }
 
-program::Descriptor nameless_file() {
+Descriptor nameless_file() {
     std::string name = "/var/tmp/asip-XXXXXX";
-    program::Descriptor file(::mkostemp(name.data(), O_CLOEXEC));  // 0600
+    Descriptor file(::mkostemp(name.data(), O_CLOEXEC));  // 0600
     if (file.valid()) ::unlink(name.c_str());
     return file;
 }
 
-bool each_part(const program::Descriptor& file, std::uint64_t at, std::uint64_t bytes, const Sink& use) {
+bool each_part(const Descriptor& file, std::uint64_t at, std::uint64_t bytes, const Sink& use) {
     std::string part;
     for (ssize_t count = 0; bytes > 0;
          at += static_cast<std::uint64_t>(count), bytes -= static_cast<std::uint64_t>(count)) {
@@ -124,8 +124,8 @@ bool each_part(const program::Descriptor& file, std::uint64_t at, std::uint64_t 
 }
 
 Outcome<bool> unseal(const std::string& file, const std::function<Outcome<Passphrase>()>& ask,
-                     const program::Descriptor& out) {
-    const program::Descriptor in(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+                     const Descriptor& out) {
+    const Descriptor in(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
     struct stat status{};
     if (!in.valid() || ::fstat(in.number(), &status) != 0) return failed_with(file);
     const auto size = static_cast<std::uint64_t>(status.st_size);

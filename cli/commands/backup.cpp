@@ -145,7 +145,7 @@ class Backup {
 
     Outcome<void> write(const Passphrase& passphrase) {
         std::string draft = options_.file + ".XXXXXX";
-        const program::Descriptor out(::mkostemp(draft.data(), O_CLOEXEC));  // 0600
+        const Descriptor out(::mkostemp(draft.data(), O_CLOEXEC));  // 0600
         const auto cannot = [this] {
             return failure(program::kExitFailure,
                            "cannot write " + options_.file + ": " + std::strerror(errno));
@@ -155,7 +155,7 @@ class Backup {
         if (done && ::rename(draft.c_str(), options_.file.c_str()) != 0) done = cannot();
         if (!done) ::unlink(draft.c_str());
         const auto above = fs::absolute(options_.file).parent_path();
-        const program::Descriptor folder(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+        const Descriptor folder(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
         if (done && (!folder.valid() || !folder.sync())) return cannot();
         return done;
     }
@@ -163,7 +163,7 @@ class Backup {
     const BackupOptions& options_;
     Environment& environment_;
     std::vector<BackupItem> items_;
-    program::Descriptor contents_ = nameless_file();  // in their order
+    Descriptor contents_ = nameless_file();  // in their order
 };
 
 Run declare_backup(Declaration& verb) {

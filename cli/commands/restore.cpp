@@ -252,7 +252,7 @@ class Restore {
     const RestoreOptions& options_;
     Environment& environment_;
     SecureReport report_;
-    program::Descriptor text_ = nameless_file();
+    Descriptor text_ = nameless_file();
     bool sealed_ = false;
     BackupList list_;
     std::vector<const BackupItem*> to_write_;

@@ -19,6 +19,7 @@
 #include <map>
 #include <optional>
 
+#include "asip/descriptor.hpp"
 #include "asip/random.hpp"
 
 namespace asip::cli {
@@ -34,19 +35,9 @@ constexpr Duration kAfterFirst = 300ms;
 constexpr std::size_t kMaxBrokers = 32;
 constexpr std::size_t kSrvFixed = 6;  // priority, weight, port
 
-class Socket {
-  public:
-    Socket(int type) : descriptor_(socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {}
-    ~Socket() {
-        if (descriptor_ >= 0) close(descriptor_);
-    }
-    Socket(const Socket&) = delete;
-    Socket& operator=(const Socket&) = delete;
-    int get() const { return descriptor_; }
-
-  private:
-    int descriptor_;
-};
+Descriptor open_socket(int type) {
+    return Descriptor(socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+}
 
 sockaddr_in address_of(const char* host, std::uint16_t port) {
     sockaddr_in address{};
@@ -200,17 +191,17 @@ std::vector<AnnouncedBroker> announced_brokers(std::span<const std::uint8_t> pac
 }
 
 std::vector<AnnouncedBroker> search_brokers(Duration patience) {
-    const Socket socket(SOCK_DGRAM);
-    if (socket.get() < 0) return {};
+    const auto socket = open_socket(SOCK_DGRAM);
+    if (socket.number() < 0) return {};
     const auto id = static_cast<std::uint16_t>(std::stoul(random_hex(system_random(), 4), nullptr, 16));
-    ask_everywhere(socket.get(), broker_question(id));
+    ask_everywhere(socket.number(), broker_question(id));
     std::vector<AnnouncedBroker> result;
     for (auto end = Clock::now() + patience; Clock::now() < end;) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
-        pollfd input{socket.get(), POLLIN, 0};
+        pollfd input{socket.number(), POLLIN, 0};
         if (poll(&input, 1, static_cast<int>(left.count())) <= 0) continue;
         const bool first = result.empty();
-        add(result, receive(socket.get(), id));
+        add(result, receive(socket.number(), id));
         if (first && !result.empty()) end = std::min(end, Clock::now() + kAfterFirst);
     }
     std::sort(result.begin(), result.end(),
@@ -222,17 +213,17 @@ bool listens_here(std::uint16_t port) {
     const auto here = address_of("127.0.0.1", port);
     const auto* address = reinterpret_cast<const sockaddr*>(&here);
     // Binding tells, without a connection that the broker would log.
-    if (const Socket socket(SOCK_STREAM);
-        bind(socket.get(), address, sizeof here) != 0 && errno == EADDRINUSE)
+    if (const auto socket = open_socket(SOCK_STREAM);
+        bind(socket.number(), address, sizeof here) != 0 && errno == EADDRINUSE)
         return true;
-    const Socket socket(SOCK_STREAM);
-    if (connect(socket.get(), address, sizeof here) == 0) return true;
+    const auto socket = open_socket(SOCK_STREAM);
+    if (connect(socket.number(), address, sizeof here) == 0) return true;
     if (errno != EINPROGRESS) return false;
-    pollfd connecting{socket.get(), POLLOUT, 0};
+    pollfd connecting{socket.number(), POLLOUT, 0};
     int error = 0;
     socklen_t size = sizeof error;
     return poll(&connecting, 1, 100) == 1 &&
-           getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
+           getsockopt(socket.number(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
 }
 
 }  // namespace asip::cli

@@ -116,34 +116,28 @@ namespace {
 
 constexpr Duration kBetweenAttempts = std::chrono::milliseconds(100);
 
-/// A locked descriptor, or -1 with errno.
-int open_and_lock(const std::string& path) {
+/// None: see errno.
+Descriptor open_and_lock(const std::string& path) {
     // Not closed on exec: the programmer keeps the lock when this program is killed.
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
-    if (descriptor < 0 || ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
-    ::close(descriptor);
+    Descriptor port(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+    if (!port.valid() || ::flock(port.number(), LOCK_EX | LOCK_NB) == 0) return port;
+    port = Descriptor();
     errno = EBUSY;
-    return -1;
+    return port;
 }
 
 }  // namespace
 
 Expected<PortLock> PortLock::take(const std::string& path, const std::function<void(Duration)>& pause) {
-    int descriptor = open_and_lock(path);
-    for (Duration waited{}; descriptor < 0 && errno == EBUSY && waited < kPatience;
+    auto port = open_and_lock(path);
+    for (Duration waited{}; !port.valid() && errno == EBUSY && waited < kPatience;
          waited += kBetweenAttempts) {
         pause(kBetweenAttempts);
-        descriptor = open_and_lock(path);
+        port = open_and_lock(path);
     }
-    if (descriptor >= 0) return PortLock(descriptor);
+    if (port.valid()) return PortLock(std::move(port));
     if (errno == EBUSY) return fail(path + " is in use by another program (fuser " + path + ")");
     return fail(path + " cannot be opened: " + std::strerror(errno));
-}
-
-PortLock::PortLock(PortLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-PortLock::~PortLock() {
-    if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 }  // namespace asip::cli

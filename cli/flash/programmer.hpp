@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "asip/descriptor.hpp"
 #include "asip/expected.hpp"
 #include "asip/time.hpp"
 
@@ -64,13 +65,10 @@ class PortLock {
     /// their device at each port that became free. `pause` passes the time between two attempts.
     static Expected<PortLock> take(const std::string& path, const std::function<void(Duration)>& pause);
     static constexpr Duration kPatience = std::chrono::seconds(2);
-    PortLock(PortLock&& other) noexcept;
-    PortLock& operator=(PortLock&&) = delete;
-    ~PortLock();
 
   private:
-    explicit PortLock(int descriptor) : descriptor_(descriptor) {}
-    int descriptor_;
+    explicit PortLock(Descriptor port) : port_(std::move(port)) {}
+    Descriptor port_;
 };
 
 }  // namespace asip::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/folder.hpp"
-#include "asip/program/descriptor.hpp"
+#include "asip/program/kept_file.hpp"
 #include "asip/text/file_text.hpp"
 
 #include <fcntl.h>
@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <iterator>
 #include <utility>
 
 namespace asip::cli {
@@ -47,14 +46,13 @@ class Mask {
 };
 constexpr mode_t kOthersMayNotWrite = 022;
 
-using File = program::Descriptor;
-
 /// Makes the folder unless it exists, and opens it. A folder of another user, or one in which others may
 /// write, could be exchanged under our hands for one that leads elsewhere.
-Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const passwd* also_of = nullptr) {
+Outcome<Descriptor> own_folder(const fs::path& path, mode_t mode, int flags,
+                               const passwd* also_of = nullptr) {
     if (::mkdir(path.c_str(), mode) != 0 && errno != EEXIST)
         return tl::unexpected(cannot("make the folder", path));
-    File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | flags));
+    Descriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | flags));
     struct stat status{};
     if (!folder.valid() || ::fstat(folder.number(), &status) != 0)
         return tl::unexpected(cannot("open the folder", path));
@@ -68,16 +66,15 @@ Outcome<int> own_folder(const fs::path& path, mode_t mode, int flags, const pass
         return failure(program::kExitFailure, "others may write in " + path.string() +
                                                   "; end that first: chmod go-w " + path.string());
     }
-    return folder.release();
+    return folder;
 }
 
 /// One that no other user looks into.
 Outcome<void> private_folder(const fs::path& path, const passwd* owner = nullptr) {
     const auto folder = own_folder(path, 0700, O_NOFOLLOW, owner);
     if (!folder) return tl::unexpected(folder.error());
-    const File closed(*folder);
-    if (::fchmod(*folder, 0700) != 0) return tl::unexpected(cannot("close to others", path));
-    if (owner != nullptr && ::fchown(*folder, owner->pw_uid, owner->pw_gid) != 0)
+    if (::fchmod(folder->number(), 0700) != 0) return tl::unexpected(cannot("close to others", path));
+    if (owner != nullptr && ::fchown(folder->number(), owner->pw_uid, owner->pw_gid) != 0)
         return tl::unexpected(cannot("give to user mosquitto", path));
     return {};
 }
@@ -102,12 +99,6 @@ bool has_mode(const fs::path& file, mode_t mode) {
     return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && (status.st_mode & 0777) == mode;
 }
 
-/// The name of a file is safe on the disk only when its folder is.
-void sync_folder(const fs::path& path) {
-    const File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (folder.valid()) folder.sync();
-}
-
 }  // namespace
 
 Outcome<SecureFolder> SecureFolder::create(const Path& path) {
@@ -120,10 +111,9 @@ Outcome<SecureFolder> SecureFolder::create(const Path& path) {
     const Mask mask(kOthersMayNotWrite);
     if (root) make_parents(path);
     // The broker, another user, must get to broker/.
-    const auto opened = own_folder(path, root ? 0755 : 0700, 0);
-    if (!opened) return tl::unexpected(opened.error());
-    File lock(*opened);
-    if (::flock(lock.number(), LOCK_EX) != 0) return tl::unexpected(cannot("lock", path));
+    auto lock = own_folder(path, root ? 0755 : 0700, 0);
+    if (!lock) return tl::unexpected(lock.error());
+    if (::flock(lock->number(), LOCK_EX) != 0) return tl::unexpected(cannot("lock", path));
     if (auto made = private_folder(path / "broker", broker_user()); !made)
         return tl::unexpected(made.error());
     if (auto made = private_folder(path / "credentials"); !made) return tl::unexpected(made.error());
@@ -131,7 +121,7 @@ Outcome<SecureFolder> SecureFolder::create(const Path& path) {
     std::error_code error;
     auto whole = fs::canonical(path, error);
     if (error) return failure(program::kExitFailure, "cannot find " + text + ": " + error.message());
-    return SecureFolder(std::move(whole), lock.release());
+    return SecureFolder(std::move(whole), std::move(*lock));
 }
 
 Outcome<SecureFolder> SecureFolder::open(const Path& path) {
@@ -141,13 +131,6 @@ Outcome<SecureFolder> SecureFolder::open(const Path& path) {
                                                   "; make one: asipctl secure init (--dir DIR: elsewhere)");
     }
     return create(path);
-}
-
-SecureFolder::SecureFolder(SecureFolder&& other) noexcept
-    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
-
-SecureFolder::~SecureFolder() {
-    if (lock_ >= 0) ::close(lock_);
 }
 
 Outcome<SecuredBus> SecureFolder::bus() const {
@@ -175,20 +158,10 @@ Outcome<void> SecureFolder::save(const SecuredBus& bus) const {
 Outcome<bool> SecureFolder::write(const Path& file, const std::string& text, Readers readers) const {
     const mode_t mode = readers == Readers::kOwner ? 0600 : 0644;
     if (has_mode(file, mode) && text::file_text(file) == text) return false;
-    const Mask mask(kOthersMayNotWrite);
-    const auto temporary = file.string() + ".new";
-    ::unlink(temporary.c_str());
-    const File opened(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
-    if (!opened.valid()) return tl::unexpected(cannot("write", file));
-    bool done = opened.write(text) && opened.sync();
-    if (const auto* user = broker_user(); done && user != nullptr && for_broker(file))
-        done = ::fchown(opened.number(), user->pw_uid, user->pw_gid) == 0;
-    if (!done || ::rename(temporary.c_str(), file.c_str()) != 0) {
-        auto why = cannot("write", file);
-        ::unlink(temporary.c_str());
-        return tl::unexpected(std::move(why));
-    }
-    sync_folder(file.parent_path());
+    program::FileRights rights{mode};
+    if (const auto* user = broker_user(); user != nullptr && for_broker(file))
+        rights = {mode, user->pw_uid, user->pw_gid};
+    if (!program::replace_file(file, text, rights)) return tl::unexpected(cannot("write", file));
     return true;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "asip/descriptor.hpp"
 #include "cli/environment.hpp"
 #include "cli/secure/bus_file.hpp"
 #include "cli/secure/certificate.hpp"
@@ -21,9 +22,6 @@ class SecureFolder {
     static Outcome<SecureFolder> create(const Path& path);
     /// Fails where `init` has not been run.
     static Outcome<SecureFolder> open(const Path& path);
-    ~SecureFolder();
-    SecureFolder(SecureFolder&& other) noexcept;
-    SecureFolder& operator=(SecureFolder&&) = delete;
 
     const Path& path() const { return path_; }
     Path authority_key() const { return path_ / "ca.key"; }
@@ -52,12 +50,12 @@ class SecureFolder {
     Outcome<bool> write(const Path& file, const std::string& text, Readers readers) const;
 
   private:
-    SecureFolder(Path path, int lock) : path_(std::move(path)), lock_(lock) {}
+    SecureFolder(Path path, Descriptor lock) : path_(std::move(path)), lock_(std::move(lock)) {}
     Path bus_file() const { return path_ / "bus.json"; }
     bool for_broker(const Path& file) const { return file.parent_path() == store(); }
 
     Path path_;
-    int lock_ = -1;
+    Descriptor lock_;
 };
 
 }  // namespace asip::cli

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/secure/services.hpp"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 
 #include "asip/mqtt/options.hpp"
 #include "asip/program/credentials.hpp"
+#include "asip/program/kept_file.hpp"
 #include "asip/program/options.hpp"
 #include "asip/text/file_text.hpp"
 #include "cli/ask/board_source.hpp"
@@ -54,19 +54,8 @@ Outcome<bool> write_for_group(const fs::path& file, const std::string& text) {
     const bool kept = ::lstat(file.c_str(), &present) == 0 && S_ISREG(present.st_mode) &&
                       (present.st_mode & 0777) == 0640 && present.st_gid == folder.st_gid;
     if (kept && text::file_text(file) == text) return false;
-    const auto draft = file.string() + ".new";
-    ::unlink(draft.c_str());
-    const int opened = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (opened < 0) return tl::unexpected(failed_to("write", file));
-    const bool done = ::write(opened, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                      ::fchown(opened, 0, folder.st_gid) == 0 && ::fchmod(opened, 0640) == 0 &&
-                      ::fsync(opened) == 0;
-    ::close(opened);
-    if (!done || ::rename(draft.c_str(), file.c_str()) != 0) {
-        auto why = failed_to("write", file);
-        ::unlink(draft.c_str());
-        return tl::unexpected(std::move(why));
-    }
+    if (!program::replace_file(file, text, {0640, 0, folder.st_gid}))
+        return tl::unexpected(failed_to("write", file));
     return true;
 }
 

@@ -32,64 +32,45 @@ Expected<Pty> Pty::open() {
     fcntl(master, F_SETFD, FD_CLOEXEC);
     ::close(slave);
     Pty pty;
-    pty.master_ = master;
+    pty.master_ = Descriptor(master);
     pty.path_ = path;
-    pty.watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-    if (pty.watch_ >= 0) inotify_add_watch(pty.watch_, path, IN_OPEN);
+    pty.watch_ = Descriptor(inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+    if (pty.watch_.valid()) inotify_add_watch(pty.watch_.number(), path, IN_OPEN);
     return pty;
 }
 
-Pty::~Pty() {
-    if (master_ >= 0) ::close(master_);
-    if (watch_ >= 0) ::close(watch_);
-}
-
-Pty::Pty(Pty&& other) noexcept
-    : master_(std::exchange(other.master_, -1)),
-      watch_(std::exchange(other.watch_, -1)),
-      was_in_use_(other.was_in_use_),
-      path_(std::move(other.path_)) {}
-
-Pty& Pty::operator=(Pty&& other) noexcept {
-    std::swap(master_, other.master_);
-    std::swap(watch_, other.watch_);
-    std::swap(was_in_use_, other.was_in_use_);
-    std::swap(path_, other.path_);
-    return *this;
-}
-
 Pty::Events Pty::look() {
-    pollfd polled[] = {{watch_, POLLIN, 0}, {master_, POLLIN, 0}};
+    pollfd polled[] = {{watch_.number(), POLLIN, 0}, {master_.number(), POLLIN, 0}};
     if (::poll(polled, 2, 0) < 0) return {.in_use = was_in_use_};
     Events events{.in_use = (polled[1].revents & POLLHUP) == 0,
                   .readable = (polled[1].revents & POLLIN) != 0};
     char opened[1024];
-    events.opened = watch_ < 0
-                        ? events.in_use && !was_in_use_
-                        : (polled[0].revents & POLLIN) != 0 && ::read(watch_, opened, sizeof opened) > 0;
+    events.opened = !watch_.valid() ? events.in_use && !was_in_use_
+                                    : (polled[0].revents & POLLIN) != 0 &&
+                                          ::read(watch_.number(), opened, sizeof opened) > 0;
     was_in_use_ = events.in_use;
     return events;
 }
 
 void Pty::add_waits(std::vector<pollfd>& waits, bool with_bytes) const {
-    waits.push_back({watch_, POLLIN, 0});
+    waits.push_back({watch_.number(), POLLIN, 0});
     // One that no program has open is always ready.
-    if (was_in_use_ && with_bytes) waits.push_back({master_, POLLIN, 0});
+    if (was_in_use_ && with_bytes) waits.push_back({master_.number(), POLLIN, 0});
 }
 
 std::uint32_t Pty::baud() const {
-    return tty_speed(master_);
+    return tty_speed(master_.number());
 }
 
 std::string Pty::read(std::size_t max_bytes) {
     std::string bytes(max_bytes, '\0');
-    const auto count = ::read(master_, bytes.data(), bytes.size());
+    const auto count = ::read(master_.number(), bytes.data(), bytes.size());
     bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
     return bytes;
 }
 
 std::size_t Pty::write(std::string_view bytes) {
-    const auto count = ::write(master_, bytes.data(), bytes.size());
+    const auto count = ::write(master_.number(), bytes.data(), bytes.size());
     return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "asip/descriptor.hpp"
 #include "asip/expected.hpp"
 
 namespace asip::sim {
@@ -18,11 +19,8 @@ class Pty {
     /// At 57600 baud and raw.
     static Expected<Pty> open();
     Pty() = default;
-    ~Pty();
-    Pty(Pty&& other) noexcept;
-    Pty& operator=(Pty&& other) noexcept;
 
-    bool is_open() const { return master_ >= 0; }
+    bool is_open() const { return master_.valid(); }
     /// The side that other programs open: "/dev/pts/3".
     const std::string& path() const { return path_; }
 
@@ -41,8 +39,8 @@ class Pty {
     std::size_t write(std::string_view bytes);
 
   private:
-    int master_ = -1;
-    int watch_ = -1;  // inotify, for `opened`; -1 where the system has none
+    Descriptor master_;
+    Descriptor watch_;  // inotify, for `opened`; none where the system has none
     bool was_in_use_ = false;
     std::string path_;
 };

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "asip/descriptor.hpp"
 #include "asip/expected.hpp"
 
 namespace asip::sim {
@@ -17,25 +18,22 @@ class TcpPort {
     /// 0: any free port.
     static Expected<TcpPort> listen(int port);
     TcpPort() = default;
-    ~TcpPort();
-    TcpPort(TcpPort&& other) noexcept;
-    TcpPort& operator=(TcpPort&& other) noexcept;
 
-    bool is_open() const { return listener_ >= 0; }
+    bool is_open() const { return listener_.valid(); }
     int port() const { return port_; }
-    bool in_use() const { return client_ >= 0; }
+    bool in_use() const { return client_.valid(); }
 
     /// True: one came.
     bool accept();
     /// Notices that the client left.
     std::string read(std::size_t max_bytes);
     std::size_t write(std::string_view bytes);
-    void drop_client();
+    void drop_client() { client_ = Descriptor(); }
     void add_waits(std::vector<pollfd>& waits, bool with_bytes) const;
 
   private:
-    int listener_ = -1;
-    int client_ = -1;
+    Descriptor listener_;
+    Descriptor client_;
     int port_ = 0;
 };
 

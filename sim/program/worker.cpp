@@ -29,7 +29,6 @@ Worker::~Worker() {
     }
     wake();
     thread_.join();
-    if (woken_ >= 0) ::close(woken_);
 }
 
 void Worker::post(std::function<void(std::vector<std::unique_ptr<LiveBoard>>&)> task) {
@@ -41,7 +40,7 @@ void Worker::post(std::function<void(std::vector<std::unique_ptr<LiveBoard>>&)> 
 }
 
 void Worker::wake() {
-    if (woken_ >= 0) eventfd_write(woken_, 1);
+    if (woken_.valid()) eventfd_write(woken_.number(), 1);
 }
 
 void Worker::run() {
@@ -63,14 +62,14 @@ void Worker::run() {
 }
 
 void Worker::wait_until(Time due) {
-    waits_.assign(1, {woken_, POLLIN, 0});
+    waits_.assign(1, {woken_.number(), POLLIN, 0});
     for (const auto& board : boards_)
         board->add_waits(waits_);
     const auto left = std::max<std::chrono::nanoseconds>(due - Clock::now(), {});
     const timespec timeout{0, static_cast<long>(left.count())};
     eventfd_t count = 0;
     if (ppoll(waits_.data(), waits_.size(), &timeout, nullptr) > 0 && (waits_[0].revents & POLLIN) != 0)
-        eventfd_read(woken_, &count);
+        eventfd_read(woken_.number(), &count);
 }
 
 bool Worker::do_tasks() {

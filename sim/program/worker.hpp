@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "asip/descriptor.hpp"
 #include "sim/program/live_board.hpp"
 
 namespace asip::sim {
@@ -31,7 +32,7 @@ class Worker {
 
     std::vector<std::unique_ptr<LiveBoard>> boards_;
     std::chrono::nanoseconds slice_;
-    int woken_;  // an eventfd, or -1: tasks wait for the end of a slice
+    Descriptor woken_;  // an eventfd, or none: tasks wait for the end of a slice
     std::vector<pollfd> waits_;
     std::mutex mutex_;
     std::vector<std::function<void(std::vector<std::unique_ptr<LiveBoard>>&)>> tasks_;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-namespace asip::program {
+namespace asip {
 
 /// An open file or folder, closed at its end. Negative: none.
 class Descriptor {
@@ -40,4 +40,4 @@ class Descriptor {
     int number_;
 };
 
-}  // namespace asip::program
+}  // namespace asip
