@@ -11,6 +11,7 @@
 #include "asip/text/nearest.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/broker_search.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -227,9 +228,8 @@ Outcome<void> CommandLine::find_broker(Environment& environment) const {
             "no broker is configured, none is on this machine, and none is announced on this network");
         return {};
     }
-    std::string all;
-    for (const auto& broker : found)
-        all += (all.empty() ? "" : ", ") + broker.address.describe() + " (" + broker.name + ")";
+    const auto all = listed(
+        found, ", ", [](const auto& broker) { return broker.address.describe() + " (" + broker.name + ")"; });
     if (found.size() > 1)
         return failure(program::kExitBroker, "several brokers are announced on this network: " + all +
                                                  "; choose one: --broker ADDRESS, or asipctl context add");

@@ -2,6 +2,7 @@
 #include "cli/output.hpp"
 
 #include <algorithm>
+#include <array>
 #include <ostream>
 
 #include "asip/model/json.hpp"
@@ -9,6 +10,7 @@
 #include "asip/text/nearest.hpp"
 #include "asip/text/printable.hpp"
 #include "cli/environment.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -20,23 +22,9 @@ std::string_view first_part(std::string_view path) {
 }  // namespace
 
 std::string_view name_of(Output output) {
-    switch (output) {
-        case Output::kTable:
-            return "table";
-        case Output::kWide:
-            return "wide";
-        case Output::kText:
-            return "text";
-        case Output::kName:
-            return "name";
-        case Output::kJson:
-            return "json";
-        case Output::kCsv:
-            return "csv";
-        case Output::kJsonLines:
-            break;
-    }
-    return "jsonl";
+    static constexpr std::array<std::string_view, 7> kNames{"table", "wide", "text", "name",
+                                                            "csv",   "json", "jsonl"};
+    return kNames.at(static_cast<std::size_t>(output));
 }
 
 Expected<void> check_template(const std::string& text, const std::vector<std::string>& fields) {
@@ -45,10 +33,8 @@ Expected<void> check_template(const std::string& text, const std::vector<std::st
     for (const auto& name : line->names()) {
         const std::string first(first_part(name));
         if (std::find(fields.begin(), fields.end(), first) != fields.end()) continue;
-        std::string all;
-        for (const auto& one : fields)
-            all += (all.empty() ? "" : ", ") + one;
-        return fail("there is no {" + name + "}" + text::did_you_mean(first, fields) + "; there are " + all);
+        return fail("there is no {" + name + "}" + text::did_you_mean(first, fields) + "; there are " +
+                    listed(fields));
     }
     return {};
 }

@@ -2,6 +2,7 @@
 #include "asip/catalogue/catalogue.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "asip/bus/pattern.hpp"
@@ -10,33 +11,10 @@
 namespace asip::catalogue {
 
 std::string_view to_text(Refusal refusal) {
-    switch (refusal) {
-        case Refusal::kNotForUs:
-            return "not-for-us";
-        case Refusal::kBadName:
-            return "bad-name";
-        case Refusal::kBadState:
-            return "bad-state";
-        case Refusal::kTooLong:
-            return "too-long";
-        case Refusal::kMalformed:
-            return "malformed";
-        case Refusal::kWrongBoard:
-            return "wrong-board";
-        case Refusal::kOldSequence:
-            return "old-sequence";
-        case Refusal::kOldSession:
-            return "old-session";
-        case Refusal::kUnproven:
-            return "unproven";
-        case Refusal::kConflict:
-            return "conflict";
-        case Refusal::kOldHint:
-            return "old-hint";
-        case Refusal::kTooMany:
-            return "too-many";
-    }
-    return "";
+    static constexpr std::array<std::string_view, kRefusals> kWords{
+        "not-for-us",   "bad-name",    "bad-state", "too-long", "malformed", "wrong-board",
+        "old-sequence", "old-session", "unproven",  "conflict", "old-hint",  "too-many"};
+    return kWords.at(static_cast<std::size_t>(refusal));
 }
 
 Catalogue::Impl::Impl(Options options)

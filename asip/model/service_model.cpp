@@ -2,6 +2,7 @@
 #include "asip/model/service_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
@@ -42,21 +43,9 @@ std::string number(double value) {
 }  // namespace
 
 std::string_view to_text(ValueType type) {
-    switch (type) {
-        case ValueType::kInteger:
-            return "integer";
-        case ValueType::kNumber:
-            return "number";
-        case ValueType::kText:
-            return "text";
-        case ValueType::kColor:
-            return "color";
-        case ValueType::kCount:
-            return "count";
-        case ValueType::kList:
-            return "list";
-    }
-    return "integer";
+    static constexpr std::array<std::string_view, 6> kWords{"integer", "number", "text",
+                                                            "color",   "count",  "list"};
+    return kWords.at(static_cast<std::size_t>(type));
 }
 
 std::string ServiceModel::ref() const {

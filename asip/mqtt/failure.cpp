@@ -4,6 +4,8 @@
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
 
+#include <array>
+
 namespace asip::mqtt {
 namespace {
 
@@ -60,25 +62,9 @@ bool ConnectionFailure::fatal() const {
 }
 
 std::string_view name_of(ConnectionFailure::Kind kind) {
-    switch (kind) {
-        case Kind::kUnreachable:
-            return "unreachable";
-        case Kind::kNoAnswer:
-            return "no-answer";
-        case Kind::kTls:
-            return "tls";
-        case Kind::kBadCredentials:
-            return "bad-credentials";
-        case Kind::kRefused:
-            return "refused";
-        case Kind::kTakenOver:
-            return "taken-over";
-        case Kind::kStalled:
-            return "stalled";
-        case Kind::kClosed:
-            return "closed";
-    }
-    return "unknown";
+    static constexpr std::array<std::string_view, 8> kNames{
+        "unreachable", "no-answer", "tls", "bad-credentials", "refused", "taken-over", "stalled", "closed"};
+    return kNames.at(static_cast<std::size_t>(kind));
 }
 
 std::string denied_text(const std::string& user, const std::string& topic, const std::string& reason,

@@ -16,13 +16,6 @@
 namespace asip::cli {
 namespace {
 
-std::string joined(std::span<const std::string> words) {
-    std::string text;
-    for (const auto& word : words)
-        text += (text.empty() ? "" : ",") + word;
-    return text;
-}
-
 Expected<model::EncodedCommand> encode(const model::ServiceModel& model, std::span<const std::string> words) {
     if (words.size() == 1 && words.front().starts_with("{")) {
         const auto document = model::parse_json(words.front());
@@ -59,7 +52,7 @@ Outcome<BoardCommand> make_command(const Environment& environment, const KnownBo
     if (words.empty())
         return failure(program::kExitUsage, where + "which command?" + (model ? all_commands(*model) : ""));
     if (!model) {
-        const auto text = joined(words);
+        const auto text = listed(words, ",");
         if (text.empty() || text.find_first_of("\r\n") != std::string::npos)
             return failure(program::kExitUsage, where + "a tag and its parameters, as in: W 0 90");
         return BoardCommand{topic, text, service.name + "," + text, target, {}, board.item.names_only};

@@ -17,6 +17,7 @@
 #include "asip/program/stop_signal.hpp"
 #include "asip/random.hpp"
 #include "cli/ask/stuck_output.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 
@@ -109,10 +110,7 @@ struct BusSession::State {
     }
 
     std::string why_not_connected() const {
-        std::string text;
-        for (const auto& [broker, why] : failed)
-            text += (text.empty() ? "" : "; ") + why.text;
-        return text;
+        return listed(failed, "; ", [](const auto& one) { return one.second.text; });
     }
 
     /// What the user of asipctl leaves to it.

@@ -14,6 +14,7 @@
 #include "cli/ask/retained.hpp"
 #include "cli/declaration.hpp"
 #include "cli/text/table.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -162,10 +163,9 @@ class Linker : OnTheBus {
         const auto meant = property::properties_named(found->second, id);
         if (meant.size() == 1) return found->second[meant.front()].id;
         if (meant.empty()) return id;  // the fault names the nearest
-        std::string all;
-        for (const auto each : meant)
-            all += (all.empty() ? "" : ", ") + found->second[each].id;
-        return usage(board + "/" + id + " is several: " + all);
+        return usage(board + "/" + id + " is several: " + listed(meant, ", ", [&](auto each) {
+                         return found->second[each].id;
+                     }));
     }
 
     Outcome<Link> read(const std::string& board) const {

@@ -13,6 +13,7 @@
 #include "cli/flash/no_asip.hpp"
 #include "cli/text/state_text.hpp"
 #include "cli/text/width.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -30,10 +31,7 @@ void print_records(const std::vector<Item>& items, const OutputOptions& output, 
 }
 
 std::string labels_text(const model::Labels& labels) {
-    std::string text;
-    for (const auto& [key, value] : labels.labels)
-        text += (text.empty() ? "" : ",") + key + "=" + value;
-    return text;
+    return listed(labels.labels, ",", [](const auto& each) { return each.first + "=" + each.second; });
 }
 
 std::string number_text(const std::optional<int>& number) {

@@ -13,6 +13,7 @@
 #include "cli/secure/system.hpp"
 #include "cli/secure/users.hpp"
 #include "cli/text/table.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 
@@ -40,9 +41,9 @@ Row row_of(const SecureFolder& folder, const SecuredUser& user) {
 }
 
 Row broker_row(const SecureFolder& folder, const SecuredBus& bus, Environment& environment) {
-    std::string hosts;
-    for (const auto& host : bus.hosts)
-        hosts += (hosts.empty() ? "" : " ") + mqtt::BrokerAddress{host, bus.port, true}.describe();
+    const auto hosts = listed(bus.hosts, " ", [&bus](const auto& host) {
+        return mqtt::BrokerAddress{host, bus.port, true}.describe();
+    });
     Row row{"broker", "broker", {}, {}, folder.certificate().string(), hosts};
     const auto text = text::file_text(folder.certificate());
     const auto end = text ? end_of(*text) : Expected<CertificateTime>(fail("it cannot be read"));

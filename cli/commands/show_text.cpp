@@ -14,6 +14,7 @@
 #include "cli/commands/show.hpp"
 #include "cli/output.hpp"
 #include "cli/text/width.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -30,9 +31,9 @@ std::string labelled(const std::string& label, const std::string& value, bool co
 
 std::string extensions_text(const model::Description& description) {
     if (description.firmware.protocol.empty()) return {};
-    std::string text;
-    for (const auto& [tag, version] : description.firmware.extensions.list)
-        text += (text.empty() ? "" : " ") + std::string(1, tag) + ":" + std::to_string(version);
+    const auto text = listed(description.firmware.extensions.list, " ", [](const auto& each) {
+        return std::string(1, each.first) + ":" + std::to_string(each.second);
+    });
     return text.empty() ? "none (ASIP 0.4)" : text;
 }
 
@@ -58,13 +59,6 @@ std::vector<std::string> capabilities(char digit) {
     if ((bits & protocol::kCapabilityAnalogIn) != 0) words.emplace_back("analog");
     if ((bits & protocol::kCapabilityPwm) != 0) words.emplace_back("pwm");
     return words;
-}
-
-std::string capability_text(char digit) {
-    std::string text;
-    for (const auto& word : capabilities(digit))
-        text += (text.empty() ? "" : " ") + word;
-    return text;
 }
 
 std::string mode_text(char digit) {
@@ -167,7 +161,7 @@ std::string pins_text(const model::Description& description, std::size_t width, 
         std::vector<Cell> row{Cell(pin_name(description, pin), tint),
                               Cell(mode_text(at(pins.modes, pin)), tint),
                               Cell(owner_text(description, owner), tint),
-                              Cell(capability_text(at(pins.capabilities, pin)), tint)};
+                              Cell(listed(capabilities(at(pins.capabilities, pin)), " "), tint)};
         if (named) row.emplace_back(description.labels.pin(static_cast<int>(pin)));
         table.add(std::move(row));
     }
@@ -178,12 +172,8 @@ std::string model_text(const model::ServiceModel& model, std::size_t width, bool
     std::string text;
     if (!model.events.empty()) {
         Table events({{"REPORTS"}, {"FIELDS", false, 10}, {"", false, 10}});
-        for (const auto& event : model.events) {
-            std::string fields;
-            for (const auto& field : event.fields)
-                fields += (fields.empty() ? "" : ", ") + field_text(field);
-            events.add({event.name, fields, event.title});
-        }
+        for (const auto& event : model.events)
+            events.add({event.name, listed(event.fields, ", ", field_text), event.title});
         text += "\n" + events.render(width, colour);
     }
     if (!model.commands.empty()) {

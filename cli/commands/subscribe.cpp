@@ -12,6 +12,7 @@
 #include "cli/events/button_events.hpp"
 #include "cli/events/context_event.hpp"
 #include "cli/events/event_pace.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -34,10 +35,7 @@ std::string value_of(const SeenEvent& seen, std::string_view name) {
     if (name == "field") return seen.decoded.field;
     if (name == "unit") return leaves.empty() ? std::string() : leaves.front().unit;
     if (name != "value") return event_value(seen.event, name);
-    std::string text;
-    for (const auto& leaf : leaves)
-        text += (text.empty() ? "" : ", ") + LeafValue{leaf.path, leaf.value, {}}.text();
-    return text;
+    return listed(leaves, ", ", [](const auto& leaf) { return LeafValue{leaf.path, leaf.value, {}}.text(); });
 }
 
 /// With --field the selection stands beside the whole report.

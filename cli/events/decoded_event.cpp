@@ -5,6 +5,7 @@
 
 #include "asip/model/json.hpp"
 #include "cli/output.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -18,10 +19,7 @@ bool is_plain_list(const Json& value) {
 }
 
 std::string listed_values(const std::vector<LeafValue>& leaves) {
-    std::string text;
-    for (const auto& leaf : leaves)
-        text += (text.empty() ? "" : ", ") + leaf.text();
-    return text;
+    return listed(leaves, ", ", &LeafValue::text);
 }
 
 std::string slashed(std::string path) {
@@ -97,10 +95,7 @@ std::string whole_text(const std::string& service, const Json& document, const m
 
 std::string leaves_text(const std::vector<LeafValue>& leaves) {
     if (leaves.size() == 1) return leaves.front().text();
-    std::string text;
-    for (const auto& leaf : leaves)
-        text += (text.empty() ? "" : " ") + leaf.path + "=" + leaf.text();
-    return text;
+    return listed(leaves, " ", [](const auto& leaf) { return leaf.path + "=" + leaf.text(); });
 }
 
 std::optional<DecodedEvent> decode_event(const ContextEvent& event, const model::ServiceModel* model,

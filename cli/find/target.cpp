@@ -6,6 +6,7 @@
 #include "asip/bus/pattern.hpp"
 #include "asip/model/names.hpp"
 #include "asip/text/nearest.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -101,9 +102,7 @@ Outcome<model::ServiceInfo> find_service(const KnownBoard& board, const std::str
         return service;
     }
     const auto names = board.service_names();
-    std::string all;
-    for (const auto& one : names)
-        all += (all.empty() ? "" : ", ") + one;
+    const auto all = listed(names);
     return failure(program::kExitFailure, board.item.board + " has no service '" + name + "'" +
                                               text::did_you_mean(name, names) + "; it has " +
                                               (all.empty() ? "none" : all));

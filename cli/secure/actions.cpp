@@ -13,6 +13,7 @@
 #include "cli/secure/services.hpp"
 #include "cli/secure/system.hpp"
 #include "cli/secure/users.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -40,7 +41,7 @@ Outcome<SecuredBus> ensure_bus(const SecureOptions& options, const Environment& 
         auto bus = folder.bus();
         if (bus && !options.hosts.empty() && bus->hosts != options.hosts) {
             return failure(program::kExitFailure,
-                           "this bus exists, for " + joined(bus->hosts) +
+                           "this bus exists, for " + listed(bus->hosts) +
                                "; another certificate: asipctl secure renew broker --host HOST");
         }
         return bus;
@@ -314,7 +315,7 @@ Outcome<void> secure_renew(const SecureOptions& options, SecureReport& report) {
         // First, so that init makes the certificate for them if this run ends here.
         if (auto done = folder->save(*bus); !done) return done;
         if (auto done = write_certificate(*folder, *bus); !done) return done;
-        report.did("changed", "certificate of the broker for " + joined(bus->hosts), folder->certificate());
+        report.did("changed", "certificate of the broker for " + listed(bus->hosts), folder->certificate());
         if (auto done = refresh_credentials(*folder, *bus, report); !done) return done;
     } else if (auto done = renew_user(*folder, *bus, options.what, report); !done) {
         return done;

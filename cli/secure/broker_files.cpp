@@ -9,6 +9,7 @@
 #include "asip/text/file_text.hpp"
 #include "asip/text/wall_time.hpp"
 #include "cli/secure/reload.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -128,7 +129,7 @@ Outcome<void> ensure_certificate(const SecureFolder& folder, const SecuredBus& b
         }
     }
     if (auto done = write_certificate(folder, bus); !done) return done;
-    report.did("made", "certificate of the broker for " + joined(bus.hosts) + " (" + why + ")",
+    report.did("made", "certificate of the broker for " + listed(bus.hosts) + " (" + why + ")",
                folder.certificate());
     return {};
 }

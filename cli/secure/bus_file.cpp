@@ -9,6 +9,7 @@
 #include "asip/model/json.hpp"
 #include "asip/mqtt/options.hpp"
 #include "cli/secure/sources.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -183,9 +184,9 @@ std::string with_reserve(std::string configuration) {
 
 std::string credentials_text(const SecuredBus& bus, const SecuredUser& user, const std::string& password,
                              const std::string& authority) {
-    std::string brokers;
-    for (const auto& host : bus.hosts)
-        brokers += (brokers.empty() ? "" : ",") + mqtt::BrokerAddress{host, bus.port, true}.describe();
+    const auto brokers = listed(bus.hosts, ",", [&bus](const auto& host) {
+        return mqtt::BrokerAddress{host, bus.port, true}.describe();
+    });
     std::string text = "# A program with this file is " + user.name +
                        " on the bus: keep it secret.\nrole = " + std::string(name_of(user.role)) +
                        "\nbroker = " + brokers + "\nuser = " + user.name + "\npassword = " + password +

@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "cli/secure/secrets.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -107,10 +108,7 @@ Expected<CertificateAndKey> in_pem(X509* certificate, EVP_PKEY* key) {
 }
 
 std::string alternative_names(const std::vector<std::string>& hosts) {
-    std::string names;
-    for (const auto& host : hosts)
-        names += (names.empty() ? "" : ",") + std::string(is_address(host) ? "IP:" : "DNS:") + host;
-    return names;
+    return listed(hosts, ",", [](const auto& host) { return (is_address(host) ? "IP:" : "DNS:") + host; });
 }
 
 Certificate certificate_in(const std::string& pem) {

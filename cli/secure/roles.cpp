@@ -8,6 +8,7 @@
 
 #include "asip/model/names.hpp"
 #include "cli/secure/topic_rules.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -150,7 +151,7 @@ std::optional<Role> parse_role(std::string_view word) {
 std::string rights_of(const RoleOfUser& user) {
     if (!user.boards) return std::string(description_of(user.role).rights);
     return "reads what boards report, asks registries, commands and stops " +
-           (user.boards->empty() ? "no board" : joined(*user.boards));
+           (user.boards->empty() ? "no board" : listed(*user.boards));
 }
 
 std::string explain_user_name(std::string_view name, Role role) {

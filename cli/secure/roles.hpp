@@ -25,15 +25,6 @@ std::optional<Role> parse_role(std::string_view word);
 /// Nothing: every board.
 using SomeBoards = std::optional<std::set<std::string>>;
 
-/// "uno1, uno2".
-template <class Names>
-std::string joined(const Names& names) {
-    std::string text;
-    for (const std::string& name : names)
-        text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
 struct RoleOfUser {
     std::string name;
     Role role = Role::kViewer;

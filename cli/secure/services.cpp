@@ -21,6 +21,7 @@
 #include "cli/flash/programmer.hpp"
 #include "cli/secure/reload.hpp"
 #include "cli/secure/users.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -208,7 +209,7 @@ void order_units(const std::string& verb, const Names& units, SecureReport& repo
     if (fs::is_directory("/run/systemd/system"))
         run_and_wait(call);
     else
-        report.next("then", "systemctl " + verb + " " + joined(units));
+        report.next("then", "systemctl " + verb + " " + listed(units));
 }
 
 void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {

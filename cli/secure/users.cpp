@@ -10,6 +10,7 @@
 #include "cli/ask/board_source.hpp"
 #include "cli/secure/leftovers.hpp"
 #include "cli/secure/secrets.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
@@ -31,7 +32,7 @@ Outcome<bool> write_credentials(const SecureFolder& folder, const SecuredBus& bu
 
 std::string who(const SecuredUser& user) {
     std::string text = std::string(name_of(user.role)) + " " + user.name;
-    if (user.boards) text += " of " + (user.boards->empty() ? "no board" : joined(*user.boards));
+    if (user.boards) text += " of " + (user.boards->empty() ? "no board" : listed(*user.boards));
     return text;
 }
 
@@ -80,7 +81,7 @@ void give_boards(SecuredBus& bus, const std::string& name, const std::set<std::s
     user->boards = boards;
     user->selector = selector;
     report.did(same ? "kept" : "changed", "boards that " + name + " commands, which have the labels " +
-                                              selector + ": " + joined(boards));
+                                              selector + ": " + listed(boards));
 }
 
 Outcome<SomeBoards> labelled_boards(const SelectorText& selector, const Environment& environment,

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
-#include <vector>
 
 namespace asip::cli {
 
@@ -18,11 +18,12 @@ inline std::string count_text(double count) {
     return std::to_string(static_cast<std::uint64_t>(std::clamp(count, 0.0, 1e18)));
 }
 
-/// `a, b, c`
-inline std::string listed(const std::vector<std::string>& words) {
+/// `a, b, c`. `text_of` makes a word of an item.
+template <class Items, class TextOf = std::identity>
+std::string listed(const Items& items, const char* between = ", ", TextOf text_of = {}) {
     std::string text;
-    for (const auto& word : words)
-        text += (text.empty() ? "" : ", ") + word;
+    for (const auto& item : items)
+        text += (text.empty() ? "" : between) + std::string(std::invoke(text_of, item));
     return text;
 }
 

@@ -2,6 +2,7 @@
 #include "asip/bus/registry/query.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -130,19 +131,9 @@ json to_object(const Query& query) {
 }  // namespace
 
 std::string_view to_string(Find find) {
-    switch (find) {
-        case Find::kBoards:
-            return "boards";
-        case Find::kServices:
-            return "services";
-        case Find::kHistory:
-            return "history";
-        case Find::kValues:
-            return "values";
-        case Find::kModels:
-            break;
-    }
-    return "models";
+    static constexpr std::array<std::string_view, 5> kWords{"boards", "services", "history", "models",
+                                                            "values"};
+    return kWords.at(static_cast<std::size_t>(find));
 }
 
 std::string encode(const RegistryRequest& request) {
