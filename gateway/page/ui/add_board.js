@@ -19,11 +19,6 @@ const is_new = (row) => row.state === "no-asip" || (row.state === "online" && ro
 
 class AddBoard extends Part {
   /// Call before it is put into the page. `name`: of a board that was chosen elsewhere; "": which one is asked.
-  begin(name) {
-    this.name = name;
-    return this;
-  }
-
   shown() {
     this.items = steps.map(([title, d]) => h("li", {}, picture(d), h("span", {}, title)));
     this.heading = h("h2", { tabindex: "-1" });

@@ -25,11 +25,6 @@ const rights = () => `${status.may_command} ${status.may_stop} ${status.may_forg
 const facts_of = (facts) => facts.filter(([, text]) => text).map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)));
 
 class Board extends Part {
-  begin(name) {
-    this.name = name;
-    return this;
-  }
-
   shown() {
     this.heading = h("h1", { tabindex: "-1" }, h("span", {}, this.name), small());
     this.mark = h("span", {});

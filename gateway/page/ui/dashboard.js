@@ -12,11 +12,6 @@ import "./share.js";
 import "./widget.js";
 
 class Dashboard extends Part {
-  begin(name) {
-    this.name = name;
-    return this;
-  }
-
   shown() {
     this.board_states = new Map();
     this.heading = h("h1", { tabindex: "-1" }, this.name);

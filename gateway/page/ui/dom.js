@@ -64,6 +64,12 @@ export function before_picture(work) {
 /// An element whose listeners and timers end with it: what `while_shown` is given is called when it is taken away.
 export class Part extends HTMLElement {
   #ends = [];
+  /// Whose it is: a board's, a dashboard's. Call before it is put into the page.
+  begin(name) {
+    this.name = name;
+    return this;
+  }
+
   while_shown(end) { this.#ends.push(end); }
 
   listen(target, name, handler) {

@@ -20,12 +20,6 @@ export async function load_firmware(board, body) {
 }
 
 class Firmware extends Part {
-  /// Call before it is put into the page.
-  begin(board) {
-    this.board_name = board;
-    return this;
-  }
-
   shown() {
     const id = fresh_id("kind");
     this.heading = h("strong", {});
@@ -66,7 +60,7 @@ class Firmware extends Part {
     this.busy = true;
     set_text(this.answer, "");
     this.draw();
-    const { kind, text } = await load_firmware(this.board_name, this.kind.value ? { board: this.kind.value } : {});
+    const { kind, text } = await load_firmware(this.name, this.kind.value ? { board: this.kind.value } : {});
     this.busy = false;
     tell(this.answer, kind, text);
     if (this.isConnected) this.draw();

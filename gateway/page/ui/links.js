@@ -14,12 +14,6 @@ const kLookMs = 1000;
 const id_of = (link) => `${link.board}/${link.name}`;
 
 class Links extends Part {
-  /// Call before it is put into the page.
-  begin(board) {
-    this.board = board;
-    return this;
-  }
-
   shown() {
     this.list = h("ul", { class: "link-list" });
     this.note = muted();
@@ -35,7 +29,7 @@ class Links extends Part {
   }
 
   async load() {
-    const shown = await request(path_of("boards", this.board, "links")).catch(() => undefined); // what is shown stays
+    const shown = await request(path_of("boards", this.name, "links")).catch(() => undefined); // what is shown stays
     if (!shown || !this.isConnected) return;
     this.items = shown.items;
     this.set_aside = shown.set_aside;
@@ -109,8 +103,8 @@ class Links extends Part {
     this.open.setAttribute("aria-expanded", String(open));
     if (!open) return;
     this.panel.replaceChildren(muted(t("looking-what")));
-    const others = boards.catalogue.by_name().filter((row) => row.name !== this.board && alive(row.state));
-    const names = [this.board, ...others.slice(0, kMaxBoards).map((row) => row.name)];
+    const others = boards.catalogue.by_name().filter((row) => row.name !== this.name && alive(row.state));
+    const names = [this.name, ...others.slice(0, kMaxBoards).map((row) => row.name)];
     const lists = await Promise.all(names.map((name) => properties_of(name).catch(() => [])));
     this.offers = new Map(names.map((name, i) => [name, lists[i]]));
     this.show_form(others.length > kMaxBoards);

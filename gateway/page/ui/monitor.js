@@ -6,11 +6,6 @@ import { bus } from "../net/bus.js";
 import { before_picture, h, Part, set_text } from "./dom.js";
 
 class Monitor extends Part {
-  begin(board) {
-    this.board = board;
-    return this;
-  }
-
   shown() {
     this.line = new Line((n) => t("bytes-left-out", { n }));
     this.raw = h("input", { type: "checkbox", onchange: () => this.draw() });
@@ -19,7 +14,7 @@ class Monitor extends Part {
     this.append(h("p", { class: "actions" }, h("label", { class: "check" }, this.raw, " ", t("raw-bytes")), h("label", { class: "check" }, this.pause, " ", t("pause")), h("button", { onclick: () => this.clear() }, t("clear"))), this.text);
     const draw = before_picture(() => this.draw());
     let live = false; // what the gateway kept of a monitor before is old
-    this.while_shown(bus.subscribe({ subscribe: `${this.board}/$line`, max_hz: 10 }, (message) => {
+    this.while_shown(bus.subscribe({ subscribe: `${this.name}/$line`, max_hz: 10 }, (message) => {
       if (message.event === "snapshot-end") live = true;
       if (message.event !== "value" || !live) return;
       this.line.take(message.value, Date.now());

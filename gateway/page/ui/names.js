@@ -18,12 +18,6 @@ export async function keep_labels(board, change) {
 }
 
 class Names extends Part {
-  /// Call before it is put into the page.
-  begin(board) {
-    this.board_name = board;
-    return this;
-  }
-
   shown() {
     this.fields = h("div", { class: "name-fields" });
     this.answer = answer_line();
@@ -57,7 +51,7 @@ class Names extends Part {
       return input;
     };
     this.fields.replaceChildren();
-    this.own = asked(t("name-board"), labels.name ?? "", { maxlength: 63, placeholder: this.board_name });
+    this.own = asked(t("name-board"), labels.name ?? "", { maxlength: 63, placeholder: this.name });
     const services = description?.services ?? [];
     this.services = new Map(services.map((service) => [service.name,
       asked(t("name-service", { service: service_text(service.name) }), names.services?.[service.name] ?? "", { maxlength: 63, placeholder: service.name === "io" ? t("pins") : title_of_service(service) })]));
@@ -71,7 +65,7 @@ class Names extends Part {
     const change = { ...(Object.keys(labels).length > 0 && { labels }), ...(Object.keys(services).length > 0 && { names: { services } }) };
     if (Object.keys(change).length === 0) return void this.tell({ kind: "ok", text: t("nothing-was-changed") });
     this.tell({ kind: "", text: t("waiting-agent") });
-    const answer = await keep_labels(this.board_name, change);
+    const answer = await keep_labels(this.name, change);
     this.shown_key = undefined;
     this.tell(answer);
   }

@@ -8,11 +8,6 @@ import { answer_line, field, fresh_id, h, muted, Part, small } from "./dom.js";
 const periods = [["1h", t("one-hour")], ["1d", t("one-day")], ["7d", t("week")], ["30d", t("30-days")], ["365d", t("year")], ["", t("until-ended")]];
 
 class Share extends Part {
-  begin(name) {
-    this.name = name;
-    return this;
-  }
-
   shown() {
     this.list = h("ul", { class: "link-list" });
     const until = h("select", { id: fresh_id("until") }, periods.map(([value, text]) => h("option", { value }, text)));
