@@ -135,12 +135,12 @@ void BoardSource::without_registry(const std::string& why) {
             : why + "; reading the bus itself");
 }
 
-std::string BoardSource::find_registry() {
+std::string BoardSource::find_registry(bool tell) {
     if (!asks_registry()) return {};
     bus::Query query;
     query.limit = 1;
     const auto answer = ask(query);
-    if (!answer && !session_.stopped() && !session_.lost()) without_registry(answer.error().text);
+    if (tell && !answer && !session_.stopped() && !session_.lost()) without_registry(answer.error().text);
     return registry_;
 }
 
@@ -292,8 +292,15 @@ std::vector<std::string> BoardSource::names() {
 }
 
 Outcome<KnownBoard> BoardSource::unknown(const std::string& name) {
-    auto failed = no_such_board(name, names());
+    auto all = names();
     if (session_.stopped()) return interrupted();
+    if (std::erase(all, name) > 0) {  // it came behind the question
+        bus::Query query;
+        query.board = name;
+        auto late = known_boards(std::move(query));
+        if (!late || !late->empty()) return late.map([](auto& boards) { return std::move(boards.front()); });
+    }
+    auto failed = no_such_board(name, all);
     return tl::unexpected(session_.unanswered(std::move(failed.text)));
 }
 

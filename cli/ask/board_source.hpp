@@ -67,8 +67,8 @@ class BoardSource {
     /// As fast as possible, for suggestions and completion. Never fails.
     std::vector<std::string> names();
 
-    /// That answers now; empty, with a note: none does.
-    std::string find_registry();
+    /// That answers now; empty: none does. The user is told that, where `tell`.
+    std::string find_registry(bool tell = true);
     /// The registry that answered last; may be empty.
     const std::string& registry() const { return registry_; }
     /// `read_bus` fills it, with a window for answers to a probe or without.

@@ -104,7 +104,8 @@ class Examination {
                 ref && ref->kind == bus::TopicKind::kRegistryState && message.payload == "online";
             if (online) seen_.registries.emplace_back(ref->board);
         }
-        if (!environment_.from_bus && (!seen_.registries.empty() || some_registry_answers())) {
+        // The nodes of a cluster may not have what registries retain.
+        if (!environment_.from_bus && (!seen_.registries.empty() || !source_.find_registry(false).empty())) {
             seen_.asked = std::chrono::system_clock::now();
             if (auto boards = source_.boards({})) seen_.boards = std::move(*boards);
             seen_.registry = source_.registry();
@@ -112,18 +113,6 @@ class Examination {
         }
         if (seen_.registry.empty()) seen_.boards = source_.bus().boards({}, catalogue::instant_now());
         seen_.bad_documents = source_.bus().refused();
-    }
-
-    /// The nodes of a cluster may not have what registries retain.
-    bool some_registry_answers() {
-        bool answered = false;
-        bus::Query query;
-        query.limit = 1;
-        const auto request = session_.ask(environment_.topics.any_registry_query(),
-                                          bus::encode(bus::RegistryRequest{query, {}, {}}),
-                                          [&answered](const mqtt::Message&) { answered = true; });
-        session_.run_until([&answered] { return answered; }, Clock::now() + environment_.timeout);
-        return answered;
     }
 
     struct Asked {

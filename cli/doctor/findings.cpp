@@ -40,6 +40,11 @@ std::string retained_payload(const Observations& seen, const std::string& topic)
     return {};
 }
 
+bool answers(const Observations& seen, const std::string& board) {
+    const auto ping = seen.pings.find(board);
+    return ping != seen.pings.end() && ping->second.reply && ping->second.reply->succeeded();
+}
+
 Finding ping_finding(const std::string& board, const PingResult& ping) {
     if (!ping.reply) {
         return problem(board + " is reported online, but nothing answers for it",
@@ -146,8 +151,11 @@ Findings check_registry(const Observations& seen) {
 Findings check_boards(const Observations& seen) {
     Findings result;
     if (seen.boards.empty()) {
-        result.push_back(
-            note("there is no board", "start an agent: asip-agent --serial /dev/ttyACM0, or try asip-sim"));
+        const bool plug = seen.loopback && seen.machine.starts_agents;
+        result.push_back(note("there is no board",
+                              plug ? "plug one in, or start an agent for one that is elsewhere: asip-agent "
+                                     "--tcp HOST:PORT, or try asip-sim"
+                                   : "start an agent: asip-agent --serial /dev/ttyACM0, or try asip-sim"));
     }
     std::vector<std::string> answering, denied;
     for (const auto& [board, ping] : seen.pings) {
@@ -172,15 +180,6 @@ Findings check_boards(const Observations& seen) {
     }
     return result;
 }
-
-namespace {
-
-bool answers(const Observations& seen, const std::string& board) {
-    const auto ping = seen.pings.find(board);
-    return ping != seen.pings.end() && ping->second.reply && ping->second.reply->succeeded();
-}
-
-}  // namespace
 
 Findings check_states(const Observations& seen) {
     Findings result;

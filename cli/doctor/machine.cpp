@@ -75,6 +75,11 @@ Machine look_at_machine(const fs::path& root) {
          {"etc/udev/rules.d", "usr/lib/udev/rules.d", "lib/udev/rules.d", "run/udev/rules.d"}) {
         result.udev_rule = result.udev_rule || has_rule(root / folder);
     }
+    for (const auto* folder : {"etc/systemd/system", "usr/lib/systemd/system", "lib/systemd/system"}) {
+        std::error_code error;
+        result.starts_agents = result.starts_agents ||
+                               (result.udev_rule && fs::exists(root / folder / "asip-agent@.service", error));
+    }
     return result;
 }
 

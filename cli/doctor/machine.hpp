@@ -20,6 +20,7 @@ struct Machine {
     bool modem_manager = false;  ///< runs here
     bool brltty = false;         ///< runs here, or is started by udev for some converters
     bool udev_rule = false;      ///< that keeps it off our boards
+    bool starts_agents = false;  ///< for each board that is plugged in
 };
 
 /// `root`: `/`, or another one for tests.

@@ -186,6 +186,13 @@ TEST_F(BusTest, Doctor_NamesEachFaultAndWhatToDo) {
     EXPECT_THAT(doctor.output, HasSubstr("-> asipctl forget --leftovers --only commands"));
 }
 
+TEST_F(BusTest, DoctorWithoutARegistry_WaitsForNone) {
+    const auto doctor = run(program({"doctor", "--timeout", "600s"}), environment(), time_limit(60s));
+    EXPECT_EQ(doctor.status, 0) << doctor.errors;
+    EXPECT_THAT(doctor.output, HasSubstr("note     no registry runs"));
+    EXPECT_THAT(doctor.errors, IsEmpty());
+}
+
 /// Waits until a program that can print nothing more has ended.
 TEST_F(BusTest, UnreadableDescription_IsClearedByWhatTheDoctorAdvises) {
     announce("uno1");

@@ -47,6 +47,24 @@ TEST_F(ForgedRegistryTest, RegistryThatRetainsNothing_IsFoundByTheDoctor) {
     EXPECT_THAT(doctor.output, Not(HasSubstr("no registry runs")));
 }
 
+TEST_F(ForgedRegistryTest, BoardThatComesBehindTheQuestion_IsTaken) {
+    probe_.publish("asip/registry/r1/$state", "online", true);
+    ASSERT_TRUE(wait_until([this] { return probe_.all_acknowledged(); }));
+    const auto late = [](bool stays) {
+        return [stays](int number) {
+            const bool there = number == 1 || (stays && number > 1);
+            return page_with(R"("find":"boards",)", there ? R"({"board":"desk","state":"online"})" : "");
+        };
+    };
+    const auto show = answered_by(late(true), {"show", "desk"});
+    EXPECT_EQ(show.status, 0) << show.errors;
+    EXPECT_THAT(show.output, HasSubstr("desk  online"));
+    const auto gone = answered_by(late(false), {"show", "desk"});
+    EXPECT_EQ(gone.status, 4);
+    EXPECT_THAT(gone.errors, HasSubstr("no board 'desk'"));
+    EXPECT_THAT(gone.errors, Not(HasSubstr("did you mean")));
+}
+
 TEST_F(BusTest, DescriptionWithAModelThatIsNotValid_IsShownWithWhatIsWrong) {
     const std::string description =
         R"({"board":"esp","session":"a","seq":1,"services":[{"name":"x","model":{"name":"x"}}]})";

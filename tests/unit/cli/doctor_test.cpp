@@ -18,6 +18,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 using Level = Finding::Level;
 
@@ -190,6 +191,17 @@ TEST(Doctor, RegistryThatCannotKeep_SaysWhatAndWhy) {
     seen.retained.push_back({"asip/registry/r3/$stats", "[]"});
     EXPECT_THAT(problems(check_registry(seen)),
                 ElementsAre("registry r1 cannot keep values: the disk is full"));
+}
+
+TEST(Doctor, NoBoardWhereAgentsStartByThemselves_IsToBePluggedIn) {
+    Observations seen;
+    const auto advice = [&seen] { return check_boards(seen).at(0).advice; };
+    seen.loopback = true;
+    EXPECT_THAT(advice(), StartsWith("start an agent: asip-agent --serial"));
+    seen.machine.starts_agents = true;
+    EXPECT_THAT(advice(), StartsWith("plug one in, or start an agent for one that is elsewhere"));
+    seen.loopback = false;
+    EXPECT_THAT(advice(), StartsWith("start an agent")) << "what is plugged in here may go to another bus";
 }
 
 TEST(Doctor, OnlineBoardNobodyAnswersFor_AndAgentWithoutBoard_AreDistinguished) {
@@ -384,6 +396,10 @@ TEST(LookAtMachine, FilesOfAMachine_AreRead) {
     std::ofstream(root / "etc/udev/rules.d/70-asip.rules") << "ENV{ID_MM_DEVICE_IGNORE}=\"1\"\n";
     machine = look_at_machine(root);
     EXPECT_TRUE(machine.udev_rule);
+    EXPECT_FALSE(machine.starts_agents);
+    fs::create_directories(root / "usr/lib/systemd/system");
+    std::ofstream(root / "usr/lib/systemd/system/asip-agent@.service") << "";
+    EXPECT_TRUE(look_at_machine(root).starts_agents);
     fs::remove_all(root);
     machine = look_at_machine(root);
     EXPECT_THAT(machine.ports, IsEmpty());
