@@ -84,6 +84,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"ServiceWithInvalidModel", with_services(R"([{"name":"a","model":"a b@1"}])"),
             Refusal::kMalformed},
         Bad{"ServiceWithNegativeCount", with_services(R"([{"name":"a","count":-1}])"), Refusal::kMalformed},
+        Bad{"SaidStateNoObject", description("uno1", {.seq = 2, .more = R"("state":"lost")"}),
+            Refusal::kMalformed},
         Bad{"UnknownState", state("uno1", "dead"), Refusal::kBadState},
         Bad{"StateOfInvalidName", state("a b", "online"), Refusal::kBadName},
         Bad{"EmptyBoardName", board_name(""), Refusal::kBadName},

@@ -150,16 +150,6 @@ TEST_F(CatalogueTest, RetainedStateAlone_MakesNoBoardAlive) {
     EXPECT_EQ(state_of("uno1"), "online");
 }
 
-TEST_F(CatalogueTest, RetainedLostAndDescriptionInEitherOrder_IsLost) {
-    give(retained(description("uno1"), 40));
-    give(retained(state("uno1", "lost")));
-    give(retained(state("uno2", "lost")));
-    give(retained(description("uno2"), 40));
-    EXPECT_EQ(state_of("uno1"), "lost");
-    EXPECT_EQ(state_of("uno2"), "lost");
-    EXPECT_EQ(board("uno2").services.size(), 2u);
-}
-
 TEST_F(CatalogueTest, ReplayedStateAgainstALivingBoard_IsOnlyAHint) {
     give(description("uno1", {.more = R"("state":{"is":"online","age":0})"}));
     give(retained(state("uno1", "lost")));
