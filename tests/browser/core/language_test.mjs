@@ -130,7 +130,7 @@ function counters_of_a_registry() {
   const document_ = source("registry/statistics.cpp").split("std::string Statistics::document")[1];
   const own = words_in(document_, /(?:\{|document\[)"(\w+)"/g).filter((name) => !["version", "epoch", "seq", "at", "uptime", "boards", "services", "refused"].includes(name) && !name.endsWith("_fault"));
   const states = Object.keys(tables.en).filter((name) => name.startsWith("state.")).map((name) => name.slice(6)).filter((name) => name !== "no-asip"); // the page's own
-  const reasons = words_in(source("asip/catalogue/catalogue.cpp").split("to_text(Refusal")[1].split("\n}\n")[0], /return "([\w-]+)"/g).filter((name) => name !== "not-for-us");
+  const reasons = words_in(source("asip/catalogue/catalogue.cpp").split("to_text(Refusal")[1].split("\n}\n")[0], /"([\w-]+)"/g).filter((name) => name !== "not-for-us");
   return [...own, ...states.map((name) => `boards ${name}`), ...reasons.map((name) => `refused ${name}`)];
 }
 
