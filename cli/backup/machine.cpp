@@ -171,6 +171,7 @@ Outcome<std::optional<std::string>> BackupMachine::read(const BackupItem& item) 
     struct stat status{};
     if (!file.valid() && errno == ENOENT) return std::nullopt;
     if (!file.valid() || ::fstat(file.number(), &status) != 0) return unable_to("read", name);
+    if (status.st_nlink == 0) return std::nullopt;  // it was removed since it is open
     if (const auto good = check(status, item); !good) return tl::unexpected(good.error());
     std::string text(kMaxFileBytes + 1, '\0');
     std::size_t done = 0;
