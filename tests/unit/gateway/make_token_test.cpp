@@ -4,9 +4,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <thread>
+#include <vector>
 
 #include "asip/program/exit_status.hpp"
 #include "gateway/application.hpp"
+#include "gateway/replaced_file.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace asip::gateway {
@@ -60,6 +63,19 @@ TEST_F(MakeToken, BlanksAroundNames_AreNoneOfThem) {
     std::ifstream in(file_);
     const std::string text((std::istreambuf_iterator<char>(in)), {});
     EXPECT_THAT(text, testing::HasSubstr(" boards=uno*,leo1 services=servo,io\n"));
+}
+
+TEST_F(MakeToken, FileThatTwoReplaceAtOnce_IsAlwaysWhole) {
+    const std::string whole(64 << 10, 'x');
+    std::vector<std::thread> writers;
+    for (int i = 0; i < 4; ++i)
+        writers.emplace_back([&] {
+            for (int round = 0; round < 50; ++round)
+                EXPECT_TRUE(replace_file(file_, whole));
+        });
+    for (auto& writer : writers)
+        writer.join();
+    EXPECT_EQ(std::filesystem::file_size(file_), whole.size());
 }
 
 }  // namespace
