@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "asip/bus/request/request_envelope.hpp"
+
 namespace asip::agent {
 
 namespace {

@@ -6,7 +6,7 @@
 
 #include "agent/command/command_note.hpp"
 #include "agent/command/error_report.hpp"
-#include "asip/bus/request/asker_turns.hpp"
+#include "asip/bus/request/request_envelope.hpp"
 #include "asip/model/command_encoder.hpp"
 #include "asip/model/json.hpp"
 #include "asip/protocol/message.hpp"

@@ -69,10 +69,10 @@ struct Options {
     /// broker's limit, 256 KiB in our configurations: Mosquitto takes a message that is too large for a
     /// subscriber, and never frees its place among those of QoS 1. 0: no limit.
     std::uint32_t max_packet_bytes = kMaxPacketBytes;
-    /// The broker has at most so many messages of QoS 1 under way to us (MQTT 5); others wait in its queue.
-    /// With the usual 20, Mosquitto sends 20 in the time in which it reads thousands of a flood, and the
-    /// message of another sender waits seconds behind them. The largest messages in that number are 50 MB at
-    /// the broker.
+    /// So many messages of QoS 1 may the broker send to this client before it gets an acknowledgement (MQTT
+    /// 5). Further ones wait in the broker's queue. With the usual 20, Mosquitto sends 20 in the time in
+    /// which it reads thousands of a flood, and the message of another sender waits seconds behind them. The
+    /// largest messages in that number are 50 MB at the broker.
     static constexpr int kReceiveMaximum = 200;
     /// The longest payload of use on a topic; empty: any. Of a longer one a byte more is copied, so that its
     /// reader finds it too long. Asked above kShortPayload only.
@@ -87,8 +87,8 @@ struct Options {
     std::size_t max_queued_messages = 4096;
     std::size_t max_queued_bytes = 4u << 20;
 
-    /// The client reads at most once in this time, so that many messages wake it only once. It suits a
-    /// connection whose messages nobody waits for. Zero: it reads each message as it comes.
+    /// The client reads at most once in this time, so that many messages wake it only once. It suits messages
+    /// that may come late. Zero: the client reads each message as it comes.
     Duration gather{};
 
     /// See asip/quick_ack.hpp.

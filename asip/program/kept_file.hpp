@@ -12,7 +12,8 @@
 
 namespace asip::program {
 
-/// Of a file that takes the place of another. -1: as of each file that this program makes.
+/// A file that takes the place of another gets these. -1: the owner or group that each new file of this
+/// program has.
 struct FileRights {
     mode_t mode = 0600;
     uid_t user = static_cast<uid_t>(-1);

@@ -26,7 +26,7 @@ class Database {
     operator sqlite3*() const { return file_.get(); }
 
     void execute(const std::string& sql);
-    /// Of the first row; 0: there is none.
+    /// The first column of the first row; 0: there is no row.
     std::int64_t number(const std::string& sql);
     std::size_t used_bytes();
     /// All or nothing. Fails where another file has taken the place of this one, too.

@@ -11,9 +11,6 @@
 
 namespace asip::bus {
 
-/// The USER of an answer's topic, or that topic. A broker without users has all askers under one name.
-std::string asker_of(const std::string& reply_topic);
-
 /// Questions, or answers, that wait. Askers take turns. Bounded: `max_of_asker` for each, `max` in all; where
 /// it is full, an asker with fewer takes the last place of the one with most. Pure.
 template <class Question, std::size_t max_of_asker = 32, std::size_t max = 1024>

@@ -8,7 +8,6 @@
 
 #include "asip/bus/json/json_text.hpp"
 #include "asip/bus/request/agent_clock.hpp"
-#include "asip/bus/request/asker_turns.hpp"
 #include "asip/model/json.hpp"
 #include "asip/mqtt/client_core.hpp"
 #include "asip/text/file_text.hpp"

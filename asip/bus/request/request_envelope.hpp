@@ -17,6 +17,9 @@ namespace asip::bus {
 /// For a user of the broker: `$nobody` where the name is empty or no level.
 std::string user_level(std::string_view user);
 
+/// The USER of an answer's topic, or that topic. A broker without users has all askers under one name.
+std::string asker_of(const std::string& reply_topic);
+
 /// Where a program's answers come: ROOT/reply/USER/ASKED/CLIENT, USER being the program's, ASKED the board or
 /// `registry`, CLIENT the program's own. Access rules can keep others from reading an answer (by USER) and
 /// from faking one (by ASKED). Where the broker has no users, any topic serves; else see may_answer_on().
