@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iostream>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "asip/text/nearest.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/broker_search.hpp"
+#include "cli/find/user_file.hpp"
 #include "cli/text/words.hpp"
 
 namespace asip::cli {
@@ -114,8 +116,6 @@ void CommandLine::add_common_options() {
             "--color", colour_, "When to use colours; auto: on a terminal, unless NO_COLOR is set")),
         {"auto", "always", "never"})
         ->capture_default_str();
-    app_.add_option("--context", profile_, "Bus that asipctl context add has given this name")
-        ->type_name("NAME");
     settings_
         .setting(app_.add_flag("--no-mdns", no_mdns_,
                                "Do not search the local network for a broker where none is configured"))
@@ -171,9 +171,15 @@ std::optional<int> CommandLine::parse(std::vector<std::string> arguments) {
     if (const auto usual = usual_name(arguments)) return settings_.usage_error(*usual);
     arguments = arguments_last(std::move(arguments));
     typed_ = typed_options(arguments);
-    auto all = with_profile(std::move(arguments), program::environment_variable);
+    const auto typed = arguments.size();
+    auto all = with_user_file(std::move(arguments), program::environment_variable);
     if (!all) return settings_.usage_error(all.error());
-    return settings_.parse(std::move(*all));
+    const bool more = all->size() > typed;
+    const auto ended = settings_.parse(std::move(*all));
+    if (more && ended == program::kExitUsage)
+        std::cerr << "Options are also in " << user_file(program::environment_variable)->string()
+                  << std::endl;
+    return ended;
 }
 
 OptionValues CommandLine::typed_options(const std::vector<std::string>& words) const {
@@ -232,7 +238,7 @@ Outcome<void> CommandLine::find_broker(Environment& environment) const {
         found, ", ", [](const auto& broker) { return broker.address.describe() + " (" + broker.name + ")"; });
     if (found.size() > 1)
         return failure(program::kExitBroker, "several brokers are announced on this network: " + all +
-                                                 "; choose one: --broker ADDRESS, or asipctl context add");
+                                                 "; choose one: --broker ADDRESS");
     environment.note("no broker is configured: using " + all + ", which is announced on this network");
     environment.mqtt.brokers = {found.front().address};
     // For what we start ourselves.

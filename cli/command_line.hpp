@@ -7,7 +7,6 @@
 
 #include "asip/program/options.hpp"
 #include "cli/environment.hpp"
-#include "cli/find/profiles.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verb.hpp"
 
@@ -63,7 +62,6 @@ class CommandLine {
     std::string timeout_ = "5s";
     std::string services_;
     std::string colour_ = "auto";
-    std::string profile_;
     bool from_bus_ = false;
     bool no_mdns_ = false;
     bool uses_bus_ = false;

@@ -40,6 +40,9 @@ inline tl::unexpected<Failure> interrupted() {
     return failure(program::kExitFailure, std::string(kInterrupted));
 }
 
+/// Options of every command with their values, without the `--`.
+using OptionValues = std::vector<std::pair<std::string, std::string>>;
+
 /// What a command uses of the world.
 struct Environment {
     std::istream& in;
@@ -58,7 +61,7 @@ struct Environment {
     bool from_bus = false;  ///< do not ask a registry
 
     /// The options of every command, with their values.
-    std::vector<std::pair<std::string, std::string>> typed_options{};
+    OptionValues typed_options{};
 
     /// The standard ones are read when first asked for.
     const model::ModelSet& models() const { return own_models ? *own_models : model::ModelSet::standard(); }

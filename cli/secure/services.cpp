@@ -17,7 +17,7 @@
 #include "asip/program/options.hpp"
 #include "asip/text/file_text.hpp"
 #include "cli/ask/board_source.hpp"
-#include "cli/find/profiles.hpp"
+#include "cli/find/user_file.hpp"
 #include "cli/flash/programmer.hpp"
 #include "cli/secure/reload.hpp"
 #include "cli/secure/users.hpp"
@@ -29,7 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFolder = kServiceCredentials;
-constexpr const char* kProfile = "secured";
 constexpr std::chrono::milliseconds kLook{2000};
 /// What stands on the bus may be anybody's word, as long as it is open.
 constexpr std::size_t kMaxBoards = 256;
@@ -64,6 +63,13 @@ Outcome<bool> write_for_group(const fs::path& file, const std::string& text) {
 SecuredBus from_here(SecuredBus bus) {
     bus.hosts = {"localhost"};
     return bus;
+}
+
+/// The lines of root's own asipctl.
+std::string as_administrator(const SecureFolder& folder, const SecuredBus& bus) {
+    return "# Made by asipctl secure.\nbroker = " +
+           mqtt::BrokerAddress{"localhost", bus.port, true}.describe() +
+           "\ncredentials = " + folder.credentials("admin").string() + "\n";
 }
 
 Outcome<int> run_and_wait(const Names& call) {
@@ -217,14 +223,11 @@ void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureRep
     struct stat status{};
     // After `su` the home may be that of another user, who alone writes it.
     if (home.empty() || ::stat(home.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return;
-    auto profiles = Profiles::of_user(program::environment_variable);
-    if (!profiles || !profiles->current().empty() || profiles->find(kProfile)) return;
-    const Profile made{kProfile,
-                       {{"broker", mqtt::BrokerAddress{"localhost", bus.port, true}.describe()},
-                        {"credentials", folder.credentials("admin").string()}}};
-    if (!profiles->add(made) || !profiles->use(kProfile)) return;
-    report.did("made",
-               std::string("context ") + kProfile + ": asipctl, by root, asks this bus as its administrator");
+    const auto file = user_file(program::environment_variable);
+    std::error_code error;
+    if (!file || fs::exists(*file, error) || !program::keep_file(*file, as_administrator(folder, bus)))
+        return;
+    report.did("made", "configuration by which asipctl, by root, asks this bus as its administrator", *file);
 }
 
 Outcome<Names> take_from_services(const SecuredBus& bus, SecureReport& report) {
@@ -242,13 +245,10 @@ Outcome<Names> take_from_services(const SecuredBus& bus, SecureReport& report) {
     return taken;
 }
 
-void no_longer_default(const SecureFolder& folder, SecureReport& report) {
-    auto profiles = Profiles::of_user(program::environment_variable);
-    if (!profiles) return;
-    const auto made = profiles->find(kProfile);
-    if (!made || made->value("credentials") != folder.credentials("admin").string()) return;
-    if (profiles->current() == kProfile && !profiles->use("")) return;
-    if (profiles->remove(kProfile)) report.did("removed", std::string("context ") + kProfile);
+void no_longer_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report) {
+    const auto file = user_file(program::environment_variable);
+    if (!file || text::file_text(*file).value_or("") != as_administrator(folder, bus)) return;
+    if (program::drop_file(*file)) report.did("removed", "configuration of root's asipctl", *file);
 }
 
 }  // namespace asip::cli

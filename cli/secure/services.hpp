@@ -52,6 +52,6 @@ void become_default(const SecureFolder& folder, const SecuredBus& bus, SecureRep
 
 /// Takes back what give_to_services() and become_default() did.
 Outcome<Names> take_from_services(const SecuredBus& bus, SecureReport& report);
-void no_longer_default(const SecureFolder& folder, SecureReport& report);
+void no_longer_default(const SecureFolder& folder, const SecuredBus& bus, SecureReport& report);
 
 }  // namespace asip::cli

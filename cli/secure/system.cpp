@@ -86,7 +86,7 @@ Outcome<void> secure_undo(const SecureOptions& options, const Environment& envir
     if (keeps_services(options, folder->path(), *bus)) {
         const auto changed = take_from_services(*bus, report);
         if (!changed) return tl::unexpected(changed.error());
-        no_longer_default(*folder, report);
+        no_longer_default(*folder, *bus, report);
         if (auto done = restart_services(true, *changed, report); !done) return done;
     } else {
         report.next("let the broker read the change", "sudo systemctl restart mosquitto");

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the bus is: what was given, else the environment, else a bus that `asipctl context use` has chosen, else 127.0.0.1; where
+"""Where the bus is: what was given, else the environment, else the user's file of asipctl, else 127.0.0.1; where
 no program listens there, the broker that is announced on the local network.
 
 Anybody on a network may announce a broker: one that was found so gets no credentials, its name is logged, and of several none is
@@ -117,19 +117,21 @@ def _text(path: str) -> str:
 
 
 def _lines(path: str) -> tuple[dict[str, str], str]:
-    """Lines `NAME = VALUE`, and the text of all certificates. Quotes around a value are taken off."""
+    """Lines `NAME = VALUE` before any section and in `[asipctl]`, and the text of all certificates. Quotes around a value are taken off."""
     text = _text(path)
     found: dict[str, str] = {}
-    inside = False
+    inside, section = False, "asipctl"
     for number, raw in enumerate(text.splitlines(), 1):
         line = raw.strip()
         if inside or line.startswith("-----BEGIN "):
             inside = not line.startswith("-----END ")
-        elif line and line[0] not in "#;[":
+        elif line.startswith("["):
+            section = line[1:].partition("]")[0].strip()
+        elif line and line[0] not in "#;" and section == "asipctl":
             name, equals, value = line.partition("=")
             if not equals:
                 raise errors.Invalid(f"{path}:{number}: expected NAME = VALUE")
-            found[name.strip()] = value.strip().strip('"')
+            found[name.strip().replace("_", "-")] = value.strip().strip('"')
     return found, text if "-----BEGIN CERTIFICATE-----" in text else ""
 
 
@@ -171,24 +173,15 @@ def _of_options(values: Mapping[str, str], source: str) -> Settings:
                     certificate=values.get("cert") or None, key=values.get("key") or None, root=values.get("topic-root") or "asip", source=source)
 
 
-def _profile(environment: Mapping[str, str]) -> Settings | None:
-    """The bus that `asipctl context use` has chosen, or the one that ASIP_CONTEXT names."""
-    base = environment.get("XDG_CONFIG_HOME") or (os.path.join(environment["HOME"], ".config") if environment.get("HOME") else None)
-    if base is None:
+def _of_user(environment: Mapping[str, str]) -> Settings | None:
+    """The bus of the file that `asipctl` reads: ASIP_CONFIG, else the user's own."""
+    base = environment.get("XDG_CONFIG_HOME") or (os.path.join(environment["HOME"], ".config") if environment.get("HOME") else "")
+    file = environment.get("ASIP_CONFIG") or (os.path.join(base, "asip", "asipctl.conf") if base else "")
+    if not file or not (environment.get("ASIP_CONFIG") or os.path.exists(file)):
         return None
-    folder = os.path.join(base, "asip")
-    name = environment.get("ASIP_CONTEXT") or ""
-    if not name:
-        try:
-            name = _first_line(os.path.join(folder, "context")).strip()
-        except OSError:
-            return None
-    file = os.path.join(folder, "contexts", f"{name}.conf")
-    if not name or "/" in name:
-        return None
-    if not os.path.exists(file):
-        raise errors.Invalid(f'there is no context "{name}"; see asipctl context list')
-    return _of_options(_lines(file)[0], f"the context {name} of asipctl")
+    values = _lines(file)[0]
+    made = _of_options(values, file)
+    return made.replace(brokers=_brokers(values["broker"])) if values.get("broker") else made
 
 
 def find(broker: str | None = None, *, credentials: str | None = None, user: str | None = None, password: str | None = None,
@@ -202,7 +195,7 @@ def find(broker: str | None = None, *, credentials: str | None = None, user: str
     else:
         given = {name: environment.get("ASIP_" + name.upper().replace("-", "_"), "")
                  for name in ("broker", "user", "password", "password-file", "ca", "cert", "key", "topic-root", "credentials")}
-        chosen = None if given["broker"] or given["credentials"] else _profile(environment)
+        chosen = None if given["broker"] or given["credentials"] else _of_user(environment)
         made = chosen or _of_options(given, "the environment" if given["broker"] else DEFAULT)
     changes: dict[str, Any] = {name: value for name, value in (("user", user), ("password", password), ("ca", ca), ("root", root)) if value is not None}
     return made.replace(**changes).with_tls_decided()
@@ -220,6 +213,6 @@ def announced(settings: Settings, seconds: float, environment: Mapping[str, str]
     every = ", ".join(f"mqtt://{one.host}:{one.port} ({one.name})" for one in found)
     if len(found) > 1:
         raise errors.Disconnected(f"several brokers are announced on this network: {every}; choose one: asip.connect(\"{found[0].host}:{found[0].port}\"), "
-                                  "ASIP_BROKER, or asipctl context add", reason="several-brokers")
+                                  "or ASIP_BROKER", reason="several-brokers")
     log.warning("asip: no broker is configured: using %s, which is announced on this network", every)
     return settings.replace(brokers=(Broker(found[0].host, found[0].port, False),), source="an announcement on this network")

@@ -135,19 +135,20 @@ class Where(unittest.TestCase):
             self.assertIn(hint, str(raised.exception))
             self.assertNotIn("secret", str(raised.exception))
 
-    def test_order_connect_environment_profile_default(self):
+    def test_order_connect_environment_file_default(self):
         with tempfile.TemporaryDirectory() as home:
-            folder = pathlib.Path(home, "asip")
-            (folder / "contexts").mkdir(parents=True)
-            (folder / "contexts" / "lab.conf").write_text('broker = "lab:99"\nuser = "ann"\n')
-            (folder / "context").write_text("lab\n")
+            pathlib.Path(home, "asip").mkdir()
+            pathlib.Path(home, "asip", "asipctl.conf").write_text('broker = "lab:99"\nuser = "ann"\n')
             base = {"XDG_CONFIG_HOME": home}
             self.assertEqual(settings.find(environment=base).brokers[0].host, "lab")
             self.assertEqual(settings.find(environment={**base, "ASIP_BROKER": "b1,b2"}).brokers[1].host, "b2")
             self.assertEqual(settings.find("given", environment={**base, "ASIP_USER": "u"}).user, None)
             self.assertEqual(settings.find(environment={}).brokers[0].host, "127.0.0.1")
-            with self.assertRaises(ValueError):
-                settings.find(environment={**base, "ASIP_CONTEXT": "lob"})
+            pathlib.Path(home, "shed.conf").write_text("broker = shed\n[asip-agent]\nbroker = no\n[asipctl]\ntopic_root = lab\n")
+            shed = settings.find(environment={**base, "ASIP_CONFIG": home + "/shed.conf"})
+            self.assertEqual((shed.brokers[0].host, shed.root), ("shed", "lab"))
+            with self.assertRaises(OSError):
+                settings.find(environment={**base, "ASIP_CONFIG": home + "/nowhere"})
 
     def test_credentials(self):
         with tempfile.NamedTemporaryFile("w", suffix=".credentials") as file:

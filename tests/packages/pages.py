@@ -167,9 +167,10 @@ def operate(reader, commands, text):
     other.root(f"echo '{reader.root('hostname -I').split()[0]} bus.example' >>/etc/hosts; cp /debs/*.deb /home/reader/asip/")
     reader.types(add_ann)
     copied(reader, other, "ann.credentials")
-    get_tool, use_file, sees = prompted("ann", text)
+    get_tool, *use_file, sees = prompted("ann", text)
     other.types(get_tool, answers={"[Y/n]": "y"})
-    other.types(use_file)
+    for command in use_file:
+        other.types(command)
     other.types(sees)
     get_agent, called, give_file, again = prompted("hall", text)
     other.types(get_agent, answers={"[Y/n]": "y"})

@@ -102,7 +102,7 @@ TEST(CommandLine, HelpOfAVerb_ShowsWhatItDeclares) {
 
 TEST(CommandLine, EmptyNames_AreRefused) {
     for (const Words& words : {Words{"show", ""}, Words{"label", ""}, Words{"label", "", "room=lab"},
-                               Words{"open", ""}, Words{"pin", "uno1", ""}, Words{"context", "use", ""}})
+                               Words{"open", ""}, Words{"pin", "uno1", ""}})
         EXPECT_EQ(parsed(words), program::kExitUsage) << testing::PrintToString(words);
     EXPECT_EQ(parsed({"label", "--selector", "room=lab", "shelf=3"}), std::nullopt);
 }
@@ -142,7 +142,7 @@ TEST(CommandLine, ForSomeArguments_DeclaresTheVerbThatIsGiven) {
     };
     const CommandLine all(all_verbs());
     for (const auto& verb : all_verbs()) {
-        const CommandLine line(all_verbs(), {"--from-bus", "--context", "send", verb.name, "list"});
+        const CommandLine line(all_verbs(), {"--from-bus", "--services", "send", verb.name, "list"});
         EXPECT_EQ(options_of(line, verb.name.c_str()), options_of(all, verb.name.c_str()));
         EXPECT_EQ(line.help(verb.name).value(), all.help(verb.name).value());
         const auto known = line.app().get_subcommands([](const CLI::App*) { return true; }).size();
@@ -186,7 +186,7 @@ TEST(CommandLine, ForSomeArguments_ErrorsNameAllVerbs) {
                                                       {"list", "boards", "show"},
                                                       {"--", "list"},
                                                       {"--broker"},
-                                                      {"--context", "list"},
+                                                      {"--services", "list"},
                                                       {"", "list"},
                                                       {"--help"},
                                                       {"--help", "list"},
