@@ -324,7 +324,7 @@ def connect(broker: str | None = None, *, credentials: str | None = None, user: 
     """Connects to a bus, and waits at most `timeout` seconds for it: Disconnected says why there is none.
 
     broker: `HOST`, `HOST:PORT`, `mqtts://HOST`, or several with commas. Without it: ASIP_BROKER and the like, a bus chosen by
-        `asipctl context use`, else 127.0.0.1, else the one broker that is announced on the local network (asip.settings).
+        `~/.config/asip/asipctl.conf`, else 127.0.0.1, else the one broker that is announced on the local network (asip.settings).
     credentials: a file made by `asipctl secure`, with all of it.
     by: the name that boards' histories show for what this program does; the login name where none is given.
     """
