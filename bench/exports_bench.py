@@ -28,7 +28,7 @@ import sparkplug_values  # noqa: E402
 
 SERVICES = (("io", "I"), ("distance", "D"), ("servo", "S"), ("bump", "B"), ("motors", "M"))
 SPARKPLUG = "--sparkplug plant"
-DIALECTS = {"--home-assistant": ("homeassistant", "asip/export/ha"), "--homie": ("homie",), "--wot-mqtt": ("asip/export/wot",),
+DIALECTS = {"--home-assistant": ("homeassistant", "asip/export/ha"), "--homie": ("homie",),
             SPARKPLUG: ("spBv1.0/plant",)}
 ALL = [word for option in DIALECTS for word in option.split()]
 ROUNDS = 5
@@ -135,7 +135,7 @@ def start(boards):
         took, beside = (statistics.median(each[i] for each in rounds) for i in (0, 1))
         messages = rounds[0][2]
         # The Web of Things has its documents over HTTP: what is sent are states.
-        wanted = {"--wot-mqtt": "", SPARKPLUG: "  must     2.50  aim     1.30"}.get(option, "  must     1.50  aim     1.10")
+        wanted = "  must     2.50  aim     1.30" if option == SPARKPLUG else "  must     1.50  aim     1.10"
         print(f"  {option:<40} {took / beside:>10.2f} x{wanted}", flush=True)
         if option == SPARKPLUG and (born := sum("/DBIRTH/" in topic for topic, _, _ in messages)) != boards:
             sys.exit(f"bench_exports: {born} of {boards} boards were born as devices")
@@ -161,7 +161,7 @@ def memory(boards):
     print(f"  without exports {sizes[0] / 1e6:.1f} MB")
 
 
-SHOWN = {"--home-assistant": "asip/export/ha/desk/", "--homie": "homie/5/desk/", "--wot-mqtt": "asip/export/wot/desk/"}
+SHOWN = {"--home-assistant": "asip/export/ha/desk/", "--homie": "homie/5/desk/"}
 DEVICE = "spBv1.0/plant/+/asip/desk"
 
 

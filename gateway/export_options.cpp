@@ -112,34 +112,6 @@ Expected<void> sparkplug_of(ExportOptions& raw, bool enabled, ProgramOptions& op
     return {};
 }
 
-/// Where consumers find a broker that this gateway finds there: behind the gateway's name, if it is on the
-/// same machine.
-std::string broker_for_others(const mqtt::BrokerAddress& broker) {
-    const bool same = broker.host == "localhost" || broker.host == "::1" || broker.host.starts_with("127.");
-    return same && !broker.tls ? ":" + std::to_string(broker.port) : broker.describe();
-}
-
-Expected<void> web_of_things_of(ExportOptions& raw, bool mqtt, ProgramOptions& options) {
-    raw.wot.root = options.gateway.topic_root;
-    auto& things = options.gateway.things;
-    things.enabled = !raw.no_wot;
-    if (raw.no_wot && mqtt) return fail("--wot-mqtt: its forms are in descriptions that no-wot leaves out");
-    if (!mqtt && raw.wot.read_only) return fail("wot-mqtt-read-only needs --wot-mqtt");
-    things.dialect = raw.wot;
-    things.broker_password = !options.mqtt.user.empty();
-    if (mqtt) {
-        auto broker = options.mqtt.brokers.front();
-        if (!raw.wot_broker.empty()) {
-            auto named = mqtt::parse_broker(raw.wot_broker);
-            if (!named) return fail("--wot-mqtt: " + named.error());
-            broker = std::move(*named);
-        }
-        things.broker = raw.wot_broker.empty() ? broker_for_others(broker) : broker.describe();
-    }
-    add_export(raw, mqtt, std::make_shared<exports::WebOfThings>(raw.wot), options);
-    return {};
-}
-
 }  // namespace
 
 void declare_exports(program::App& app, program::Settings& settings, ExportOptions& raw) {
@@ -168,12 +140,6 @@ void declare_exports(program::App& app, program::Settings& settings, ExportOptio
             .type("ID"));
     add(app.add_flag("--sparkplug-read-only", raw.sparkplug.read_only, "Sparkplug hosts may set nothing"));
     add(app.add_flag("--no-wot", raw.no_wot, "No things of the Web of Things over HTTP"));
-    add(app.add_option("--wot-mqtt", raw.wot_broker,
-                       "Show every board to the Web of Things over MQTT, too; BROKER: how its consumers "
-                       "reach the broker, otherwise as this gateway does")
-            .type("[BROKER]")
-            .value_optional());
-    add(app.add_flag("--wot-mqtt-read-only", raw.wot.read_only, "Consumers over MQTT may set nothing"));
     add(app.add_option("--export-hz", raw.per_second, "Most states of one entity a second")
             .range(0.1, 100.0)
             .show_default());
@@ -186,7 +152,7 @@ Expected<void> make_exports(ExportOptions& raw, const program::App& app, Program
     };
     if (auto home = home_assistant_of(raw, given("--home-assistant", raw.home_assistant), options); !home)
         return home;
-    if (auto wot = web_of_things_of(raw, given("--wot-mqtt", raw.wot_broker), options); !wot) return wot;
+    options.gateway.things = {.enabled = !raw.no_wot, .topic_root = options.gateway.topic_root};
     if (auto homie = homie_of(raw, given("--homie", raw.homie_domain), options); !homie) return homie;
     return sparkplug_of(raw, given("--sparkplug", raw.sparkplug_group), options);
 }

@@ -7,7 +7,6 @@
 #include "gateway/export/home_assistant.hpp"
 #include "gateway/export/homie.hpp"
 #include "gateway/export/sparkplug.hpp"
-#include "gateway/export/web_of_things.hpp"
 #include "gateway/options.hpp"
 
 namespace asip::program {
@@ -19,9 +18,8 @@ namespace asip::gateway {
 
 /// From the command line.
 struct ExportOptions {
-    std::string home_assistant, wot_broker, homie_domain, sparkplug_group;
+    std::string home_assistant, homie_domain, sparkplug_group;
     exports::HomeAssistant::Options home;
-    exports::WebOfThings::Options wot;
     exports::Homie::Options homie;
     exports::Sparkplug::Options sparkplug;
     double per_second = 5;  // states of one entity

@@ -130,7 +130,6 @@ void declare(program::App& app, program::Settings& settings, Raw& raw) {
                       "sparkplug-host",
                       "sparkplug-read-only",
                       "no-wot",
-                      "wot-mqtt-read-only",
                       "export-hz",
                       "loopback",
                       "max-connections",
@@ -303,7 +302,7 @@ Expected<CommandLine, int> read_options(int argc, const char* const* argv) {
     const auto clean = app.add_subcommand("clean", "Remove from the broker what an export left there");
     clean.fallthrough();
     clean.add_option("dialect", dialect, "Which; otherwise all")
-        .words({"home-assistant", "homie", "sparkplug", "web-of-things"});
+        .words({"home-assistant", "homie", "sparkplug"});
     if (auto status = settings.parse(argc, argv)) return Unexpected<int>(*status);
 
     CommandLine result;

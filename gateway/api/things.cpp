@@ -44,20 +44,12 @@ bool enabled(const Call& call) {
 
 WebOfThings::Forms forms_of(const Call& call) {
     using Kind = Principal::Kind;
-    const auto& options = call.gateway.things().options();
     const auto& principal = call.principal;
     const std::string host(call.request.header("host").empty() ? "localhost" : call.request.header("host"));
     WebOfThings::Forms forms;
     forms.base = (call.peer.secure ? "https://" : "http://") + host + call.gateway.options().base_path + "/";
     forms.token = principal.kind == Kind::kToken || principal.kind == Kind::kSession;
     forms.may_set = principal.rights.may_command();
-    forms.broker = options.broker;
-    if (options.broker.starts_with(":")) {
-        const auto name = host_part(host);
-        forms.broker =
-            "mqtt://" + (name.find(':') == std::string::npos ? name : "[" + name + "]") + options.broker;
-    }
-    forms.broker_password = options.broker_password;
     return forms;
 }
 
@@ -68,7 +60,7 @@ std::optional<Thing> thing_of(const Call& call) {
     if (!enabled(call)) return std::nullopt;
     auto& things = call.gateway.things();
     auto& mirror = call.gateway.mirror();
-    const auto name = things.dialect().board_of(call.path.find("id")->second);
+    const auto name = things.descriptions().board_of(call.path.find("id")->second);
     if (call.sees(name) && mirror.knows(name))
         if (auto found = things.find(mirror, name, call.now())) {
             found->board = seen(call.principal.rights, std::move(found->board));
@@ -214,8 +206,8 @@ struct Page {
         }
         auto& things = gateway.things();
         if (auto found = things.find(gateway.mirror(), names[at++], gateway.now()))
-            text += (text.size() > 1 ? "," : "") +
-                    model::dump_json(things.dialect().thing(*seen(rights, std::move(found->board)), forms));
+            text += (text.size() > 1 ? "," : "") + model::dump_json(things.descriptions().thing(
+                                                       *seen(rights, std::move(found->board)), forms));
         return true;
     }
 };
@@ -248,13 +240,14 @@ void get_things(Call& call) {
 void get_thing(Call& call) {
     const auto thing = thing_of(call);
     if (!thing) return;
-    call.reply.send(
-        typed(call.gateway.things().dialect().thing(*thing->board, forms_of(call)), "application/td+json"));
+    call.reply.send(typed(call.gateway.things().descriptions().thing(*thing->board, forms_of(call)),
+                          "application/td+json"));
 }
 
 void get_directory(Call& call) {
     if (!enabled(call)) return;
-    call.reply.send(typed(call.gateway.things().dialect().directory(forms_of(call)), "application/td+json"));
+    call.reply.send(
+        typed(call.gateway.things().descriptions().directory(forms_of(call)), "application/td+json"));
 }
 
 void get_properties(Call& call) {
@@ -326,7 +319,7 @@ void get_thing_events(Call& call) {
         mirror.log(),
         mirror.read_page(boards_of(rights), [rights](bus::BoardItem& item) { limit_to(rights, item); }),
         std::move(options));
-    start_sse(call, things_feed(std::move(feed), call.gateway.things().dialect(), std::move(only)));
+    start_sse(call, things_feed(std::move(feed), call.gateway.things().descriptions(), std::move(only)));
 }
 
 }  // namespace asip::gateway::api

@@ -16,11 +16,7 @@ namespace asip::gateway::api {
 /// What the Web of Things is shown over HTTP.
 struct ThingsOptions {
     bool enabled = true;
-    exports::WebOfThings::Options dialect;
-    /// Where consumers find the broker: "mqtt://pi.local:1883", or ":1883" behind the name by which they
-    /// found the gateway. Empty: no forms of MQTT.
-    std::string broker;
-    bool broker_password = false;
+    std::string topic_root = "asip";
 };
 
 /// Boards as things and as exporters see them, and the values that are read of things. Pure.
@@ -31,10 +27,10 @@ class Things {
     static constexpr Duration kWantFor = std::chrono::seconds(30);
 
     Things(ThingsOptions options, const model::ModelSet& models)
-        : options_(std::move(options)), dialect_(options_.dialect), models_(models) {}
+        : options_(std::move(options)), descriptions_(options_.topic_root), models_(models) {}
 
     const ThingsOptions& options() const { return options_; }
-    const exports::WebOfThings& dialect() const { return dialect_; }
+    const exports::WebOfThings& descriptions() const { return descriptions_; }
     struct Found {
         std::string state;    ///< of the catalogue
         std::string session;  ///< of its description
@@ -60,7 +56,7 @@ class Things {
     };
 
     ThingsOptions options_;
-    exports::WebOfThings dialect_;
+    exports::WebOfThings descriptions_;
     const model::ModelSet& models_;
     std::map<std::string, Known, std::less<>> boards_;
     std::size_t tidy_at_ = 2 * kMaxBoards;

@@ -78,7 +78,6 @@ class Dialect {
     virtual std::string board_state(std::string_view board) const = 0;
     /// `state`: of the catalogue.
     virtual std::string state_of_board(bool there, std::string_view state) const = 0;
-    /// Empty: boards have none.
     virtual std::string document_topic(std::string_view board) const = 0;
     struct Document {
         std::string text;

@@ -115,10 +115,8 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
     for (std::size_t i = 0; i < record.states.size(); ++i)
         old[state_topic(record, i)] = std::move(record.states[i]);
     auto targets = std::exchange(record.targets, {});
-    take_up(record, std::move(board), [this](const ExportedBoard& each) {
-        return dialect().document_topic(each.board).empty() ? 0
-                                                            : dialect().next_document(each, {}).text.size();
-    });
+    take_up(record, std::move(board),
+            [this](const ExportedBoard& each) { return dialect().next_document(each, {}).text.size(); });
     record.document_due = true;
     record.states.clear();
     record.states.resize(record.board->properties.size() + more_slots());
@@ -143,7 +141,6 @@ void Exporter::take(Record& record, std::shared_ptr<const ExportedBoard> board) 
 void Exporter::publish_document(Record& record, Time now) {
     record.document_due = false;
     const auto topic = dialect().document_topic(record.board->board);
-    if (topic.empty()) return;
     std::erase(clear_, topic);  // it is wanted again
     auto document = dialect().next_document(*record.board, record.document);
     if (document.text != record.document) {

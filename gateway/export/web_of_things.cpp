@@ -83,19 +83,6 @@ json schema_of(const Property& property) {
     return number_schema(property);
 }
 
-/// A form of MQTT: topics stand in the address, and in the words of the vocabulary.
-json mqtt_form(const Forms& forms, const std::string& topic, json operations, bool publish) {
-    json form{{"href", forms.broker + "/" + topic},
-              {"op", std::move(operations)},
-              {"contentType", kJson},
-              {"security", json::array({"broker"})},
-              {"mqv:controlPacket", publish ? "publish" : "subscribe"},
-              {publish ? "mqv:topic" : "mqv:filter", topic},
-              {"mqv:qos", publish ? "1" : "0"}};
-    if (publish) form["mqv:retain"] = false;
-    return form;
-}
-
 json http_form(const std::string& address, json operations) {
     return {{"href", address}, {"op", std::move(operations)}, {"contentType", kJson}};
 }
@@ -113,7 +100,42 @@ void describe_security(json& thing, const Forms& forms) {
     else
         schemes["http"] = {{"scheme", "nosec"}};
     thing["security"] = json::array({"http"});
-    if (!forms.broker.empty()) schemes["broker"] = {{"scheme", forms.broker_password ? "basic" : "nosec"}};
+}
+
+/// A property, or the action of a button; null: an action that the asker may not invoke.
+json described(const ExportedBoard& board, const Property& property, const Forms& forms) {
+    const auto address = "things/" + board.board;
+    const auto id = property::plain_id(property.id);
+    json result{{"title", property.name}};
+    if (!property.meaning.klass.empty()) result["description"] = property.meaning.klass;
+    if (property.kind == Kind::kButton) {
+        if (!forms.may_set) return nullptr;
+        auto form = http_form(address + "/actions/" + id, "invokeaction");
+        // Without an input consumers would leave it out.
+        form["htv:headers"] = {{{"htv:fieldName", "Content-Type"}, {"htv:fieldValue", kJson}}};
+        result["forms"] = json::array({std::move(form)});
+        return result;
+    }
+    const bool settable = forms.may_set && property.settable();
+    result.update(schema_of(property));
+    result["observable"] = true;
+    result["readOnly"] = !settable;
+    const auto place = address + "/properties/" + id;
+    auto operations = json::array({"readproperty"});
+    if (settable) operations.push_back("writeproperty");
+    result["forms"] = {http_form(place, std::move(operations)),
+                       stream_form(place + "/stream", {"observeproperty", "unobserveproperty"})};
+    return result;
+}
+
+json state_of(const std::string& address) {
+    return {{"title", "State of the board"},
+            {"type", "string"},
+            {"enum", {"online", "sleeping", "updating", "offline", "lost"}},
+            {"readOnly", true},
+            {"observable", false},
+            {"forms", json::array({http_form(address + "/properties/" + std::string(WebOfThings::kBoardState),
+                                             "readproperty")})}};
 }
 
 json page_parameters() {
@@ -124,7 +146,7 @@ json page_parameters() {
 }  // namespace
 
 std::string WebOfThings::thing_id(std::string_view board) const {
-    return "urn:asip:" + escaped(options_.root) + ":" + std::string(board);
+    return "urn:asip:" + escaped(root_) + ":" + std::string(board);
 }
 
 std::string WebOfThings::board_of(const std::string& id) const {
@@ -132,83 +154,12 @@ std::string WebOfThings::board_of(const std::string& id) const {
     return id.starts_with(begin) ? id.substr(begin.size()) : id;
 }
 
-/// A property, or the action of a button.
-json WebOfThings::described(const ExportedBoard& board, const Property& property, const Forms& forms) const {
-    const bool mqtt = !forms.broker.empty();
-    const auto address = "things/" + board.board;
-    const auto id = property::plain_id(property.id);
-    const auto value_topic = state(board.board, property);
-    const bool set_by_mqtt = mqtt && property.settable() && !options_.read_only;
-    json result{{"title", property.name}};
-    if (!property.meaning.klass.empty()) result["description"] = property.meaning.klass;
-    auto& all = result["forms"] = json::array();
-    if (property.kind == Kind::kButton) {
-        auto form = http_form(address + "/actions/" + id, "invokeaction");
-        // Without an input consumers would leave it out.
-        form["htv:headers"] = {{{"htv:fieldName", "Content-Type"}, {"htv:fieldValue", kJson}}};
-        if (forms.may_set) all.push_back(std::move(form));
-        if (set_by_mqtt) all.push_back(mqtt_form(forms, value_topic + "/set", "invokeaction", true));
-        return result;
-    }
-    const bool set_by_http = forms.may_set && property.settable();
-    result.update(schema_of(property));
-    result["observable"] = true;
-    result["readOnly"] = !set_by_http && !set_by_mqtt;
-    const auto place = address + "/properties/" + id;
-    auto operations = json::array({"readproperty"});
-    if (set_by_http) operations.push_back("writeproperty");
-    all = {http_form(place, std::move(operations)),
-           stream_form(place + "/stream", {"observeproperty", "unobserveproperty"})};
-    if (mqtt) {
-        auto form =
-            mqtt_form(forms, value_topic, {"readproperty", "observeproperty", "unobserveproperty"}, false);
-        form["mqv:retain"] = true;
-        all.push_back(std::move(form));
-    }
-    if (set_by_mqtt) all.push_back(mqtt_form(forms, value_topic + "/set", "writeproperty", true));
-    return result;
-}
-
-void WebOfThings::describe_states(json& thing, const ExportedBoard& board, const Forms& forms) const {
-    const bool mqtt = !forms.broker.empty();
-    const auto address = "things/" + board.board;
-    auto& properties = thing["properties"];
-    json state{
-        {"title", "State of the board"},
-        {"type", "string"},
-        {"enum", {"online", "sleeping", "updating", "offline", "lost"}},
-        {"readOnly", true},
-        {"observable", mqtt},
-        {"forms",
-         json::array({http_form(address + "/properties/" + std::string(kBoardState), "readproperty")})}};
-    if (mqtt) {
-        const json operations{"readproperty", "observeproperty", "unobserveproperty"};
-        state["forms"].push_back(mqtt_form(forms, board_state(board.board), operations, false));
-        properties[std::string(kGatewayState)] = {
-            {"title", "State of the gateway"},
-            {"type", "string"},
-            {"enum", {"online", "offline"}},
-            {"readOnly", true},
-            {"observable", true},
-            {"forms", json::array({mqtt_form(forms, gateway_state(), operations, false)})}};
-        if (!options_.read_only)
-            thing["events"][std::string(kFailed)] = {
-                {"title", "A command over MQTT failed"},
-                {"data", {{"type", "string"}}},
-                {"forms", json::array({mqtt_form(forms, error(board.board),
-                                                 {"subscribeevent", "unsubscribeevent"}, false)})}};
-    }
-    properties[std::string(kBoardState)] = std::move(state);
-}
-
 json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
-    json thing{
-        {"@context",
-         {kContext, {{"htv", "http://www.w3.org/2011/http#"}, {"mqv", "https://www.w3.org/2019/wot/mqtt#"}}}},
-        {"@type", "Thing"},
-        {"id", thing_id(board.board)},
-        {"title", board.name.empty() ? board.board : board.name},
-        {"base", forms.base}};
+    json thing{{"@context", {kContext, {{"htv", "http://www.w3.org/2011/http#"}}}},
+               {"@type", "Thing"},
+               {"id", thing_id(board.board)},
+               {"title", board.name.empty() ? board.board : board.name},
+               {"base", forms.base}};
     if (!board.chip.empty())
         thing["description"] = board.sketch.empty() ? board.chip : board.sketch + " on " + board.chip;
     describe_security(thing, forms);
@@ -219,10 +170,10 @@ json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
         const auto id = property::plain_id(property.id);
         if (property.kind != Kind::kButton)
             properties[id] = described(board, property, forms);
-        else if (auto action = described(board, property, forms); !action["forms"].empty())
+        else if (auto action = described(board, property, forms); !action.is_null())
             actions[id] = std::move(action);
     }
-    describe_states(thing, board, forms);
+    properties[std::string(kBoardState)] = state_of(address);
     thing["forms"] = json::array({http_form(address + "/properties", "readallproperties")});
     if (!actions.empty()) thing["actions"] = std::move(actions);
     return thing;
@@ -231,12 +182,10 @@ json WebOfThings::thing(const ExportedBoard& board, const Forms& forms) const {
 json WebOfThings::directory(const Forms& forms) const {
     json thing{{"@context", {kContext, kDirectoryContext}},
                {"@type", "ThingDirectory"},
-               {"id", "urn:asip:" + escaped(options_.root)},
+               {"id", "urn:asip:" + escaped(root_)},
                {"title", "Boards of an ASIP service bus"},
                {"base", forms.base}};
-    auto alone = forms;
-    alone.broker.clear();
-    describe_security(thing, alone);
+    describe_security(thing, forms);
     thing["properties"]["things"] = {{"description", "The things that the asker may see, page by page"},
                                      {"uriVariables", page_parameters()},
                                      {"type", "array"},
@@ -264,38 +213,6 @@ json WebOfThings::directory(const Forms& forms) const {
             {"forms", json::array({stream_form("events/thing_" + what, "subscribeevent")})}};
     }
     return thing;
-}
-
-std::string WebOfThings::state_of_board(bool there, std::string_view state) const {
-    return model::dump_json(
-        json(state.empty() ? std::string(there ? "online" : "offline") : std::string(state)));
-}
-
-std::string WebOfThings::state_text(const Property& /*property*/, const json& value) const {
-    return value.is_null() ? std::string() : model::dump_json(value);
-}
-
-std::string WebOfThings::error_text(const std::string& sentence) const {
-    return model::dump_json(json(sentence));
-}
-
-std::optional<Dialect::Command> WebOfThings::command_of(std::string_view topic) const {
-    return command_below(base() + "/", topic);
-}
-
-Expected<json> WebOfThings::value_of(const Property& property, std::string_view payload) const {
-    if (options_.read_only) return fail("this export is read-only");
-    json value;
-    const bool button = property.kind == Kind::kButton;
-    if (!button) {
-        const auto parsed =
-            model::parse_json(payload, {.max_bytes = kMaxCommandBytes, .max_depth = kMaxCommandDepth});
-        if (parsed) value = *parsed;
-    }
-    if (!property.settable()) return fail(property.name + " cannot be set");
-    if ((!button && value.is_null()) || requests_for(property, value).empty())
-        return not_taken(property, payload);
-    return value;
 }
 
 }  // namespace asip::gateway::exports

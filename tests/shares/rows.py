@@ -87,7 +87,6 @@ TOPICS = {
     "reply/USER/$self/CLIENT/PART": ("viewer", log_line, False),
     "export/ha/EXPORTED/NAME/set": ("home-assistant", lambda n: str(n % 180), False),
     "homeassistant/status": ("home-assistant", lambda n: ("offline", "online")[n % 2], True),
-    "export/wot/EXPORTED/NAME/set": ("operator", lambda n: str(n % 180), False),
     "homie/5/EXPORTED/ID/NAME/set": ("operator", lambda n: str(n % 180), False),
     "spBv1.0/ID/NCMD/NAME": ("operator", lambda n: b"\x12\x1b\n\x14Node Control/Rebirth \x0bp\x01", False),
     "spBv1.0/ID/DCMD/NAME/EXPORTED": ("operator", lambda n: b"\x12\x0f\n\x08servo/0 \x03X" + bytes([n % 100]), False),

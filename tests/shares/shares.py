@@ -107,7 +107,7 @@ class SharedBus(SecuredBus):
                                   check=True, capture_output=True, text=True, timeout=20)
             self.tokens[name if name in ("ann", "bob") else role] = made.stdout.strip()
         self.start("gateway", "asip-gateway", "--http", f"127.0.0.1:{self.http_port}", "--tokens", str(self.work / "tokens"),
-                   "--home-assistant", "--homie", "--sparkplug", "hall", "--wot-mqtt")
+                   "--home-assistant", "--homie", "--sparkplug", "hall")
         eventually(lambda: can_connect(self.http_port), "the gateway")
 
     def headers(self, name):

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // A consumer of things (node-wot): does what it is asked, one line of JSON each, and answers with a line.
 //
-//   node consume.cjs MODULES http|mqtt    {"read":[TD address, property]}, {"write":[.., property, value]}, {"invoke":[.., action]},
-//                                         {"observe":[.., property, number of values]}, {"event":[.., event]}, {"validate":address}
+//   node consume.cjs MODULES    {"read":[TD address, property]}, {"write":[.., property, value]}, {"invoke":[.., action]},
+//                               {"observe":[.., property, number of values]}, {"validate":address}
 const { createRequire } = require("node:module");
 const { createInterface } = require("node:readline");
-const [modules, transport] = process.argv.slice(2);
+const [modules] = process.argv.slice(2);
 const load = createRequire(modules + "/x.js");
 const { Servient } = load("@node-wot/core");
 const { HttpClientFactory } = load("@node-wot/binding-http");
-const { MqttClientFactory } = load("@node-wot/binding-mqtt");
 const Ajv = load("ajv");
 const formats = load("ajv-formats");
 
 process.on("unhandledRejection", (error) => { console.error("unhandled", error); process.exit(3); });
 
 const servient = new Servient();
-servient.addClientFactory(transport === "mqtt" ? new MqttClientFactory({}) : new HttpClientFactory(null));
+servient.addClientFactory(new HttpClientFactory(null));
 const validator = new Ajv({ strict: false, allErrors: true });
 formats(validator);
 const valid = validator.compile(load("wot-thing-description-types/schema/td-json-schema-validation.json"));
@@ -44,14 +43,11 @@ async function main() {
     write: async ([address, name, value]) => { await (await thing(address)).writeProperty(name, value); return "written"; },
     invoke: async ([address, name]) => { await (await thing(address)).invokeAction(name); return "invoked"; },
     observe: async ([address, name, count]) => { const one = await thing(address); return several((next, failed) => one.observeProperty(name, next, failed), count); },
-    event: async ([address, name]) => { const one = await thing(address); return (await several((next, failed) => one.subscribeEvent(name, next, failed), 1))[0]; },
   };
   for await (const line of createInterface({ input: process.stdin })) {
     const [[task, argument]] = Object.entries(JSON.parse(line));
-    // An event is waited for while other things are done.
-    const done = limit(tasks[task](argument), task).then((value) => ({ task, value }), (error) => ({ task, error: String(error.message ?? error) }));
-    const answer = done.then((result) => process.stdout.write("=" + JSON.stringify(result) + "\n"));
-    if (task !== "event") await answer;
+    const result = await limit(tasks[task](argument), task).then((value) => ({ task, value }), (error) => ({ task, error: String(error.message ?? error) }));
+    process.stdout.write("=" + JSON.stringify(result) + "\n");
   }
   process.exit(0);
 }

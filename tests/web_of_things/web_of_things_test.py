@@ -1,49 +1,42 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated boards as things, consumed by node-wot over HTTP and over MQTT, by nothing but their Thing Descriptions."""
+"""Simulated boards as things, consumed by node-wot by nothing but their Thing Descriptions."""
 
 import os
 import pathlib
 import threading
-import time
 import unittest
 import urllib.error
 import urllib.request
 
-from bus import DESK, IMAGES, eventually, paho_client
+from bus import DESK, IMAGES, eventually
 from export_bus import ExportBus, Peer
 
 MODULES = os.environ["ASIP_NODE_WOT"]
 ROVER = {"name": "rover", "board": "uno", "image": str(IMAGES / "asip_uno_robot.elf"), "link": "rover.port", "parts": []}
 
 
-class ThingsBus(ExportBus):
-    export = ("--wot-mqtt",)
-
-
 class Things(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.bus = ThingsBus(boards=(DESK, ROVER))
+        cls.bus = ExportBus(boards=(DESK, ROVER))
         cls.addClassCleanup(cls.bus.close)
         cls.desk, cls.rover = (f"{cls.bus.url}/things/{name}" for name in ("desk", "rover"))
-        # The export over MQTT begins a moment after the gateway.
-        eventually(lambda: "exports boards to Web of Things" in cls.bus.logs(), "the export")
 
-    def consumer(self, transport):
-        made = Peer(pathlib.Path(__file__).with_name("consume.cjs"), MODULES, transport)
+    def consumer(self):
+        made = Peer(pathlib.Path(__file__).with_name("consume.cjs"), MODULES)
         self.addCleanup(made.close)
         return made
 
     def test_Descriptions_PassTheSchemaOfTheW3C(self):
-        consumer = self.consumer("http")
+        consumer = self.consumer()
         for address in (self.desk, self.rover, self.bus.url + "/.well-known/wot"):
             self.assertEqual(consumer("validate", address), [], address)
         self.assertEqual([thing["title"] for thing in self.bus.get("/things")], ["desk", "rover"])
         urn = self.bus.get("/things/desk")["id"]
         self.assertEqual(self.bus.get("/things/" + urn)["id"], urn)
 
-    def consume(self, transport):
-        consumer = self.consumer(transport)
+    def test_Consumer_ReadsWritesObservesInvokes(self):
+        consumer = self.consumer()
         eventually(lambda: consumer("read", [self.desk, "distance-0"]) == 42, "a distance")
         self.assertEqual(len(consumer("observe", [self.desk, "distance-0", 1])), 1)
         for angle in (30, 120):
@@ -51,10 +44,6 @@ class Things(unittest.TestCase):
             eventually(lambda: consumer("read", [self.desk, "servo-0-angle"]) == angle, f"the servo at {angle}")
         self.assertEqual(consumer("read", [self.desk, "board-state"]), "online")
         self.assertEqual(consumer("invoke", [self.rover, "motors-stop"]), "invoked")
-        return consumer
-
-    def test_OverHttp_ReadsWritesObservesInvokes(self):
-        consumer = self.consume("http")
         # Refused with a status where it cannot be executed.
         consumer("write", [self.desk, "servo-0-angle", 77])
         eventually(lambda: "77" in self.bus.part("desk/servo"), "a pulse of the new length")  # one comes each 20 ms
@@ -64,22 +53,6 @@ class Things(unittest.TestCase):
         self.assertEqual(consumer("read", [self.desk, "servo-0-angle"]), 77)
         values = self.bus.get("/things/desk/properties")
         self.assertEqual((values["servo-0-angle"], values["board-state"]), (77, "online"))
-
-    def test_OverMqtt_ReadsWritesObservesInvokes(self):
-        consumer = self.consume("mqtt")
-        self.assertEqual(consumer("read", [self.desk, "gateway-state"]), "online")
-        consumer.ask("event", [self.desk, "command-failed"])
-        time.sleep(1)
-        self.publish("asip/export/wot/desk/servo-0-angle/set", "181")
-        self.assertIn("cannot be set to 181", consumer.answer()["value"])
-
-    def publish(self, topic, payload):
-        client = paho_client()
-        client.connect("127.0.0.1", self.bus.broker_port)
-        client.loop_start()
-        client.publish(topic, payload, qos=1).wait_for_publish(20)
-        client.disconnect()
-        client.loop_stop()
 
     def test_ThingThatIsForgotten_IsGone_AndSaidSo(self):
         events = []

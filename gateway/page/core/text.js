@@ -112,6 +112,6 @@ export function time_of(value) {
 /// What a service is called where no person has named it.
 export const service_text = (name) => (name === "io" ? t("pins") : words(name));
 
-const programs = { loopback: t("machine"), "(unnamed)": t("no-name"), "node-red": "Node-RED", "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug", "web-of-things": "Web of Things" };
+const programs = { loopback: t("machine"), "(unnamed)": t("no-name"), "node-red": "Node-RED", "home-assistant": "Home Assistant", homie: "Homie", sparkplug: "Sparkplug" };
 /// Who asked, as a person reads it.
 export const who_text = (by) => programs[by] ?? by;

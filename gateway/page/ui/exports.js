@@ -14,7 +14,6 @@ function words_of({ on, shows, other }) {
 }
 
 function found_text({ system, found }) {
-  if (system === "web-of-things") return t("over-mqtt");
   if (system !== "home-assistant") return "";
   if (found === undefined) return t("said-nothing");
   return found ? t("found-uses") : t("was-broker");
@@ -44,7 +43,7 @@ class Exports extends Part {
       set_class(card.mark, `state ${state}`);
       set_text(card.mark, text);
       set_text(card.found, found_text(each));
-      card.how.hidden = status.you.role !== "admin" || each.system === "web-of-things"; // that one has things over HTTP
+      card.how.hidden = status.you.role !== "admin";
       if (card.on === each.on) continue;
       card.on = each.on;
       card.how.replaceChildren(h("summary", {}, each.on ? t("switch-off") : t("switch")), muted(t("gateways-machine")),

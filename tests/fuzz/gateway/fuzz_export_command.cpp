@@ -9,7 +9,6 @@
 #include "gateway/export/home_assistant.hpp"
 #include "gateway/export/homie.hpp"
 #include "gateway/export/turn.hpp"
-#include "gateway/export/web_of_things.hpp"
 #include "tests/fuzz/require.hpp"
 
 namespace {
@@ -92,7 +91,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto payload = end < bytes.size() ? bytes.substr(end + 1) : std::string();
     check(HomeAssistant(HomeAssistant::Options{}), board, topic, payload);
     check(Homie(Homie::Options{}), board, topic, payload);
-    check(WebOfThings(WebOfThings::Options{}), board, topic, payload);
     Turn lease({"gateway", 0, "host", {"homeassistant"}}, [] { return std::uint64_t{1}; });
     lease.subscribed({});
     lease.said(payload, true, {});

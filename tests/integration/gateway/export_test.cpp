@@ -142,21 +142,18 @@ TEST_F(GatewayExportOfMany, Clean_RemovesWhatIsLeft_UnlessAGatewayExports) {
 TEST_F(GatewayExportOfMany, EachDialect_IsExportedAndCleanedBesideTheOthers) {
     announce("uno1");
     probe_.subscribe("spBv1.0/#");
-    auto gateway = start({"--home-assistant", "--homie", "--wot-mqtt", "--sparkplug", "plant"});
+    auto gateway = start({"--home-assistant", "--homie", "--sparkplug", "plant"});
     ASSERT_TRUE(is_shown());
     EXPECT_TRUE(becomes("homie/5/uno1/$state", "ready"));
     EXPECT_TRUE(becomes("homie/5/asip/$state", "ready"));
-    EXPECT_TRUE(becomes("asip/export/wot/uno1/$state", "\"online\""));
     EXPECT_TRUE(probe_.wait_for("spBv1.0/plant/DBIRTH/asip/uno1"));
     probe_.publish("asip/uno1/distance/out", R"({"distance":{"0":42}})");
     EXPECT_TRUE(becomes("homie/5/uno1/distance/distance-0", "42"));
-    EXPECT_TRUE(becomes("asip/export/wot/uno1/distance-0", "42"));
     EXPECT_TRUE(becomes(kDistance, "42"));
     EXPECT_TRUE(probe_.wait_for("spBv1.0/plant/DDATA/asip/uno1"));
     gateway->process().signal(SIGKILL);
     EXPECT_TRUE(probe_.wait_for("spBv1.0/plant/NDEATH/asip"));
     ASSERT_TRUE(becomes("homie/5/asip/$state", "lost"));
-    ASSERT_TRUE(becomes("asip/export/wot/$state", "\"offline\""));
     ASSERT_TRUE(becomes(kGateway, "offline"));
     const auto done = run({ASIP_PROGRAMS "/asip-gateway", "clean", "--broker", broker_.address()});
     EXPECT_EQ(done.status, 0) << done.errors;

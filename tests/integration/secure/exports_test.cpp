@@ -31,8 +31,6 @@ const Row kRows[] = {
      "asip/export/ha/uno1/servo-0-angle", "home-assistant", "home-assistant"},
     {"Homie", "--homie", "homie/5/asip/$state", "ready", "homie/5/uno1/$description",
      "homie/5/uno1/distance/distance-0", "homie/5/uno1/servo/servo-0-angle", "bob", "ann"},
-    {"WebOfThings", "--wot-mqtt", "asip/export/wot/$state", "\"online\"", "asip/export/wot/uno1/$state",
-     "asip/export/wot/uno1/distance-0", "asip/export/wot/uno1/servo-0-angle", "bob", "ann"},
 };
 
 class ExportsOnSecuredBus : public SecuredBus, public ::testing::WithParamInterface<Row> {

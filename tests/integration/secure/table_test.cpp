@@ -135,7 +135,6 @@ TEST_F(TableOfRules, TopicsThatAreInNoRow_AreDeniedToEverybody) {
                                       "asip/junk",
                                       "asip/export",
                                       "asip/export/ha",
-                                      "asip/export/wot",
                                       "asip/export/dashboard",
                                       "asip/export/dashboard/n1/x",
                                       "asip/export/other/x",

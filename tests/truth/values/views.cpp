@@ -9,7 +9,6 @@
 #include "asip/property/list.hpp"
 #include "asip/property/property_json.hpp"
 #include "gateway/export/homie.hpp"
-#include "gateway/export/web_of_things.hpp"
 
 namespace truth::values {
 
@@ -24,7 +23,7 @@ namespace {
 
 constexpr const char* kBoard = "uno1";
 constexpr const char* kAnswers = "answers";
-constexpr unsigned kExports = 4;
+constexpr unsigned kExports = 3;
 
 mqtt::Message message_of(const std::string& topic, const std::string& payload, bool stored) {
     return mqtt::Message{.topic = topic, .payload = payload, .retain = stored};
@@ -36,8 +35,6 @@ std::shared_ptr<const gateway::exports::Dialect> dialect_of(std::uint64_t seed) 
             return ExportWorld::home_assistant();
         case 1:
             return std::make_shared<gateway::exports::Homie>(gateway::exports::Homie::Options());
-        case 2:
-            return std::make_shared<gateway::exports::WebOfThings>(gateway::exports::WebOfThings::Options());
         default:
             return nullptr;
     }

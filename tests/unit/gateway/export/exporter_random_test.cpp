@@ -8,7 +8,6 @@
 
 #include "export_world.hpp"
 #include "gateway/export/homie.hpp"
-#include "gateway/export/web_of_things.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -123,12 +122,6 @@ class RandomHistory {
 std::shared_ptr<const Dialect> home_assistant(bool elsewhere, bool read_only) {
     return ExportWorld::home_assistant(elsewhere ? "elsewhere" : "homeassistant", read_only);
 }
-std::shared_ptr<const Dialect> web_of_things(bool /*elsewhere*/, bool read_only) {
-    WebOfThings::Options options;
-    options.read_only = read_only;
-    return std::make_shared<WebOfThings>(options);
-}
-
 std::shared_ptr<const Dialect> homie(bool elsewhere, bool read_only) {
     Homie::Options options;
     options.read_only = read_only;
@@ -203,7 +196,7 @@ TEST_P(ExporterHistory, AfterAnyHistory_AsMuchIsRetainedAsAfterNone) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, ExporterHistory, testing::Values(&home_assistant, &web_of_things, &homie));
+INSTANTIATE_TEST_SUITE_P(Each, ExporterHistory, testing::Values(&home_assistant, &homie));
 
 }  // namespace
 }  // namespace asip::gateway::exports

@@ -7,7 +7,6 @@
 
 #include "export_world.hpp"
 #include "gateway/export/homie.hpp"
-#include "gateway/export/web_of_things.hpp"
 
 namespace asip::gateway::exports {
 namespace {
@@ -21,10 +20,6 @@ struct DialectRow {
 const DialectRow kDialects[] = {
     {"HomeAssistant", [] { return ExportWorld::home_assistant(); }},
     {"Homie", []() -> std::shared_ptr<const Dialect> { return std::make_shared<Homie>(Homie::Options{}); }},
-    {"WebOfThings",
-     []() -> std::shared_ptr<const Dialect> {
-         return std::make_shared<WebOfThings>(WebOfThings::Options{});
-     }},
 };
 
 class ExporterRules : public testing::TestWithParam<DialectRow> {
