@@ -13,6 +13,7 @@
 #include <avr/io.h>
 
 #include "asip/Config.h"
+#include "asip/Hardware.h"
 #include "asip/Line.h"
 #include "asip/Rates.h"
 
@@ -114,11 +115,11 @@ void write(uint8_t byte) {
 }
 
 // The flag of a finished byte is cleared when the ring is first seen empty, while the last byte is still on
-// the wire; should it have left already, two milliseconds are certainly enough.
+// the wire; should it have left already, a whole tick of the clock is certainly enough.
 bool idle() {
     static uint8_t since;
     static bool waiting;
-    const uint8_t now = static_cast<uint8_t>(millis());
+    const uint8_t now = hw::milliseconds();
     if (txHead != txTail) {
         waiting = false;
         return false;
@@ -129,7 +130,7 @@ bool idle() {
         ASIP_UCSRA |= kSent;
         return false;
     }
-    if (!(ASIP_UCSRA & kSent) && static_cast<uint8_t>(now - since) < 2) return false;
+    if (!(ASIP_UCSRA & kSent) && static_cast<uint8_t>(now - since) <= hw::kLongestTick) return false;
     waiting = false;
     return true;
 }

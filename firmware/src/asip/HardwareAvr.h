@@ -158,6 +158,10 @@ inline uint16_t readAnalog(uint8_t channel) {
     return readAnalogPin(static_cast<uint8_t>(kFirstAnalogPin + channel));
 }
 
+// By how much millis() goes on at once, at most: the core counts 16384 cycles, and makes up for what is left
+// over by a millisecond more now and then.
+constexpr uint8_t kLongestTick = 16384000UL / F_CPU + 1;
+
 // The lowest byte of millis(), which takes no interrupt lock to read.
 inline uint8_t milliseconds() {
     return *reinterpret_cast<volatile uint8_t*>(&timer0_millis);

@@ -100,6 +100,7 @@ inline uint16_t readAnalog(uint8_t channel) {
     return readAnalogPin(static_cast<uint8_t>(kFirstAnalogPin + channel));
 }
 
+constexpr uint8_t kLongestTick = 1;
 inline uint8_t milliseconds() {
     return static_cast<uint8_t>(::millis());
 }

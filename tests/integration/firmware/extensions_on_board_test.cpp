@@ -125,6 +125,26 @@ TEST(RateSwitchTest, RateAskedForWhileReportsAreOn_IsSwitchedTo) {
     }
 }
 
+// The clock of a sketch goes on by two milliseconds at once every 43 ms, and always on a chip of 8 MHz.
+TEST(RateSwitchTest, RateAskedForAtAnyTime_AnswerHasLeftTheWireBefore) {
+    for (const auto& [image, frequency] : {std::pair("asip_uno", 16'000'000u), {"asip_mini8", 8'000'000u}}) {
+        FirmwareBoard board(image, "nano", {}, frequency);
+        for (int i = 0; i < 600; ++i) {
+            board->run_for(std::chrono::microseconds(73 * i % 2'048));
+            board->send("#,B,250000\n");
+            ASSERT_EQ(board.next_line(), "@#,B,250000") << image << i;
+            board->set_host_baud(250000);
+            board->run_for(milliseconds(8));
+            board->take_output();
+            board->send("#,B,57600\n");
+            ASSERT_EQ(board.next_line(), "@#,B,57600") << image << i;
+            board->set_host_baud(57600);
+            board->run_for(milliseconds(8));
+        }
+        EXPECT_EQ(board->line_errors().cut_by_rate_change, 0u) << image;
+    }
+}
+
 TEST(ChecksumTest, DamagedRequest_IsRefusedAndTheNextOneWorks) {
     FirmwareBoard board("asip_uno");
     board->send("#,C,1\n");
