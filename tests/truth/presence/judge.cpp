@@ -107,7 +107,8 @@ std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem&
     const bool heard = view.heard(really.said_at) &&
                        (really.reason != StateReason::kAgentGone || view.heard(truth.there_at));
     // The broker has the word of the state alone where an agent is gone for longer than a lease, or where
-    // another overwrote its description before it ended.
+    // another overwrote its description before it ended. It has no description of an agent that asked whether
+    // another session lives until it ended: a view that was away does not learn that the board was there.
     const bool knows_why =
         setting_.says_state &&
         (heard || (!judged && std::min(now, view.connected_at() + kPromised) < truth.stored_until));

@@ -45,6 +45,11 @@ bool BoardTruth::is_heard() const {
     return std::any_of(agents.begin(), agents.end(), [](const SimAgent* one) { return one->is_heard(); });
 }
 
+bool BoardTruth::holder_is_heard() const {
+    return std::any_of(agents.begin(), agents.end(),
+                       [&](const SimAgent* one) { return one->is_heard() && one->session() == session; });
+}
+
 bool BoardTruth::is_disputed() const {
     return std::count_if(agents.begin(), agents.end(), [](const SimAgent* one) { return one->claims(); }) > 1;
 }
@@ -73,12 +78,12 @@ void BoardTruth::say(const Really& what) {
 
 // A word that no agent took back before it ended, too.
 Really BoardTruth::last_word() const {
-    return !unordered_word || taken_back || is_heard() ? said : *unordered_word;
+    return !unordered_word || taken_back || holder_is_heard() ? said : *unordered_word;
 }
 
 Really BoardTruth::really(Time now) const {
     const Really last = last_word();
-    return last.announced && !is_heard() ? until(lease_end, last, now) : last;
+    return last.announced && !holder_is_heard() ? until(lease_end, last, now) : last;
 }
 
 Really BoardTruth::Stored::really(Time now) const {
@@ -94,8 +99,8 @@ std::vector<Really> BoardTruth::all_kept(Time now) const {
     return all;
 }
 
-// Also of a name that was claimed and not announced yet. An agent that is heard takes it back; of a board
-// that has the state already it changes nothing.
+// Also of a name that was claimed and not announced yet. The agent of the session that counts takes it back;
+// of a board that has the state already it changes nothing.
 void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     const Really before = last_word();
     const Really what{true, state, asip::model::reason_of_word(state), now, now};
@@ -106,7 +111,7 @@ void BoardTruth::word(BoardState state, SimBroker::Client of, Time now) {
     last_will = now;
     wills.push_back(now);
     const bool again = before.announced && before.state == state;
-    const bool lives = is_heard();
+    const bool lives = holder_is_heard();
     if (again || lives) said = before;
     if (!again) last_new_word = now;
     if (again || (!lives && (of == described_by || now > described_at + kReordered))) return;
@@ -130,13 +135,15 @@ void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::
     const Really last = took_word ? *unordered_word : said;
     if (by < session && now < lease_end + kReordered) at_end = {is_there ? last : gone, now, lease_end};
     if (is_there) there_at = now;
+    if (!stored && session != by) stored_until = std::min(stored_until, now);
     session = by;
     lease_end = now + std::chrono::seconds(lease_seconds);
     described_by = over;
     described_at = now;
     if (stored) stored_until = lease_end, in_vain.reset(), kept = {what, now, lease_end};
     if (unordered_word && now > unordered_word->since + kReordered) unordered_word.reset();
-    if (just_gone_otherwise) unordered_word = Really{true, said.state, said.reason, now, now};
+    if (just_gone_otherwise)  // behind the description, that word counts as a will
+        unordered_word = Really{true, said.state, asip::model::reason_of_word(said.state), now, now};
     say(what);
 }
 

@@ -59,7 +59,8 @@ struct BoardTruth {
     /// The description that the broker keeps, and the word: of whichever session.
     Stored kept;
     Really kept_word;
-    /// The broker has the description until then, its lease or one of an earlier session behind it.
+    /// The broker has a description of the session that counts until then: its lease, or one of an earlier
+    /// session behind it, or a later session of which the broker stores nothing.
     Time stored_until{};
     std::vector<const SimAgent*> agents;
     /// All that was said, as "lost unplugged".
@@ -82,6 +83,9 @@ struct BoardTruth {
     /// session.
     void word(BoardState state, SimBroker::Client of, Time now);
     bool is_heard() const;
+    /// The agent of the session that counts is heard: it takes back words of others. An agent that is heard
+    /// beside it is believed behind its lease.
+    bool holder_is_heard() const;
     /// Several agents run for the name.
     bool is_disputed() const;
     /// What became of the agent that had the name before `agent`, which is about to start.
