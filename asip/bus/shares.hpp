@@ -35,7 +35,8 @@ class Shares {
     /// With jobs, or above others in use.
     std::size_t names() const { return accounts_.size(); }
     Duration now() const { return clock_(); }
-    /// This thread's alone.
+    static constexpr Duration kBetweenLooks = std::chrono::microseconds(200);
+    /// This thread's alone; up to kBetweenLooks too much, where the thread slept meanwhile.
     static Duration processor_time();
 
   private:

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose turn it is: clients that ask much, boards that publish much, and stops between them. What a job costs
-// is counted here, and no clock is read.
+// is counted here, and no clock is read but in one test.
 #include "asip/bus/shares.hpp"
 
 #include <gmock/gmock.h>
+
+#include <ctime>
+#include <thread>
 
 namespace asip::bus {
 namespace {
@@ -148,6 +151,19 @@ TEST_F(BoardSharesTest, WhatWaitsOfABoard_KeepsItsOrder_AndHasABound) {
     run();
     EXPECT_EQ(handled.size(), 5u);
     EXPECT_THAT(handled.back(), testing::StartsWith("value/99 "));
+}
+
+TEST(ProcessorTime, IsWhatTheThreadWorked_AndNotWhatItSlept) {
+    const auto began = Shares::processor_time();
+    std::this_thread::sleep_for(100ms);
+    EXPECT_LT(Shares::processor_time() - began, 50ms);
+    auto last = Shares::processor_time();
+    for (const auto working = std::clock(); std::clock() - working < CLOCKS_PER_SEC / 50;) {
+        const auto now = Shares::processor_time();
+        ASSERT_GE(now, last);
+        last = now;
+    }
+    EXPECT_GE(Shares::processor_time() - began, 10ms);
 }
 
 }  // namespace
