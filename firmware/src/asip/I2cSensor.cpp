@@ -93,7 +93,7 @@ I2cSensor::Outcome I2cSensor::wait(uint8_t milliseconds) {
         isWaiting_ = true;
         sinceMs_ = now;
     }
-    if (static_cast<uint8_t>(now - sinceMs_) <= milliseconds) return kGoOn;
+    if (static_cast<uint8_t>(now - sinceMs_) <= milliseconds + hw::kLongestTick) return kGoOn;
     isWaiting_ = false;
     return kNextStep;
 }

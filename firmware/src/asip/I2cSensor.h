@@ -32,7 +32,7 @@ class I2cSensor : public Service {
     Outcome transfer(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                      uint8_t inCount);
 
-    // For doStep(): kNextStep after so many milliseconds.
+    // For doStep(): kNextStep when so many milliseconds have passed, 250 at most.
     Outcome wait(uint8_t milliseconds);
 
   private:
