@@ -31,8 +31,7 @@ Outcome outcome_of(Reply::Status status) {
 }  // namespace
 
 Millis now() {
-    static const auto began = asip::Clock::now();
-    return std::chrono::duration_cast<std::chrono::milliseconds>(asip::Clock::now() - began).count();
+    return std::chrono::duration_cast<std::chrono::milliseconds>(asip::Clock::now() - time_of(0)).count();
 }
 
 Commander::Commander(boost::asio::io_context& io, asip::mqtt::Options options, History& history,

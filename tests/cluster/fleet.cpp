@@ -19,15 +19,21 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kDeparting = 2;
-constexpr Millis kSetUp = 60'000;
+constexpr auto kSetUp = 60s;
 // A node that does not work behind all programs, which have left it.
 constexpr Millis kLeftNode = 20'000;
 
 }  // namespace
 
 Fleet::Fleet(boost::asio::io_context& io, Engine& engine, Network* network, const FleetOptions& options,
-             History& history)
-    : io_(io), engine_(engine), hosts_{network}, network_(network), options_(options), history_(history) {
+             const truth::Machine& machine, History& history)
+    : io_(io),
+      engine_(engine),
+      hosts_{network},
+      network_(network),
+      options_(options),
+      machine_(machine),
+      history_(history) {
     folder_.write("clock", std::string(sizeof(std::int64_t), '\0'));
     for (std::size_t i = 0; i < options_.registries; ++i) {
         const auto id = fmt::format("r{}", i);
@@ -143,8 +149,7 @@ void Fleet::set_up() {
     for (const auto& echo : echoes_)
         echo->start();
     const auto steady = [&] { return catalogues_agree(0).has_value(); };
-    if (!asip::test::run_until(io_, steady, std::chrono::milliseconds(kSetUp)))
-        throw std::runtime_error("the registries do not find the boards");
+    if (!wait_for(steady)) throw std::runtime_error("the registries do not find the boards");
     depart();
     for (const auto& commander : commanders_)
         commander->start();
@@ -153,8 +158,16 @@ void Fleet::set_up() {
     const auto ready = [&] {
         return catalogues_agree(begin).has_value() && commands_work(begin, mute).has_value();
     };
-    if (!asip::test::run_until(io_, ready, std::chrono::milliseconds(kSetUp)))
-        throw std::runtime_error("the boards cannot be commanded");
+    if (!wait_for(ready)) throw std::runtime_error("the boards cannot be commanded");
+}
+
+bool Fleet::wait_for(const std::function<bool()>& done) {
+    const auto began = asip::Clock::now();
+    while (!done()) {
+        if (machine_.pace().passed(began, asip::Clock::now()) >= kSetUp) return false;
+        asip::test::run_for(io_, std::chrono::milliseconds(kTurn));
+    }
+    return true;
 }
 
 void Fleet::depart() {
@@ -269,7 +282,7 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
         run_until(step.at);
         step.begins ? begin(*step.fault) : end(*step.fault);
     }
-    look_for_recovery(round, options_.look, kLeftNode);
+    look_for_recovery(round, kLeftNode);
     for (const auto& watcher : watchers_)
         if (!watcher->right_since()) round.wrong[watcher->registry()] = watcher->difference();
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@
 #include "tests/cluster/process.hpp"
 #include "tests/cluster/watcher.hpp"
 #include "tests/support/temp_dir.hpp"
+#include "tests/truth/presence/machine.hpp"
 
 namespace cluster {
 
@@ -25,7 +27,6 @@ struct FleetOptions {
     std::size_t registries = 3;
     std::size_t clients = 3;
     double per_board = 2;            ///< commands a second
-    Millis look = 30'000;            ///< at the most, for the recovery after a fault
     bool processes = true;           ///< faults of processes and links, too
     bool clock = false;              ///< faults of clocks, too
     Millis longest_stop = 20'000;    ///< of faults at random
@@ -41,7 +42,7 @@ class Fleet {
   public:
     /// With a network each registry, and each third of the agents, is on a host of its own.
     Fleet(boost::asio::io_context& io, Engine& engine, Network* network, const FleetOptions& options,
-          History& history);
+          const truth::Machine& machine, History& history);
 
     static constexpr std::size_t kShares = 3;
     /// How many hosts it needs.
@@ -82,10 +83,13 @@ class Fleet {
     Process& process(const Fault& fault);
     void nodes(const Fault& fault, void (Engine::*what)(std::size_t));
     void look_for_ends();
-    /// Not longer than `longest` behind the engine; and where only the engine does not work, for
+    /// False: the programs had had the time for it long ago.
+    bool wait_for(const std::function<bool()>& done);
+    /// Until the programs had the time for it behind the engine; and where only the engine does not work, for
     /// `engine_alone`.
-    void look_for_recovery(Round& round, Millis longest, Millis engine_alone);
+    void look_for_recovery(Round& round, Millis engine_alone);
     bool recovered(Round& round);
+    bool had_time(const Round& round) const;
     std::optional<Millis> commands_work(Millis end, std::vector<std::size_t>& mute) const;
     std::optional<Millis> engine_works(Millis end) const;
     std::optional<Millis> catalogues_agree(Millis end) const;
@@ -95,6 +99,7 @@ class Fleet {
     Hosts hosts_;
     Network* network_;
     FleetOptions options_;
+    const truth::Machine& machine_;
     asip::test::TempDir folder_;
     History& history_;
     Truth truth_;

@@ -3,30 +3,37 @@
 #include <algorithm>
 
 #include "tests/cluster/fleet.hpp"
+#include "tests/cluster/judge.hpp"
 
 namespace cluster {
 
 namespace {
 
 // RabbitMQ needs 10 to 20 s, on a busy machine more; all of its nodes together minutes.
-constexpr Millis kNodeStarts = 180'000;
+constexpr auto kNodeStarts = std::chrono::minutes(3);
+constexpr Limits kLimits;
+constexpr std::chrono::milliseconds kLongest(std::max(kLimits.commands, kLimits.agree));
 
 }  // namespace
 
-void Fleet::look_for_recovery(Round& round, Millis longest, Millis engine_alone) {
+bool Fleet::had_time(const Round& round) const {
+    const auto pace = machine_.pace();
+    const auto end = time_of(round.end), present = asip::Clock::now();
+    if (!round.engine_works) return pace.passed(end, present) >= kNodeStarts;
+    return pace.had_time(time_of(*round.engine_works), kLongest, present);
+}
+
+void Fleet::look_for_recovery(Round& round, Millis engine_alone) {
     round.end = now();
     for (const auto& watcher : watchers_)
         watcher->look_anew();
     for (const auto& echo : echoes_)
         echo->look_anew();
-    const auto limit = [&] {
-        return std::min(round.engine_works.value_or(now()), round.end + kNodeStarts) + longest;
-    };
     const auto only_the_engine = [&] {
         return round.commands_work && round.catalogues_agree &&
                now() > std::max(*round.commands_work, *round.catalogues_agree) + engine_alone;
     };
-    while (!recovered(round) && now() < limit() && !only_the_engine())
+    while (!recovered(round) && !had_time(round) && !only_the_engine())
         run_until(now() + kTurn);
     round.looked_until = now();
 }

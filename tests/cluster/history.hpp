@@ -6,10 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "asip/time.hpp"
+
 namespace cluster {
 
 /// Milliseconds of a monotonic clock.
 using Millis = std::int64_t;
+
+/// As asip::Clock has it.
+asip::Time time_of(Millis time);
 
 /// How a command ended, as its sender saw it.
 enum class Outcome { kOk, kError, kTimeout, kRefused, kUnanswered };

@@ -13,7 +13,8 @@ constexpr const char* kQuiet = "between faults";
 /// Applies the rules to one history.
 class Judge {
   public:
-    Judge(const History& history, const Limits& limits) : history_(history), limits_(limits) {}
+    Judge(const History& history, const truth::Pace& pace, const Limits& limits)
+        : history_(history), pace_(pace), limits_(limits) {}
 
     Verdict verdict() {
         executed_.resize(history_.commands.size());
@@ -66,10 +67,13 @@ class Judge {
         add(into.commands_work, first, round.commands_work, round.end);
         add(into.catalogues_agree, first, round.catalogues_agree, round.end);
         const Millis begin = round.engine_works.value_or(round.end);
-        if (!round.commands_work || *round.commands_work > begin + limits_.commands)
+        const auto in_time = [&](const std::optional<Millis>& at, Millis limit) {
+            return !too_late(begin, limit, at.value_or(round.looked_until), at.has_value());
+        };
+        if (!in_time(round.commands_work, limits_.commands))
             fail(round.end, fmt::format("{}: commands did not work again within {} ms:{}", round.name,
                                         limits_.commands, names_of_mute(round, history_)));
-        if (round.catalogues_agree && *round.catalogues_agree <= begin + limits_.agree) return;
+        if (in_time(round.catalogues_agree, limits_.agree)) return;
         std::string how;
         for (const auto& [registry, difference] : round.wrong) {
             how += fmt::format(" {}:", registry);
@@ -77,6 +81,25 @@ class Judge {
         }
         fail(round.end, fmt::format("{}: catalogues did not agree with the truth within {} ms:{}", round.name,
                                     limits_.agree, how));
+    }
+
+    /// Whether `at`, when it came or was given up, is too late: on a starved machine where the programs had
+    /// the time for it.
+    bool too_late(Millis since, Millis limit, Millis at, bool came) {
+        if (came && at <= since + limit) return false;
+        const auto from = time_of(since), to = time_of(at);
+        if (!pace_.starved(from, to) || pace_.had_time(from, std::chrono::milliseconds(limit), to))
+            return true;
+        ++verdict_.starved;
+        return false;
+    }
+
+    /// Whether more than `slack` passed for the programs.
+    bool longer(Millis from, Millis to, Millis slack) {
+        if (to <= from + slack) return false;
+        if (pace_.passed(time_of(from), time_of(to)) > std::chrono::milliseconds(slack)) return true;
+        ++verdict_.starved;
+        return false;
     }
 
     /// Until when a fault may be the reason for what happens to commands.
@@ -129,12 +152,13 @@ class Judge {
         if (command.outcome == Outcome::kRefused && !executed.empty()) wrong("was executed");
         if (command.outcome == Outcome::kError) wrong("is one that the board knows");
         if (command.differing) wrong("was answered again, and otherwise");
-        if (undisturbed(command) && command.outcome == Outcome::kUnanswered)
+        if (command.outcome == Outcome::kUnanswered && undisturbed(command) &&
+            too_late(command.sent, 0, command.sent + history_.deadline + limits_.slack, false))
             wrong("has no answer, and nothing was disturbed");
         if (executed.empty()) return;
         const Millis last = executed.back();
-        if (last <= command.sent + history_.deadline + limits_.slack) {
-            if (command.answered && last > *command.answered + limits_.order)
+        if (!longer(command.sent + history_.deadline, last, limits_.slack)) {
+            if (command.answered && longer(*command.answered, last, limits_.order))
                 wrong(fmt::format("was executed {} ms after its answer", last - *command.answered));
             return;
         }
@@ -145,6 +169,7 @@ class Judge {
     }
 
     const History& history_;
+    const truth::Pace& pace_;
     Limits limits_;
     std::vector<std::vector<Millis>> executed_;
     Verdict verdict_;
@@ -155,6 +180,11 @@ std::string seconds(const std::optional<Millis>& time) {
 }
 
 }  // namespace
+
+asip::Time time_of(Millis time) {
+    static const auto began = asip::Clock::now();
+    return began + std::chrono::milliseconds(time);
+}
 
 const char* to_string(Outcome outcome) {
     switch (outcome) {
@@ -188,8 +218,8 @@ std::string names_of_mute(const Round& round, const History& history) {
     return names;
 }
 
-Verdict judge(const History& history, const Limits& limits) {
-    return Judge(history, limits).verdict();
+Verdict judge(const History& history, const truth::Pace& pace, const Limits& limits) {
+    return Judge(history, pace, limits).verdict();
 }
 
 std::string report(const std::string& engine, const Verdict& verdict) {
@@ -208,6 +238,8 @@ std::string report(const std::string& engine, const Verdict& verdict) {
         text +=
             fmt::format("{} times events were lost between nodes that were apart, as their numbers told\n",
                         verdict.excused_gaps);
+    if (verdict.starved > 0)
+        text += fmt::format("{} times something was late on a starved machine\n", verdict.starved);
     for (const auto& violation : verdict.violations)
         text += "VIOLATION " + violation + '\n';
     return text;

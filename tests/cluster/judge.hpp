@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "tests/cluster/history.hpp"
+#include "tests/truth/presence/machine.hpp"
 
 namespace cluster {
 
 /// What is demanded of the time after a fault, counted from when the engine itself works again, and what the
-/// judge allows its own measuring.
+/// judge allows its own measuring. On a machine that starves its programs it is a time that they had.
 struct Limits {
     Millis agree = 10'000;     ///< until all catalogues are right
     Millis commands = 10'000;  ///< until each board can be commanded
@@ -33,10 +34,12 @@ struct Verdict {
     std::vector<Row> rows;  ///< in the order in which the faults came first; then "between faults"
     std::vector<std::string> violations;
     std::size_t excused_gaps = 0;  ///< in the events of a registry, while nodes of the engine were apart
+    std::size_t starved = 0;       ///< times that were too long only since the machine was too busy
 };
 
 /// Decides, by what the boards executed and the registries said, whether all was as promised. Pure.
-Verdict judge(const History& history, const Limits& limits = {});
+/// `pace`: of the machine, by time_of() the times of the history.
+Verdict judge(const History& history, const truth::Pace& pace, const Limits& limits = {});
 
 /// What is wrong, each behind a blank.
 std::string text_of(const Difference& difference);

@@ -31,7 +31,21 @@ struct JudgeTest : testing::Test {
             history.executions.push_back({history.commands.size(), 0, at});
         history.commands.push_back({.board = 0, .sent = sent, .answered = answered, .outcome = outcome});
     }
-    std::vector<std::string> violations() const { return judge(history).violations; }
+    Verdict judged() const { return judge(history, pace); }
+    std::vector<std::string> violations() const { return judged().violations; }
+
+    /// Wake-ups, `slower` times as slow as on a quiet machine.
+    static truth::Pace woken(Millis until, double slower) {
+        truth::Pace pace(time_of(0));
+        for (auto at = time_of(0); at < time_of(until);) {
+            const auto due = at + truth::Pace::kSleep;
+            at = due + std::chrono::duration_cast<asip::Duration>(
+                           (truth::Pace::kWork + truth::Pace::kLateness) * slower);
+            pace.woke(due, at);
+        }
+        return pace;
+    }
+    truth::Pace pace = woken(60'000, 1);
 };
 
 TEST_F(JudgeTest, AllWell_TableHasTimesAndCountsOfTheFaultAndOfThePauses) {
@@ -39,7 +53,7 @@ TEST_F(JudgeTest, AllWell_TableHasTimesAndCountsOfTheFaultAndOfThePauses) {
     command(10'500, Outcome::kUnanswered, std::nullopt, {});
     command(11'500, Outcome::kRefused, 11'510, {});
     command(12'500, Outcome::kOk, 12'510, {12'505});
-    const auto verdict = judge(history);
+    const auto verdict = judged();
     EXPECT_THAT(verdict.violations, IsEmpty());
     ASSERT_EQ(verdict.rows.size(), 2u);
     EXPECT_EQ(verdict.rows[0].fault, "broker kill");
@@ -77,7 +91,7 @@ TEST_F(JudgeTest, ExecutedAfterItsDeadline_OnlyABrokerThatWasHeldIsAnExcuse) {
     command(10'500, Outcome::kUnanswered, std::nullopt, {18'000});
     EXPECT_THAT(violations(), ElementsAre(HasSubstr("executed 7500 ms after it was sent")));
     history.rounds[0].messages_held = true;
-    const auto verdict = judge(history);
+    const auto verdict = judged();
     EXPECT_THAT(verdict.violations, IsEmpty());
     EXPECT_EQ(verdict.rows[0].late_and_held, 1u);
 }
@@ -107,7 +121,7 @@ TEST_F(JudgeTest, CataloguesTooLateOrNever_SayWhichBoards) {
     history.rounds[0].catalogues_agree.reset();
     history.rounds[0].wrong["r1"] = {.ghosts = {"gone"}, .lost = {"two"}};
     EXPECT_THAT(violations(), ElementsAre(HasSubstr("r1: gone is a ghost two lives and is not online")));
-    EXPECT_EQ(judge(history).rows[0].catalogues_agree, std::nullopt);
+    EXPECT_EQ(judged().rows[0].catalogues_agree, std::nullopt);
 }
 
 TEST_F(JudgeTest, EngineThatWasSlowToComeBack_TheTimeCountsFromThen) {
@@ -116,7 +130,31 @@ TEST_F(JudgeTest, EngineThatWasSlowToComeBack_TheTimeCountsFromThen) {
     EXPECT_EQ(violations().size(), 2u);
     history.rounds[0].engine_works = 19'000;
     EXPECT_THAT(violations(), IsEmpty());
-    EXPECT_EQ(judge(history).rows[0].engine_works, 8000);
+    EXPECT_EQ(judged().rows[0].engine_works, 8000);
+}
+
+TEST_F(JudgeTest, TooLateOnAStarvedMachine_OnlyWhereTheProgramsHadTheTime) {
+    pace = woken(300'000, 4);
+    auto& round = history.rounds[0];
+    round.catalogues_agree = round.commands_work = 50'000;
+    EXPECT_THAT(violations(), IsEmpty());
+    EXPECT_EQ(judged().starved, 2u);
+    EXPECT_THAT(report("mosquitto", judged()), HasSubstr("2 times something was late on a starved machine"));
+    round.catalogues_agree.reset();
+    round.looked_until = 250'000;
+    EXPECT_THAT(violations(), ElementsAre(HasSubstr("catalogues did not agree")));
+}
+
+TEST_F(JudgeTest, CommandOnAStarvedMachine_MayBeLateByATimeThatTheProgramsDidNotHave) {
+    pace = woken(60'000, 4);
+    command(1000, Outcome::kUnanswered, std::nullopt, {8500});
+    command(1000, Outcome::kOk, 2000, {3000});
+    EXPECT_THAT(violations(), IsEmpty());
+    EXPECT_EQ(judged().starved, 3u);
+    command(1000, Outcome::kTimeout, 6000, {12'000});
+    EXPECT_THAT(violations(), ElementsAre(HasSubstr("was executed 11000 ms after it was sent")));
+    command(1000, Outcome::kOk, 2000, {6900});
+    EXPECT_THAT(violations(), testing::Contains(HasSubstr("executed 4900 ms after its answer")));
 }
 
 TEST_F(JudgeTest, CommandsTooLateOrNever) {
@@ -131,12 +169,12 @@ TEST_F(JudgeTest, TwoRoundsOfOneFault_TheLongerTimeCountsAndNeverStaysNever) {
     history.rounds[1].end = 21'000;
     history.rounds[1].commands_work = 21'100;
     history.rounds[1].catalogues_agree = 24'000;
-    const auto verdict = judge(history);
+    const auto verdict = judged();
     ASSERT_EQ(verdict.rows.size(), 1u);
     EXPECT_EQ(verdict.rows[0].commands_work, 400);
     EXPECT_EQ(verdict.rows[0].catalogues_agree, 3000);
     history.rounds[0].catalogues_agree.reset();
-    EXPECT_EQ(judge(history).rows[0].catalogues_agree, std::nullopt);
+    EXPECT_EQ(judged().rows[0].catalogues_agree, std::nullopt);
 }
 
 TEST_F(JudgeTest, GapInEventsAndProgramThatEnded) {
@@ -150,7 +188,7 @@ TEST_F(JudgeTest, GapInEventsWhileNodesWereApart_IsCounted) {
     EXPECT_THAT(violations(), ElementsAre(HasSubstr("event 6 came after 4"))) << "the engine is one node";
     history.rounds[0].nodes_apart = true;
     EXPECT_THAT(violations(), IsEmpty());
-    EXPECT_EQ(judge(history).excused_gaps, 1u);
+    EXPECT_EQ(judged().excused_gaps, 1u);
     history.gaps.push_back({.registry = "r1", .after = 7, .next = 9, .since = 13'100, .at = 14'000});
     EXPECT_THAT(violations(), ElementsAre(HasSubstr("event 9 came after 7"))) << "the fault was over";
 }

@@ -70,7 +70,8 @@ int run(Settings settings) {
     const auto engine = make_engine(settings.engine, Hosts{network.get()});
     for (const auto& lack : engine->lacks())
         fmt::print("{}: {}\n", engine->name(), lack);
-    Fleet fleet(io, *engine, network.get(), settings.fleet, history);
+    const truth::Machine machine;
+    Fleet fleet(io, *engine, network.get(), settings.fleet, machine, history);
     try {
         fleet.set_up();
     } catch (const std::runtime_error& error) {
@@ -93,7 +94,7 @@ int run(Settings settings) {
         if (!round.commands_work || !round.catalogues_agree) fleet.write_logs(settings.logs);
     }
     fleet.finish();
-    const auto verdict = judge(history);
+    const auto verdict = judge(history, machine.pace());
     fmt::print("\n{}\n{} commands, {} violations, seed {}\n", report(engine->name(), verdict),
                history.commands.size(), verdict.violations.size(), settings.seed);
     const bool wrong = !verdict.violations.empty();

@@ -18,6 +18,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr auto kStarts = 300s;  // RabbitMQ needs 20, on a busy machine many times as many
+
 bool accepts(const std::string& address, std::uint16_t port) {
     asio::io_context io;
     asio::ip::tcp::socket socket(io);
@@ -60,13 +62,20 @@ void NodeEngine::add_node(Command command, Environment environment) {
     nodes_.push_back(std::make_unique<Process>(std::move(command), std::move(environment)));
 }
 
-void NodeEngine::add_helper(Command command, std::size_t node) {
+void NodeEngine::add_helper(Command command, std::size_t node, Environment environment) {
     command = hosts_.inside(Hosts::kFirstNode + node, std::move(command));
-    helpers_.push_back(std::make_unique<Process>(std::move(command), Environment{}));
+    helpers_.push_back(std::make_unique<Process>(std::move(command), std::move(environment)));
+}
+
+void NodeEngine::run_helper(Command command, std::size_t node, Environment environment) {
+    add_helper(std::move(command), node, std::move(environment));
+    Process& helper = *helpers_.back();
+    test::wait_until([&] { return helper.ended_by_itself().has_value(); }, kStarts);
+    if (helper.ended_by_itself() != 0) throw std::runtime_error("a command failed: " + helper.log());
 }
 
 void NodeEngine::wait_for_port(const std::string& address, std::uint16_t port, const Process& process) {
-    if (!test::wait_until([&] { return accepts(address, port); }, 90s))
+    if (!test::wait_until([&] { return accepts(address, port); }, kStarts))
         throw std::runtime_error("does not start: " + process.log());
 }
 

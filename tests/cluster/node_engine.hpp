@@ -38,7 +38,9 @@ class NodeEngine : public Engine {
     /// The next node.
     void add_node(Command command, Environment environment = {});
     /// A process that runs on the host of a node, and is not killed with it.
-    void add_helper(Command command, std::size_t node);
+    void add_helper(Command command, std::size_t node, Environment environment = {});
+    /// Runs a command to its end on the host of a node. Throws std::runtime_error with its log when it fails.
+    void run_helper(Command command, std::size_t node, Environment environment);
     /// Until each node accepts connections. Throws std::runtime_error with the log of one that does not.
     void wait_for_nodes() const;
     static void wait_for_port(const std::string& address, std::uint16_t port, const Process& process);
