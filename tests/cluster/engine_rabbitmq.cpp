@@ -58,6 +58,10 @@ class RabbitMq final : public NodeEngine {
         for (std::size_t i = 0; i < ports().size(); ++i)
             add_node(in_root({"/usr/lib/rabbitmq/bin/rabbitmq-server"}), environment(i, names));
         wait_for_nodes();
+        // As the page says.
+        run_helper(in_root({"/usr/lib/rabbitmq/bin/rabbitmqctl", "--erlang-cookie", "asip",
+                            "enable_feature_flag", "--opt-in", "khepri_db"}),
+                   0, environment(0, names));
     }
     std::vector<std::string> lacks() const override {
         return {"what is retained is known to one node only, and not found by wildcards",
