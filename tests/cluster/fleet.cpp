@@ -20,8 +20,6 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kDeparting = 2;
 constexpr auto kSetUp = 60s;
-// A node that does not work behind all programs, which have left it.
-constexpr Millis kLeftNode = 20'000;
 
 }  // namespace
 
@@ -282,7 +280,7 @@ void Fleet::suffer(const std::vector<Fault>& faults) {
         run_until(step.at);
         step.begins ? begin(*step.fault) : end(*step.fault);
     }
-    look_for_recovery(round, kLeftNode);
+    look_for_recovery(round);
     for (const auto& watcher : watchers_)
         if (!watcher->right_since()) round.wrong[watcher->registry()] = watcher->difference();
 }

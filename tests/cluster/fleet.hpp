@@ -85,9 +85,8 @@ class Fleet {
     void look_for_ends();
     /// False: the programs had had the time for it long ago.
     bool wait_for(const std::function<bool()>& done);
-    /// Until the programs had the time for it behind the engine; and where only the engine does not work, for
-    /// `engine_alone`.
-    void look_for_recovery(Round& round, Millis engine_alone);
+    /// Until the programs had the time for it behind the engine.
+    void look_for_recovery(Round& round);
     bool recovered(Round& round);
     bool had_time(const Round& round) const;
     std::optional<Millis> commands_work(Millis end, std::vector<std::size_t>& mute) const;

@@ -11,6 +11,8 @@ namespace {
 
 // RabbitMQ needs 10 to 20 s, on a busy machine more; all of its nodes together minutes.
 constexpr auto kNodeStarts = std::chrono::minutes(3);
+// A node that does not work behind all programs, which have left it.
+constexpr auto kLeftNode = std::chrono::seconds(20);
 constexpr Limits kLimits;
 constexpr std::chrono::milliseconds kLongest(std::max(kLimits.commands, kLimits.agree));
 
@@ -23,15 +25,16 @@ bool Fleet::had_time(const Round& round) const {
     return pace.had_time(time_of(*round.engine_works), kLongest, present);
 }
 
-void Fleet::look_for_recovery(Round& round, Millis engine_alone) {
+void Fleet::look_for_recovery(Round& round) {
     round.end = now();
     for (const auto& watcher : watchers_)
         watcher->look_anew();
     for (const auto& echo : echoes_)
         echo->look_anew();
     const auto only_the_engine = [&] {
-        return round.commands_work && round.catalogues_agree &&
-               now() > std::max(*round.commands_work, *round.catalogues_agree) + engine_alone;
+        if (!round.commands_work || !round.catalogues_agree) return false;
+        const auto since = time_of(std::max(*round.commands_work, *round.catalogues_agree));
+        return machine_.pace().passed(since, asip::Clock::now()) > kLeftNode;
     };
     while (!recovered(round) && !had_time(round) && !only_the_engine())
         run_until(now() + kTurn);
