@@ -114,7 +114,7 @@ std::string Judge::reason_and_time(const View& view, const asip::bus::BoardItem&
         (heard || (!judged && std::min(now, view.connected_at() + kPromised) < truth.stored_until));
     // A will behind an earlier session's description is that board's first one for a view that believes it.
     const bool believes_other =
-        truth.vain_at > really.since && (!view.heard(truth.vain_at) || view.connected_at() > truth.vain_at);
+        truth.vain_at >= really.since && (!view.heard(truth.vain_at) || view.connected_at() > truth.vain_at);
     if (!knows_why || believes_other) return {};
     const bool in_conflict = seen.reason == "conflict" && really.reason == StateReason::kNone;
     if (seen.reason != to_text(really.reason) && !in_conflict)

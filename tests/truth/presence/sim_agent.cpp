@@ -129,11 +129,16 @@ void BoardTruth::describe(const Really& what, const std::string& by, SimBroker::
     const Really gone{true, what.state, asip::model::reason_of_word(what.state), now, now};
     const bool just_gone_otherwise = !asip::model::is_there(said.state) && what.state != said.state &&
                                      now < std::max(described_at, last_will) + kReordered;
-    if (at_end && now > at_end->lease_end + kReordered) at_end.reset();
-    // The word beside that description is of no session: it is taken for that of the other one.
-    const bool took_word = unordered_word && unordered_word->since >= described_at;
+    if (at_end && now > at_end->lease_end + kUnsure) at_end.reset();
+    // The word beside that description is of no session: it is taken for that of the other one. A later word
+    // that the board is gone comes behind it.
+    const bool took_word =
+        asip::model::is_there(said.state) && unordered_word && unordered_word->since >= described_at;
     const Really last = took_word ? *unordered_word : said;
-    if (by < session && now < lease_end + kReordered) at_end = {is_there ? last : gone, now, lease_end};
+    if (by < session && now < lease_end + kUnsure) {
+        at_end = {is_there ? last : gone, now, lease_end};
+        if (!is_there) words.push_back({word_of(gone), std::nullopt});  // of no session
+    }
     if (is_there) there_at = now;
     if (!stored && session != by) stored_until = std::min(stored_until, now);
     session = by;

@@ -54,7 +54,8 @@ struct BoardTruth {
     Stored last_in_vain;  ///< the same, also where the broker does not store it
     Time vain_at{};       ///< last, also where its agent is gone since
     /// What the other one said, where an earlier session spoke as the lease of the later one ended: messages
-    /// take a while, so the lease is not over in each view at the same moment.
+    /// take a while, and the ages of stored ones are whole seconds, so the lease is not over in each view at
+    /// the same moment.
     std::optional<Stored> at_end;
     /// The description that the broker keeps, and the word: of whichever session.
     Stored kept;
