@@ -201,10 +201,9 @@ std::optional<Refusal> Catalogue::Impl::state(const Announcement& a, Time now, E
     if (!there || !b.says_state) b.said_at = std::max(b.said_at, published.value_or(live ? now : Time{}));
     if (live && !b.says_state && there) {
         b.deadline = now + lease;
-        heard(b, now);
-    } else if (live) {
-        b.epoch_heard = epoch_;
+        b.last_heard = now;
     }
+    if (live) b.epoch_heard = epoch_;
     update_state(slot, now, events, added);
     if (added) emit(events, Event::Kind::kAdded, b);
     return std::nullopt;

@@ -56,7 +56,7 @@ struct Board {
     std::string own;  // not shared with other boards: agent, link and unknown members, one after another
     std::uint32_t agent_bytes = 0;
     std::uint32_t link_bytes = 0;
-    std::uint32_t epoch_heard = 0;  // of the connection over which it was last heard
+    std::uint32_t epoch_heard = 0;  // of the connection over which its state was last heard
     std::uint32_t epoch_gone = 0;   // of the one over which `$state` last said that it is not there
     std::uint32_t lease_seconds = 0;
     FirmwarePart* firmware = nullptr;

@@ -144,7 +144,6 @@ class Catalogue::Impl {
     void update_state(std::uint32_t slot, Time now, Events& events, bool added = false);
     Time forgotten_at(Board& b, Time now) const;
     bool alive(const Board& b, Time now) const { return model::is_there(b.reported) && now < b.deadline; }
-    void heard(Board& b, Time now) { b.last_heard = now, b.epoch_heard = epoch_; }
 
     // sessions.cpp: which description may replace which
     enum class Verdict { kAccept, kRenew, kRefuse };

@@ -53,7 +53,8 @@ void Catalogue::Impl::renewed_by_description(Board& b, const Announcement& a, bo
 }
 
 // A name renews the lease of its board, unless a description does that already: it has its own lease. It does
-// not take back what was said: an agent whose board is away answers probes, too.
+// not take back what was said, nor what is retained and comes behind it: an agent whose board is away answers
+// probes, too.
 std::optional<Refusal> Catalogue::Impl::renewed_by_names(std::uint32_t slot, bool retained, bool added,
                                                          Time now, Events& events) {
     Board& b = board(slot);
@@ -69,7 +70,7 @@ std::optional<Refusal> Catalogue::Impl::renewed_by_names(std::uint32_t slot, boo
             std::chrono::duration_cast<std::chrono::seconds>(options_.default_lease).count());
     }
     b.deadline = now + std::chrono::seconds(b.lease_seconds);
-    heard(b, now);
+    b.last_heard = now;
     update_state(slot, now, events, added);
     return std::nullopt;
 }

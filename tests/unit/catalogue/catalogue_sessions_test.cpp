@@ -173,6 +173,13 @@ TEST_F(CatalogueTest, StoredStateBehindADescriptionThatHoldsNone_Counts) {
     EXPECT_EQ(refused, Refusal::kOldHint);
 }
 
+TEST_F(CatalogueTest, StoredStateBehindAName_Counts) {
+    give(board_name("uno1"));
+    EXPECT_EQ(state_of("uno1"), "online");
+    give(retained(state("uno1", "lost")));
+    EXPECT_EQ(state_of("uno1"), "lost") << "an agent whose board is away answers probes, too";
+}
+
 TEST_F(CatalogueTest, StoredDescriptionThatSaysNotThere_LateMessageOfAnEarlierSessionDoesNotUndoIt) {
     const std::string earlier = "0000000001aaaaaa";
     const std::string later = "0000000002aaaaaa";
