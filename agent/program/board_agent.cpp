@@ -198,7 +198,9 @@ void BoardAgent::publish(Effects& effects) {
         if (!bus_) return;
         // A history has commands before the state that followed them.
         if (priority == mqtt::Priority::kAnnouncement) tell_notes();
-        if (priority == mqtt::Priority::kUrgent && hears_stops_)
+        const bool stops = priority == mqtt::Priority::kUrgent;
+        const bool commands = priority == mqtt::Priority::kReply && life_ == Life::kRunning;
+        if (hears_stops_ && (stops || (commands && stop_line_->has_room_for(message))))
             stop_line_->answer(std::move(message));
         else
             bus_->publish(std::move(message), priority);

@@ -12,6 +12,7 @@ namespace {
 
 // A broker that is busy reads one in the time in which it reads thousands of a flood.
 constexpr std::size_t kAnswersUnderWay = 8;
+constexpr std::size_t kUnderWayWithCommands = 2;
 
 bool same_connection(const mqtt::Options& a, const mqtt::Options& b) {
     return a.brokers == b.brokers && a.user == b.user && a.password == b.password && a.ca_file == b.ca_file &&
@@ -52,11 +53,17 @@ void StopLine::answer(mqtt::Message message) {
     send_answers();
 }
 
+std::size_t StopLine::under_way() const {
+    const auto counters = client_->counters();
+    return counters.queued + counters.unacknowledged;
+}
+
+bool StopLine::has_room_for(const mqtt::Message& answer) const {
+    return answer.payload.size() <= mqtt::Options::kShortPayload && answers_.empty() &&
+           under_way() < kUnderWayWithCommands;
+}
+
 void StopLine::send_answers() {
-    const auto under_way = [this] {
-        const auto counters = client_->counters();
-        return counters.queued + counters.unacknowledged;
-    };
     while (!answers_.empty() && under_way() < kAnswersUnderWay)
         client_->publish(answers_.pop(), mqtt::Priority::kUrgent);
 }

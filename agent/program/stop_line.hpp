@@ -47,7 +47,12 @@ class StopLine {
     /// bound are dropped.
     void answer(mqtt::Message message);
 
+    /// Whether the answer to a command delays none to a stop here. On the board's connection it would wait
+    /// behind acknowledgements and reports: a broker in a flood reads one of them in each of its turns.
+    bool has_room_for(const mqtt::Message& answer) const;
+
   private:
+    std::size_t under_way() const;
     struct Entry {
         std::string topic;
         Handlers handlers;

@@ -93,6 +93,19 @@ TEST(AgentBroker, HugePayloadOnAControlTopic_CostsTheAgentNothing) {
     EXPECT_TRUE(probe.request("asip/uno1/in", "#,?")) << agent.process().errors();
 }
 
+// On the board's connection they would wait behind its reports and acknowledgements while the broker is busy.
+TEST(AgentBroker, AnswerToACommand_ComesOverTheConnectionOfStops) {
+    MosquittoBroker broker;
+    BusProbe probe(broker.port());
+    FakePort port;
+    Agent agent(broker, port.path());
+    ASSERT_TRUE(wait_state(probe, "online")) << agent.process().errors();
+    probe.publish("asip/uno1/in", R"({"raw":"#,?","id":"1","reply_to":"answers/command"})");
+    ASSERT_TRUE(probe.wait_for("answers/command")) << agent.process().errors();
+    EXPECT_THAT(broker.log(),
+                testing::ContainsRegex("Received PUBLISH from [^ ]+-stops[^ ]* .*answers/command"));
+}
+
 /// What waits for an agent, and what it does of that before it answers a command behind it.
 class AgentFlood : public testing::Test {
   protected:

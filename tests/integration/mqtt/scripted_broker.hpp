@@ -8,13 +8,15 @@
 #include <boost/asio/write.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tests/support/loop.hpp"
 
 namespace asip::test {
 
 /// Speaks just enough of MQTT 5 to accept a connection and to grant subscriptions, and shows what Mosquitto
-/// does not: bytes, and a host that is cut off. It has an io_context of its own, which run() runs.
+/// does not: bytes, a host that is cut off, and a broker that is slow to acknowledge. It has an io_context of
+/// its own, which run() runs.
 class ScriptedBroker {
   public:
     ScriptedBroker() : acceptor_(io_, {boost::asio::ip::address_v4::loopback(), 0}) { accept(); }
@@ -32,7 +34,14 @@ class ScriptedBroker {
     /// The next subscriber gets a PUBLISH of QoS 1 on topic "t" right behind the answer.
     void publish_to_subscriber() { publishes_ = true; }
 
-    int acknowledgements = 0;  ///< PUBACKs that came
+    /// The oldest messages of QoS 1 that have no PUBACK yet get one.
+    void acknowledge(std::size_t count) {
+        for (; count > 0 && !waiting_.empty(); --count, waiting_.erase(waiting_.begin()))
+            send(*subscriber_, std::string("\x40\x02") + waiting_.front());
+    }
+
+    int acknowledgements = 0;              ///< PUBACKs that came
+    std::vector<std::string> published{};  ///< topics of messages of QoS 1 that came
     std::string connect_packet{};
 
   private:
@@ -84,6 +93,10 @@ class ScriptedBroker {
             subscriber_ = peer;
             send(*peer, std::string("\x90\x04") + packet.substr(2, 2) + std::string("\x00\x01", 2));
             if (publishes_) send(*peer, std::string("\x32\x07\x00\x01t\x00\x01\x00!", 9));
+        } else if (type == 0x30) {
+            const auto size = static_cast<unsigned char>(packet[3]);
+            published.push_back(packet.substr(4, size));
+            waiting_.push_back(packet.substr(4 + size, 2));
         } else if (type == 0x40) {
             ++acknowledgements;
         } else if (type == 0xc0) {
@@ -100,6 +113,7 @@ class ScriptedBroker {
     boost::asio::ip::tcp::acceptor acceptor_;
     std::shared_ptr<Peer> subscriber_;
     bool publishes_ = false;
+    std::vector<std::string> waiting_;  // packet identifiers
 };
 
 }  // namespace asip::test
