@@ -8,6 +8,12 @@ namespace asip::bus {
 
 namespace {
 
+Duration time_of(clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
 std::size_t bytes_of(const mqtt::Message& message) {
     return message.topic.size() + message.payload.size() + BoardShares::kAround;
 }
@@ -18,21 +24,15 @@ Shares::Place Shares::place_of(const Accounts::value_type& account) {
     return {account.second.urgent.empty(), account.second.used, &account.first};
 }
 
-// The thread's own clock takes a system call. Between two looks at it the time of day stands for it: no
+// The thread's own clock takes a system call. Between two looks at it, time that passes stands for it: no
 // thread uses more.
 Duration Shares::processor_time() {
     struct Look {
-        Time at{};
-        Duration used{}, told{};
+        Duration at = -kBetweenLooks, used{}, told{};
     };
     static thread_local Look look;
-    const auto now = Clock::now();
-    if (now - look.at >= kBetweenLooks) {
-        timespec time{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-        look.used = std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-        look.at = now;
-    }
+    const auto now = time_of(CLOCK_MONOTONIC_RAW);
+    if (now - look.at >= kBetweenLooks) look = {now, time_of(CLOCK_THREAD_CPUTIME_ID), look.told};
     look.told = std::max(look.told, look.used + (now - look.at));
     return look.told;
 }
