@@ -11,7 +11,9 @@ namespace {
 
 constexpr Tick kDropEach = kHourTicks;
 constexpr int kFileVersion = 1;
-constexpr std::int64_t kDroppedAtOnce = 8 << 20, kRowBytes = 64;
+constexpr std::int64_t kDroppedAtOnce = 8 << 20;
+// The place of a row of this property says since when its part is whole. No property has this number.
+constexpr std::int64_t kWholeSince = 0;
 constexpr std::size_t kPageBytes = 4096, kMinJournalPages = 100, kMaxJournalPages = 8000;
 
 // In a row, `part` counts the parts of its level, and `at` is within its part.
@@ -39,6 +41,10 @@ Tick part_ticks(Level level) {
 
 std::string table_of(Level level) {
     return std::string(to_text(level));
+}
+
+std::string bytes_of_row(Level level) {
+    return level == Level::kChanges ? "64+length(block)" : "64";
 }
 
 }  // namespace
@@ -156,46 +162,95 @@ void ValueFile::write_properties(const ValueRows& given, bool& all) {
     }
 }
 
-/// Drops the oldest part of a level; false: there is none, or it is the last one.
-bool ValueFile::drop_part(Level level, bool also_last) {
+/// Drops the rows of a part; where it is cut, only those behind which there is another up to `cut`.
+void ValueFile::drop_rows(Level level, std::int64_t part, std::optional<Tick> cut) {
     const auto table = table_of(level);
-    Statement parts(database_, "SELECT min(part),max(part) FROM " + table);
-    if (!parts.step() || std::isnan(parts.real(0))) return false;
-    const auto oldest = parts.integer(0);
-    if (oldest == parts.integer(1) && !also_last) return false;
-    parts.reset();
     // What goes is written into the journal first: not all of it at once.
-    Statement rows(database_, "SELECT property,at," +
-                                  std::string(level == Level::kChanges ? "length(block)" : "0") + " FROM " +
-                                  table + " WHERE part=? ORDER BY property,at");
-    Statement drop(database_, "DELETE FROM " + table + " WHERE part=? AND (property,at)<=(?,?)");
+    Statement rows(database_, "SELECT property,at," + bytes_of_row(level) + " FROM " + table +
+                                  " WHERE part=? AND (property,at)>(?,?) ORDER BY property,at");
+    Statement drop(database_,
+                   "DELETE FROM " + table +
+                       " AS old WHERE part=? AND (property,at)>(?,?) AND (property,at)<=(?,?)" +
+                       (cut ? " AND EXISTS(SELECT 1 FROM " + table +
+                                  " WHERE part=old.part AND property=old.property AND at>old.at AND at<=?)"
+                            : ""));
+    std::int64_t property = cut ? kWholeSince : -1, at = std::numeric_limits<Tick>::max();
     for (bool more = true; more;) {
-        std::int64_t property = 0, at = 0, bytes = 0;
-        rows.reset().bind(oldest);
-        while (bytes < kDroppedAtOnce && (more = rows.step())) {
+        drop.reset().bind(part).bind(property).bind(at);
+        rows.reset().bind(part).bind(property).bind(at);
+        for (std::int64_t bytes = 0; bytes < kDroppedAtOnce && (more = rows.step());) {
             property = rows.integer(0);
             at = rows.integer(1);
-            bytes += rows.integer(2) + kRowBytes;
+            bytes += rows.integer(2);
         }
         rows.reset();
-        drop.reset().bind(oldest).bind(property).bind(at).step();
+        drop.bind(property).bind(at);
+        if (cut) drop.bind(*cut);
+        drop.step();
     }
+}
+
+void ValueFile::say_whole(Level level, std::int64_t part, Tick since) {
+    const auto table = table_of(level);
+    database_.in_transaction([&] {
+        Statement(database_, "DELETE FROM " + table + " WHERE part=? AND property=?")
+            .bind(part)
+            .bind(kWholeSince)
+            .step();
+        Statement(database_, "INSERT INTO " + table +
+                                 (level == Level::kChanges ? "(part,property,at,block) VALUES(?,?,?,x'')"
+                                                           : "(part,property,at) VALUES(?,?,?)"))
+            .bind(part)
+            .bind(kWholeSince)
+            .bind(since)
+            .step();
+    });
+}
+
+std::optional<ValueFile::Oldest> ValueFile::oldest(Level level) {
+    Statement row(database_,
+                  "SELECT part,property,at FROM " + table_of(level) + " ORDER BY part,property,at LIMIT 1");
+    if (!row.step()) return std::nullopt;
+    return Oldest{row.integer(0), row.integer(1) == kWholeSince ? row.integer(2) : 0};
+}
+
+/// Drops the oldest part of a level; of the last one the older half, but of each property the row that goes
+/// on, and these only where they take more than a level's share of the room. False: nothing is to be dropped.
+bool ValueFile::drop_oldest(Level level, Tick now) {
+    const auto table = table_of(level);
+    const auto first = oldest(level);
+    if (!first) return false;
+    const auto [part, whole] = *first;
+    const Tick end = now - part * part_ticks(level);
+    if (part != database_.number("SELECT max(part) FROM " + table) || end > part_ticks(level)) {
+        drop_rows(level, part, std::nullopt);
+        return true;
+    }
+    if (whole < end) {
+        const Tick cut = end - whole < kMinuteTicks ? end : whole + (end - whole) / 2;
+        say_whole(level, part, cut);
+        drop_rows(level, part, cut);
+        return true;
+    }
+    Statement size(database_, "SELECT total(" + bytes_of_row(level) + ") FROM " + table);
+    if (!size.step() || size.real(0) < static_cast<double>(options_.max_bytes / kLevels)) return false;
+    drop_rows(level, part, std::nullopt);
+    say_whole(level, part, part_ticks(level));
     return true;
 }
 
 void ValueFile::drop_old(Tick now) {
     // Where there is no room, what is fine goes first: of the oldest there is something coarser.
     for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours})
-        for (const bool also_last : {false, true})
-            while (database_.used_bytes() > options_.max_bytes && drop_part(level, also_last)) {
-            }
+        while (database_.used_bytes() > options_.max_bytes && drop_oldest(level, now)) {
+        }
     if (now < dropped_at_ + kDropEach) return;
     dropped_at_ = now;
     for (const auto level : {Level::kChanges, Level::kMinutes, Level::kHours}) {
         const auto first = (now - options_.max_age[static_cast<std::size_t>(level)]) / part_ticks(level);
         while (database_.number("SELECT min(part)<" + std::to_string(first) + " FROM " + table_of(level)) !=
                0)
-            drop_part(level, true);
+            drop_rows(level, database_.number("SELECT min(part) FROM " + table_of(level)), std::nullopt);
     }
     const auto oldest =
         now - options_.max_age[static_cast<std::size_t>(Level::kHours)] - part_ticks(Level::kHours);

@@ -53,8 +53,16 @@ class ValueFile {
         names_.clear();
         count_ = -1;
     }
+    /// The oldest part of a level, and since when in it all is there that happened.
+    struct Oldest {
+        std::int64_t part = 0;
+        Tick whole = 0;
+    };
+    std::optional<Oldest> oldest(Level level);
+    void say_whole(Level level, std::int64_t part, Tick since);
     void drop_old(Tick now);
-    bool drop_part(Level level, bool also_last);
+    bool drop_oldest(Level level, Tick now);
+    void drop_rows(Level level, std::int64_t part, std::optional<Tick> cut);
     std::vector<Stretch> stretches(const Stretch& present);
     Level level_for(const bus::Query& query, const std::vector<Stretch>& stretches);
     bus::Answer names(const bus::Query& query);

@@ -78,10 +78,10 @@ Level ValueFile::level_for(const bus::Query& query, const std::vector<Stretch>& 
         if (each->shown(each->end) > from) since = std::max(each->start, from - each->offset);
     for (const auto level : {Level::kChanges, Level::kMinutes}) {
         if (width >= kBucketTicks[static_cast<std::size_t>(level) + 1]) continue;
-        Statement oldest(database_, "SELECT min(part) FROM " + std::string(to_text(level)));
-        if (oldest.step() && !std::isnan(oldest.real(0)) &&
-            (oldest.integer(0) * kPartTicks[static_cast<std::size_t>(level)] <= since ||
-             oldest.integer(0) <= stretches.front().start / kPartTicks[static_cast<std::size_t>(level)]))
+        const auto length = kPartTicks[static_cast<std::size_t>(level)];
+        const auto first = oldest(level);
+        if (first && (first->part * length + first->whole <= since ||
+                      (first->whole == 0 && first->part <= stretches.front().start / length)))
             return level;
     }
     return Level::kHours;

@@ -352,6 +352,43 @@ TEST(Values, OnePartOfChangesIsTooMuch_HoursOfBeforeStay) {
     EXPECT_EQ(before->mean, 1);
 }
 
+TEST(Values, PartOfNowIsTooMuch_WhatIsSteadyStaysKnown_AndTheLastMinuteFine) {
+    Machine machine;
+    machine.max_bytes = 60'000;
+    machine.start();
+    machine.set(7);
+    for (int i = 0; i < 2 * 3600; ++i) {
+        machine.set(i % 100, {"desk", "fast"});
+        if (i % 10 == 0) machine.set(i % 101, {"desk", "slow"});
+        machine.pass(seconds(1));
+        if (i % 20 != 0) continue;
+        machine.write();
+        if (i < 1800) continue;
+        const auto steady = machine.ask(minutes(30), 500);
+        ASSERT_EQ(steady.values.size(), 1u);
+        EXPECT_EQ(steady.values[0], (bus::ValuePoint{wall(machine.wall_clock - 1'800'000), true, 7, 7, 7}));
+        EXPECT_EQ(machine.ask(minutes(1), 500).level, "changes");
+    }
+}
+
+TEST(Values, HoursAreTooMany_ThoseOfTheLastDayStay) {
+    Machine machine;
+    machine.max_bytes = 200'000;
+    machine.start();
+    for (int hour = 0; hour < 20 * 24; ++hour) {
+        for (int i = 0; i < 20; ++i)
+            machine.set(hour, {"desk", std::to_string(i)});
+        machine.set(hour);
+        machine.write_after(hours(1));
+        if (hour < 24) continue;
+        const auto day = machine.ask(hours(24), 24);
+        for (int before = 1; before <= 24; ++before)
+            EXPECT_EQ(value_at(day, machine.wall_clock - before * 3'600'000).value_or(bus::ValuePoint()).mean,
+                      hour + 1 - before)
+                << hour;
+    }
+}
+
 TEST(Values, PartThatGoes_JournalStaysSmall) {
     constexpr std::uintmax_t kMegabyte = 1'000'000;
     const HistoryFile disk;
