@@ -9,6 +9,7 @@
 #include "asip/model/names.hpp"
 #include "asip/model/object_text.hpp"
 #include "asip/property/property_json.hpp"
+#include "asip/property/value.hpp"
 #include "asip/text/json_reader.hpp"
 #include "asip/text/printable.hpp"
 
@@ -118,6 +119,8 @@ ShownValue read_value(JsonReader& reader) {
         if (why == to_text(each)) shown.why = each;
     const auto* value = reader.find("value");
     if (shown.how != How::kNone && value == nullptr) reader.fault("value", "is missing");
+    // Readers take an object for a light. One of a later version is nothing that they know.
+    if (value != nullptr && value->is_object() && !is_light_value(*value)) shown.how = How::kNone;
     if (shown.how != How::kNone && value != nullptr) shown.value = *value;
     read_events(reader, shown.events);
     return shown;

@@ -76,9 +76,7 @@ bool number_within(const json& value, const char* member, double max) {
 
 std::vector<Request> light_requests(const Property& property, const json& value) {
     std::vector<Request> result;
-    if (!value.is_object() || !value.contains("on") || !value["on"].is_boolean() ||
-        !number_within(value, "brightness", kFullBrightness) || !number_within(value, "color", kMaxColor))
-        return result;
+    if (!is_light_value(value)) return result;
     const bool on = value["on"].get<bool>();
     if (property.color && (!on || value.contains("color") || !property.write)) {
         const bool only_color = !property.write;
@@ -112,6 +110,11 @@ std::size_t index_of(std::string_view key) {
 
 }  // namespace
 
+bool is_light_value(const json& value) {
+    return value.is_object() && value.contains("on") && value["on"].is_boolean() &&
+           number_within(value, "brightness", kFullBrightness) && number_within(value, "color", kMaxColor);
+}
+
 double on_line(const std::array<double, 4>& line, double raw) {
     const double value = line[2] + (raw - line[0]) * (line[3] - line[2]) / (line[1] - line[0]);
     return std::round(value * kRounding) / kRounding;
@@ -127,6 +130,7 @@ bool has_value(const Property& property, const json& raw) {
 
 std::optional<json> value_of(const Property& property, const json& raw) {
     if (raw.is_null()) return json();
+    if (property.kind == Kind::kLight) return std::nullopt;  // of two raw values: light_of()
     if (property.max_length > 0)
         return raw.is_string() && raw.get_ref<const std::string&>().size() <= property.max_length
                    ? std::optional(raw)

@@ -13,6 +13,9 @@
 /// A raw value is that of the wire.
 namespace asip::property {
 
+/// An object that is no light is no value.
+bool is_light_value(const nlohmann::json& value);
+
 /// On the line through two points (model::Meaning::line), to six digits.
 double on_line(const std::array<double, 4>& line, double raw);
 

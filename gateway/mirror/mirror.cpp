@@ -198,7 +198,10 @@ std::optional<property::ShownValue> Mirror::shown(const std::string& board,
     }
     if (newest != nullptr) return shown;
     const auto item = known(board, now);
-    return item ? standing_.value(board, item->session, property.id, now.time) : std::nullopt;
+    auto stands = item ? standing_.value(board, item->session, property.id, now.time) : std::nullopt;
+    const bool light = property.kind == property::Kind::kLight;
+    if (stands && !stands->value.is_null() && stands->value.is_object() != light) return std::nullopt;
+    return stands;
 }
 
 void Mirror::announcement(const mqtt::Message& message, const bus::TopicRef& topic, const Instant& now) {

@@ -60,6 +60,25 @@ TEST_F(ThingsApi, ChangedDescription_IsAnotherThing) {
     EXPECT_TRUE(get("/things/uno1")->body()["actions"].contains("motors-stop"));
 }
 
+/// Exports read the parts of a light.
+TEST_F(ThingsApi, ValueOfAnotherKind_IsNotShown) {
+    announce();
+    bus("asip/servicebus/uno1/$properties",
+        R"({"version":1,"board":"uno1","session":"s1","seq":1,"properties":[)"
+        R"({"id":"servo/0/lamp","kind":"light","write":["write",0,null]},)"
+        R"({"id":"servo/1/angle","min":0,"max":180,"write":["write",1,null]}]})");
+    const auto values = [&](const std::string& lamp, const std::string& angle) {
+        bus("asip/uno1/$values",
+            R"({"version":1,"board":"uno1","session":"s1","seq":1,"values":{"servo/0/lamp":{"how":"set","value":)" +
+                lamp + R"(},"servo/1/angle":{"how":"set","value":)" + angle + "}}}");
+        const auto shown = get("/api/boards/uno1/values")->body()["values"];
+        return std::pair(shown["servo/0/lamp"].contains("value"), shown["servo/1/angle"].contains("value"));
+    };
+    EXPECT_EQ(values(R"({"on":true})", "9"), std::pair(true, true));
+    for (const char* wrong : {"true", "9", R"("on")"})
+        EXPECT_EQ(values(wrong, R"({"on":true})"), std::pair(false, false)) << wrong;
+}
+
 TEST_F(ThingsApi, PropertyThatIsRead_IsTheLastValue) {
     announce();
     bus("asip/uno1/distance/out", R"({"distance":{"0":42}})");

@@ -114,6 +114,22 @@ TEST(ValueDocument, NothingSaidYet_IsLeftOutOnTheBusAndSaidToPeople) {
     EXPECT_EQ(*read, document);
 }
 
+/// Readers take an object for a light.
+TEST(ValueDocument, ObjectThatIsNoLight_IsNotKnown) {
+    const auto read = [](const std::string& value) {
+        const auto document = parse_values(
+            R"({"version":1,"board":"desk","session":"s","seq":1,"values":{"a/0":{"how":"set","value":)" +
+            value + "}}}");
+        return document ? document->values.at("a/0") : ShownValue{"refused"};
+    };
+    for (const char* light : {R"({"on":false})", R"({"on":true,"brightness":255,"color":16777215})"})
+        EXPECT_EQ(read(light).value, json::parse(light));
+    for (const char* other :
+         {"{}", R"({"on":1})", R"({"on":true,"brightness":"x"})", R"({"on":true,"brightness":256})",
+          R"({"on":true,"color":{}})", R"({"on":true,"color":-1})", R"({"brightness":1})"})
+        EXPECT_EQ(read(other), ShownValue()) << other;
+}
+
 TEST(ValueDocument, TooLong_LeavesOutAndSaysSo) {
     ValueDocument document;
     document.head = {"desk", "s", 1};

@@ -106,6 +106,15 @@ TEST(PropertyLight, IsOnWhereItsLevelIsAboveZero) {
     EXPECT_EQ(light_of(colored, std::nullopt, 0), json({{"on", false}}));
 }
 
+/// A list of properties may say that a light is read from anywhere.
+TEST(PropertyLight, RawValue_IsNone) {
+    auto read = light();
+    read.read = Place{"lamp", "/level/0"};
+    read.max_length = 9;
+    for (const auto& raw : {json(50), json("on"), json(true)})
+        EXPECT_FALSE(value_in(read, json{{"level", {raw}}})) << raw;
+}
+
 TEST(ValueOf, NumberThatSaysNone_IsNoValue) {
     Property distance;
     distance.kind = Kind::kSensor;
