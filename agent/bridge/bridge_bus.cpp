@@ -48,8 +48,9 @@ std::vector<member::Announcer::Subscription> Bridge::control_subscriptions() con
                                                         {topics.service_in(name(), "+"), commands}};
     if (options_.context.client_side) result.push_back({topics.board_out(name()), commands});
     result.push_back({topics.demand(name(), "+/+"), {.no_local = true, .required = true}});
-    for (auto& filter : {topics.link(name(), "+/+"), topics.service_set(name(), "+")})
-        result.push_back({filter, {.no_local = true}});
+    // A board's user may not write there: what is retained cannot be cleared by its agent.
+    result.push_back({topics.link(name(), "+/+"), {.no_local = true, .retained = false}});
+    result.push_back({topics.service_set(name(), "+"), {.no_local = true}});
     return result;
 }
 

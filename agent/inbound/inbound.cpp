@@ -118,7 +118,7 @@ std::optional<Inbound> read_inbound(const mqtt::Message& message, const Addresse
             if (message.retain) return Leftover{message.topic};
             return DemandMessage{std::string(topic->demander), message.payload};
         case TopicKind::kLink: {
-            if (message.retain) return Leftover{message.topic};
+            if (message.retain) return std::nullopt;
             LinkRequest request;
             static_cast<BusRequest&>(request) = read_request(message, {}, age, now);
             request.user = topic->demander.substr(0, topic->demander.find('/'));

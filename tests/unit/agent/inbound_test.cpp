@@ -64,6 +64,8 @@ TEST_F(InboundTest, EachTopic_IsItsKind) {
     EXPECT_EQ(as<DemandMessage>("asip/servicebus/uno1/$demand/ann/c1", "{}").demander, "ann/c1");
     for (const std::string left : {"asip/servicebus/uno1/$demand/ann/c1", "asip/uno1/servo/set"})
         EXPECT_EQ(as<Leftover>(left, "{}", true).topic, left);
+    EXPECT_EQ(as<LinkRequest>("asip/uno1/$link/ann/c1", "{}").user, "ann");
+    EXPECT_FALSE(read("asip/uno1/$link/ann/c1", "{}", true)) << "its agent may not clear it";
     for (const auto* topic :
          {"asip/servicebus/$probe", "asip/servicebus/uno1/$state", "asip/servicebus/uno1/$description"})
         EXPECT_EQ(as<Announcement>(topic, "x").message.payload, "x");
