@@ -167,7 +167,7 @@ void Bridge::on_message(const Resume& resume, Time now, Effects& out) {
 }
 
 void Bridge::on_message(const LabelRequest& request, Time now, Effects& out) {
-    labels_.request(request, out);
+    labels_.request(request, now, out);
     if (describer_.note_labels(labels_)) describe_again(now);
 }
 
@@ -194,7 +194,7 @@ void Bridge::on_message(const Announcement& announcement, Time now, Effects& out
 }
 
 void Bridge::labels_kept(const Expected<std::filesystem::path>& result, Time now, Effects& out) {
-    labels_.kept(result, out);
+    labels_.kept(result, now, out);
     if (describer_.note_labels(labels_)) describe_again(now);
 }
 

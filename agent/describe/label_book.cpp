@@ -71,21 +71,22 @@ std::string LabelBook::why_not(const model::LabelChange& change) const {
     return {};
 }
 
-void LabelBook::request(const LabelRequest& wanted, Effects& out) {
+void LabelBook::request(const LabelRequest& wanted, Time now, Effects& out) {
     Request request{wanted.shown(), wanted.change.value_or(model::LabelChange()), wanted.reply()};
     auto why = wanted.change ? why_not(*wanted.change) : wanted.change.error();
     if (!why.empty())
-        return answer(request, bus::Reply::refused(std::string(bus::kRefusedInvalid), std::move(why)), out);
+        return answer(request, bus::Reply::refused(std::string(bus::kRefusedInvalid), std::move(why)), now,
+                      out);
     if (waiting_.size() >= kMaxWaiting)
         return answer(request,
                       bus::Reply::refused(std::string(bus::kRefusedQueueFull),
                                           "the agent is still writing what was asked for before"),
-                      out);
+                      now, out);
     waiting_.push_back(std::move(request));
-    if (!begun_) begin_next(out);
+    if (!begun_) begin_next(now, out);
 }
 
-void LabelBook::begin_next(Effects& out) {
+void LabelBook::begin_next(Time now, Effects& out) {
     while (!waiting_.empty()) {
         const auto& change = waiting_.front().change;
         auto next = model::changed(kept_, change);
@@ -93,11 +94,11 @@ void LabelBook::begin_next(Effects& out) {
         if (next)
             if (const auto all = model::changed(current_, change); !all) next = fail(all.error());
         if (!next) {
-            finish(bus::Reply::refused(std::string(bus::kRefusedInvalid), next.error()), out);
+            finish(bus::Reply::refused(std::string(bus::kRefusedInvalid), next.error()), now, out);
         } else if (*next == kept_ && !fault_.empty() && !change.empty()) {
-            finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), fault_), out);
+            finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), fault_), now, out);
         } else if (*next == kept_) {
-            finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json()), out);
+            finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json()), now, out);
         } else {
             begun_ = *next;
             for_request_ = true;
@@ -131,12 +132,12 @@ void LabelBook::tick(Time now, Effects& out) {
     out.keep_labels = LabelsToKeep{kept_, false};
 }
 
-void LabelBook::kept(const Expected<std::filesystem::path>& result, Effects& out) {
+void LabelBook::kept(const Expected<std::filesystem::path>& result, Time now, Effects& out) {
     if (!begun_) return;
     auto written = *std::exchange(begun_, std::nullopt);
     if (!for_request_) {
         if (!result) out.log(Level::kDebug, "modes of pins could not be kept", {{"why", result.error()}});
-        return begin_next(out);
+        return begin_next(now, out);
     }
     written.modes = kept_.modes;  // some may have been set meanwhile
     if (result) {
@@ -146,21 +147,21 @@ void LabelBook::kept(const Expected<std::filesystem::path>& result, Effects& out
         if (!result->empty())
             out.log(Level::kWarning, "labels that cannot be read were put aside",
                     {{"file", result->string()}});
-        finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json(*result)), out);
+        finish(bus::Reply::ok(std::string(bus::kProofKept), answer_json(*result)), now, out);
     } else {
         out.log(Level::kError, "labels could not be kept", {{"why", result.error()}});
-        finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), result.error()), out);
+        finish(bus::Reply::refused(std::string(bus::kRefusedNotKept), result.error()), now, out);
     }
-    begin_next(out);
+    begin_next(now, out);
 }
 
-void LabelBook::finish(bus::Reply reply, Effects& out) {
-    answer(waiting_.front(), std::move(reply), out);
+void LabelBook::finish(bus::Reply reply, Time now, Effects& out) {
+    answer(waiting_.front(), std::move(reply), now, out);
     waiting_.pop_front();
 }
 
-void LabelBook::answer(const Request& request, bus::Reply reply, Effects& out) const {
-    if (!reply.succeeded() && !request.reply.wanted())
+void LabelBook::answer(const Request& request, bus::Reply reply, Time now, Effects& out) {
+    if (!reply.succeeded() && !request.reply.wanted() && refusals_.take(now))
         out.log(Level::kWarning, "labels refused", {{"why", reply.error}, {"by", request.reply.by}});
     if (auto message = bus::reply_message(request.reply, reply))
         out.publish.push_back({std::move(*message), mqtt::Priority::kReply});

@@ -7,6 +7,7 @@
 
 #include "agent/bridge/board.hpp"
 #include "agent/bridge/effects.hpp"
+#include "agent/counts/allowance.hpp"
 #include "agent/inbound/inbound.hpp"
 #include "asip/expected.hpp"
 #include "asip/model/labels.hpp"
@@ -29,9 +30,9 @@ class LabelBook {
     void load(Expected<model::Labels> kept);
 
     /// Names are checked against the board's services and pins, where those are known.
-    void request(const LabelRequest& request, Effects& out);
+    void request(const LabelRequest& request, Time now, Effects& out);
     /// What became of Effects::keep_labels: where an unreadable file was put; empty: there was none.
-    void kept(const Expected<std::filesystem::path>& result, Effects& out);
+    void kept(const Expected<std::filesystem::path>& result, Time now, Effects& out);
 
     /// Modes that commands set hold at once, and are on the disk within kBetweenWrites.
     void note_modes(const std::vector<std::pair<int, int>>& modes, Time now);
@@ -52,9 +53,9 @@ class LabelBook {
         bus::ReplyTo reply;
     };
     std::string why_not(const model::LabelChange& change) const;
-    void begin_next(Effects& out);
-    void finish(bus::Reply reply, Effects& out);
-    void answer(const Request& request, bus::Reply reply, Effects& out) const;
+    void begin_next(Time now, Effects& out);
+    void finish(bus::Reply reply, Time now, Effects& out);
+    void answer(const Request& request, bus::Reply reply, Time now, Effects& out);
     std::string answer_json(const std::filesystem::path& set_aside = {}) const;
     void join();
 
@@ -67,6 +68,7 @@ class LabelBook {
     bool for_request_ = false;            // for the first of waiting_; else for the modes alone
     std::optional<Time> write_modes_at_;  // modes were set since the last writing
     std::deque<Request> waiting_;
+    Allowance refusals_{20, 1};  // that are logged
 };
 
 }  // namespace asip::agent

@@ -99,6 +99,14 @@ TEST_F(LabelledBridge, MoreRequestsThanMayWait_AreRefused) {
     EXPECT_EQ(json::parse(answers[0])["reason"], "queue-full");
 }
 
+TEST_F(LabelledBridge, RefusalsThatNobodyWaitsFor_AreLoggedAtALimitedRate) {
+    const auto logged = bench.logged;
+    for (int i = 0; i < 1000; ++i)
+        bench.hear(kRequests, R"({"labels":{"my room":"x"}})");
+    EXPECT_GT(bench.logged, logged);
+    EXPECT_LE(bench.logged, logged + 21);
+}
+
 TEST_F(LabelledBridge, BoardThatIsAway_CanBeLabelled) {
     bench.unplug();
     ask({{"labels", {{"room", "lab"}}}});
