@@ -3,21 +3,40 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <list>
 #include <nlohmann/json.hpp>
 
 #include "asip/model/json.hpp"
 #include "asip/model/names.hpp"
+#include "asip/text/json_reader.hpp"
 #include "cli/ask/board_request.hpp"
 #include "cli/declaration.hpp"
 #include "cli/find/target.hpp"
 #include "cli/text/table.hpp"
+#include "cli/text/words.hpp"
 
 namespace asip::cli {
 namespace {
 
 bool is_pattern(const std::string& board) {
     return board.find_first_of("*?") != std::string::npos;
+}
+
+struct Done {
+    std::vector<std::string> executed;
+    std::uint64_t refused = 0;
+    bool latched = false;
+};
+
+/// Any program with the credentials of a board may have answered. What cannot be read counts as nothing.
+Done done_of(const std::string& answer) {
+    const auto parsed = model::parse_json(answer).value_or(nlohmann::json::object());
+    std::string fault;
+    text::JsonReader reader(parsed, "", fault);
+    return {reader.texts("executed", text::JsonReader::kNoLimit, text::JsonReader::kNoLimit),
+            reader.integer("refused", 0, std::numeric_limits<std::uint32_t>::max()).value_or(0),
+            reader.flag("latched")};
 }
 
 class Stopper : OnTheBus {
@@ -109,24 +128,21 @@ class Stopper : OnTheBus {
                 environment_.note(note_of(asked.board, reply));
                 if (status == program::kExitOk) status = exit_status(reply);
             }
-            const auto answer = model::parse_json(reply.answer).value_or(nlohmann::json::object());
+            const auto done = done_of(reply.answer);
             if (!options_.output.for_people()) {
                 auto record = *model::parse_json(bus::to_json_text(reply));
                 record["board"] = asked.board;
                 record.erase("answer");
-                record["executed"] = answer.value("executed", nlohmann::json::array());
-                record["refused"] = answer.value("refused", 0);
+                record["executed"] = done.executed;
+                record["refused"] = done.refused;
                 records.print(record);
                 continue;
             }
-            std::string executed;
-            for (const auto& line : answer.value("executed", nlohmann::json::array()))
-                executed += (executed.empty() ? "" : " ") + line.get<std::string>();
-            table.add({asked.board,
-                       reply.succeeded()
-                           ? Cell(done_text(answer), Colour::kGreen)
-                           : Cell(options_.resume ? "not resumed" : "not stopped", Colour::kRed),
-                       executed.empty() ? "-" : executed, std::to_string(answer.value("refused", 0))});
+            table.add(
+                {asked.board,
+                 reply.succeeded() ? Cell(done_text(done), Colour::kGreen)
+                                   : Cell(options_.resume ? "not resumed" : "not stopped", Colour::kRed),
+                 done.executed.empty() ? "-" : listed(done.executed, " "), std::to_string(done.refused)});
         }
         records.finish();
         if (options_.output.for_people())
@@ -135,9 +151,9 @@ class Stopper : OnTheBus {
     }
 
     /// An agent of an earlier version stops the board and does not keep it so.
-    std::string done_text(const nlohmann::json& answer) const {
+    std::string done_text(const Done& done) const {
         if (options_.resume) return "resumed";
-        return answer.value("latched", false) ? "stopped until resumed" : "stopped once";
+        return done.latched ? "stopped until resumed" : "stopped once";
     }
 
     const StopOptions& options_;

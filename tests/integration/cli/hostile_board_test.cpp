@@ -57,7 +57,7 @@ std::string answer_number(std::size_t number) {
         case 2:
             return nlohmann::json{{"status", "ok"}, {"proof", "answer"}, {"answer", kEvil}}.dump();
         default:
-            return "{\n\"status\":\"ok\",\"proof\":\"answer\",\"answer\":{\"a\":\n" +
+            return "{\n\"status\":\"ok\",\"proof\":\"answer\",\"answer\":{\"executed\":[5],\"a\":\n" +
                    nlohmann::json(kEvil).dump() + "}}";
     }
 }
@@ -178,7 +178,9 @@ class HostileBoardTest : public BusTest, public ::testing::WithParamInterface<st
         }));
         for (auto& one : tried) {
             if (one.endless) one.child->signal(SIGINT);
-            ASSERT_TRUE(one.child->wait_exit()) << one.what;
+            const auto status = one.child->wait_exit();
+            ASSERT_TRUE(status) << one.what;
+            EXPECT_NE(*status, 128 + SIGABRT) << one.what << "\n" << one.child->errors();
             expect_harmless(one.child->output(), one.what, one.colour);
             expect_harmless(one.child->errors(), one.what, one.colour);
             for (const auto& text : {one.child->output(), one.child->errors()})
