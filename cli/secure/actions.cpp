@@ -237,7 +237,7 @@ Outcome<void> secure_add(const SecureOptions& options, const Environment& enviro
                        "--here is for root on the broker's machine, with the services of the packages "
                        "(/etc/asip/credentials is made by asip-common)");
     }
-    const auto boards = labelled_boards(options.selector, environment, *folder, *bus);
+    const auto boards = labelled_boards(options.selector, names, environment, *folder, *bus);
     if (!boards) return tl::unexpected(boards.error());
     for (const auto& name : names) {
         if (auto done = ensure_user(*folder, *bus, name, *role, report); !done) return done;

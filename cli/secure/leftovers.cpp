@@ -37,8 +37,10 @@ Outcome<mqtt::Options> options_of(const SecureFolder& folder, const std::string&
 std::vector<std::string> filters_of(const bus::Topics& topics, const std::string& user) {
     const auto& root = topics.root();
     return {root + "/servicebus/" + user + "/#", root + "/" + user + "/#", root + "/reply/" + user + "/#",
-            // ROOT/servicebus/BOARD/$demand/USER/CLIENT, ROOT/reply/USER/BOARD/CLIENT
-            root + "/servicebus/+/$demand/" + user + "/#", root + "/reply/+/" + user + "/#"};
+            // ROOT/servicebus/BOARD/$demand/USER/CLIENT, ROOT/BOARD/$link/USER/CLIENT,
+            // ROOT/reply/USER/BOARD/CLIENT
+            root + "/servicebus/+/$demand/" + user + "/#", root + "/+/$link/" + user + "/#",
+            root + "/reply/+/" + user + "/#"};
 }
 
 std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& retained, Role role) {
@@ -47,7 +49,8 @@ std::string unnamed_of(const bus::Topics& topics, const std::vector<Retained>& r
     const bool registries = role == Role::kRegistry || role == Role::kAdmin;
     std::map<std::string, std::size_t> found;
     for (const auto& one : find_lingering(topics, retained)) {
-        const bool named = one.topic.find("/$demand/") != std::string::npos;  // by its USER: filters_of()
+        const bool named = one.topic.find("/$demand/") != std::string::npos ||  // by its USER: filters_of()
+                           one.topic.find("/$link/") != std::string::npos;
         if (commands && !named && one.kind == Lingering::Kind::kCommand) ++found["command"];
         if (registries && one.kind == Lingering::Kind::kGoneRegistry) ++found["message"];
     }

@@ -84,9 +84,18 @@ void give_boards(SecuredBus& bus, const std::string& name, const std::set<std::s
                                               selector + ": " + listed(boards));
 }
 
-Outcome<SomeBoards> labelled_boards(const SelectorText& selector, const Environment& environment,
-                                    const SecureFolder& folder, const SecuredBus& bus) {
+Outcome<SomeBoards> labelled_boards(const SelectorText& selector, const std::vector<std::string>& operators,
+                                    const Environment& environment, const SecureFolder& folder,
+                                    const SecuredBus& bus) {
     if (!selector) return SomeBoards();
+    for (const auto& name : operators)
+        if (const auto* user = bus.find(name);
+            user != nullptr && user->role == Role::kOperator && !user->boards)
+            return failure(program::kExitFailure,
+                           name +
+                               " commands every board, and its links would go on doing so; first: asipctl "
+                               "secure revoke " +
+                               name);
     const auto labels = parse_selector(selector);
     if (!labels) return tl::unexpected(labels.error());
     auto mqtt = options_of(folder, "admin");

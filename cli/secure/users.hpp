@@ -12,9 +12,11 @@ namespace asip::cli {
 Outcome<void> ensure_user(const SecureFolder& folder, SecuredBus& bus, const std::string& name, Role role,
                           SecureReport& report);
 
-/// Those that the labels choose now, as the administrator sees the bus; nothing: there is no selector.
-Outcome<SomeBoards> labelled_boards(const SelectorText& selector, const Environment& environment,
-                                    const SecureFolder& folder, const SecuredBus& bus);
+/// Those that the labels choose now, as the administrator sees the bus; nothing: there is no selector. Fails
+/// where one of the operators commands every board now.
+Outcome<SomeBoards> labelled_boards(const SelectorText& selector, const std::vector<std::string>& operators,
+                                    const Environment& environment, const SecureFolder& folder,
+                                    const SecuredBus& bus);
 /// The operator, who must be there, commands these and no others from now on.
 void give_boards(SecuredBus& bus, const std::string& name, const std::set<std::string>& boards,
                  const std::string& selector, SecureReport& report);

@@ -161,6 +161,19 @@ TEST_F(KeptBus, OperatorByLabel_CommandsTheBoardsOfThatMomentUntilItIsRenewedOrT
     EXPECT_TRUE(commands("asip/uno1/io/in"));
 }
 
+/// Its links, and what it asked the broker to keep, would go on at boards that it may not command any more.
+TEST_F(KeptBus, OperatorOfEveryBoard_IsRevokedBeforeItGetsSomeBoardsAlone) {
+    announce("uno1", R"({"class":"4b"})");
+    ASSERT_EQ(secure(Words{"add", "operator", "zoe"} + reload()).status, 0);
+    const auto before = all_files();
+    const auto refused = secure(Words{"add", "operator", "zoe", "-l", "class=4b"} + reload());
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.errors.find("asipctl secure revoke zoe"), std::string::npos) << refused.errors;
+    EXPECT_EQ(all_files(), before);
+    ASSERT_EQ(secure(Words{"revoke", "zoe"} + reload()).status, 0);
+    EXPECT_EQ(secure(Words{"add", "operator", "zoe", "-l", "class=4b"} + reload()).status, 0);
+}
+
 TEST_F(KeptBus, LabelsForAnotherRole_AreRefused_AndNothingIsDone) {
     for (const char* role : {"viewer", "board", "gateway"}) {
         const auto refused = secure(Words{"add", role, "eve", "-l", "class=4b"} + reload());

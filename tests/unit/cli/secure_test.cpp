@@ -120,7 +120,8 @@ TEST(SecureRoles, WhatAUserLeft_IsAllOfItAndNothingOfOthers) {
                                             "asip/uno11/out",
                                             "asip/reply/ann/uno1/c1",
                                             "asip/reply/uno1/$self/c1",
-                                            "asip/servicebus/uno2/$description"};
+                                            "asip/servicebus/uno2/$description",
+                                            "asip/uno2/$link/ann/c1"};
     const auto left_by = [&retained](const std::string& user) {
         std::vector<std::string> left;
         for (const auto& topic : retained)
@@ -135,7 +136,7 @@ TEST(SecureRoles, WhatAUserLeft_IsAllOfItAndNothingOfOthers) {
     };
     EXPECT_THAT(left_by("uno1"), ::testing::ElementsAre(retained[0], retained[1], retained[3], retained[4],
                                                         retained[6], retained[7]));
-    EXPECT_THAT(left_by("ann"), ::testing::ElementsAre(retained[1], retained[6]));
+    EXPECT_THAT(left_by("ann"), ::testing::ElementsAre(retained[1], retained[6], retained[9]));
     EXPECT_THAT(left_by("bob"), ::testing::IsEmpty());
 }
 
@@ -149,6 +150,7 @@ TEST(SecureFiles, Reserve_RaisesTheLimitThatIsThere_AndChangesNothingElse) {
 TEST(SecureRoles, WhatStandsUnderNobodysName_IsNamedForRolesThatMayHaveLeftIt) {
     const std::vector<Retained> retained{{"asip/uno1/in", "#,R"},
                                          {"asip/servicebus/uno1/$demand/bob/c1", "{}"},
+                                         {"asip/uno1/$link/ann/c1", "{}"},
                                          {"asip/registry/forget", "{}"},
                                          {"asip/registry/hall/$stats", "{}"},
                                          {"asip/export/ha/$lease", "{}"},
