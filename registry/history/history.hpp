@@ -26,6 +26,7 @@ class History {
         Duration max_age = std::chrono::hours(90 * 24);
         std::size_t max_bytes = 256u << 20;
         std::size_t max_waiting_rows = 200'000;  // how far writing may fall behind (HistoryKeeper)
+        bool own_thread = true;                  // false: HistoryKeeper uses the file in its caller's
     };
     /// Rows that one query looks at. A page ends there, with a cursor, however few of them matched.
     static constexpr std::size_t kMaxRowsPerQuery = 20'000;

@@ -48,9 +48,11 @@ HistoryKeeper::HistoryKeeper(asio::io_context& io, History::Options options, Han
       now_(now),
       kept_(std::move(boot), now),
       began_(kept_.at(now.time)),
-      journal_({}) {
+      journal_({}),
+      reading_(store_->options().own_thread),
+      thread_(store_->options().own_thread) {
     if (!take(store_->run([](History&, const auto*) {}))) return;
-    asio::post(reading_, [this] {
+    reading_.post([this] {
         try {
             open_to_read();                // before the disk may stall
         } catch (const std::exception&) {  // the first question says why
@@ -60,7 +62,7 @@ HistoryKeeper::HistoryKeeper(asio::io_context& io, History::Options options, Han
 
 HistoryKeeper::~HistoryKeeper() {
     if (!fault_.empty() && loaded_) {  // it may have passed by now
-        asio::post(thread_, [this] { store_->retry(); });
+        thread_.post([this] { store_->retry(); });
         fault_.clear();
     }
     write_waiting();
@@ -73,7 +75,7 @@ HistoryKeeper::~HistoryKeeper() {
 }
 
 void HistoryKeeper::run(HistoryStore::Use use, Done done) {
-    asio::post(thread_, [this, use = std::move(use), done = std::move(done)]() mutable {
+    thread_.post([this, use = std::move(use), done = std::move(done)]() mutable {
         asio::post(io_, [outcome = store_->run(use), done = std::move(done)] { done(outcome); });
     });
 }
@@ -86,7 +88,7 @@ bool HistoryKeeper::take(const HistoryStore::Outcome& outcome) {
 }
 
 void HistoryKeeper::load(const HistoryStore::Opened& opened) {
-    asio::post(reading_, [this] { read_.reset(); });  // it may hold the file of before
+    reading_.post([this] { read_.reset(); });  // it may hold the file of before
     if (!opened.aside.empty() && handlers_.begun_anew) handlers_.begun_anew(opened.aside, opened.damage);
     if (loaded_) {
         if (opened.made) restore_boards();
@@ -114,7 +116,7 @@ void HistoryKeeper::fail(const std::string& reason) {
     }
     writing_.clear();
     limit_waiting();
-    asio::post(reading_, [this] { read_.reset(); });  // the file may be another one then
+    reading_.post([this] { read_.reset(); });  // the file may be another one then
     fault_ = reason;
     read_waiting(true);
     next_try_ = now_.time + retry_;
@@ -124,7 +126,7 @@ void HistoryKeeper::fail(const std::string& reason) {
 
 void HistoryKeeper::try_again() {
     trying_ = true;
-    asio::post(thread_, [this] { store_->retry(); });
+    thread_.post([this] { store_->retry(); });
     run([](History& history, const auto*) { history.try_writing(); },
         [this](const auto& outcome) {
             trying_ = false;
@@ -265,7 +267,7 @@ void HistoryKeeper::read_waiting(bool all) {
 }
 
 void HistoryKeeper::read(Question question) {
-    asio::post(reading_, [this, question = std::move(question)]() mutable {
+    reading_.post([this, question = std::move(question)]() mutable {
         Expected<bus::Answer> page = asip::fail("");
         bool whole = true;
         try {

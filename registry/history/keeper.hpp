@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "registry/history/disk_thread.hpp"
 #include "registry/history/journal.hpp"
 #include "registry/history/kept_time.hpp"
 #include "registry/history/store.hpp"
@@ -120,8 +120,8 @@ class HistoryKeeper {
     std::optional<Time> absent_after_;
     std::deque<Question> asked_;     // until what happened before them is written
     std::unique_ptr<History> read_;  // of the thread that reads
-    boost::asio::thread_pool reading_{1};
-    boost::asio::thread_pool thread_{1};  // last: ends first
+    DiskThread reading_;
+    DiskThread thread_;  // last: ends first
 };
 
 }  // namespace asip::registry

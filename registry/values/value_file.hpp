@@ -24,6 +24,7 @@ class ValueFile {
         std::string path;
         std::array<Tick, kLevels> max_age{2 * kDayTicks, 90 * kDayTicks, 1826 * kDayTicks};
         std::size_t max_bytes = std::size_t{1} << 30;
+        bool own_thread = true;  ///< false: ValueKeeper uses the file in its caller's
     };
     static constexpr std::size_t kMaxNames = 100'000;  ///< of properties that ever had a value
     static constexpr std::size_t kMaxNamesOfBoard = 2'000;

@@ -35,7 +35,11 @@ bus::Answer refused(const std::string& why) {
 
 ValueKeeper::ValueKeeper(boost::asio::io_context& io, ValueFile::Options options, Handlers handlers,
                          Instant now)
-    : io_(io), options_(std::move(options)), handlers_(std::move(handlers)), now_(now) {
+    : io_(io),
+      options_(std::move(options)),
+      handlers_(std::move(handlers)),
+      now_(now),
+      thread_(options_.own_thread) {
     write(now);
 }
 
@@ -73,7 +77,7 @@ void ValueKeeper::perform(Work& work) {
 }
 
 void ValueKeeper::run(std::shared_ptr<Work> work) {
-    boost::asio::post(thread_, [this, work = std::move(work)] {
+    thread_.post([this, work = std::move(work)] {
         perform(*work);
         boost::asio::post(io_, [this, work] {
             if (!work->aside.empty() && handlers_.begun_anew) handlers_.begun_anew(work->aside, work->damage);

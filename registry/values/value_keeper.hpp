@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "registry/history/disk_thread.hpp"
 #include "registry/values/recorder.hpp"
 #include "registry/values/value_file.hpp"
 
@@ -73,7 +73,7 @@ class ValueKeeper {
     Duration retry_ = kWriteInterval;
     Time next_write_{}, next_mark_{}, began_{};
     std::vector<std::shared_ptr<Found>> asked_;  // and not answered
-    boost::asio::thread_pool thread_{1};         // last: ends first
+    DiskThread thread_;                          // last: ends first
 };
 
 }  // namespace asip::registry

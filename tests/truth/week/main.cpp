@@ -252,7 +252,6 @@ class Week {
     void compare() {
         if (now_ - quiet_since_ < kSettles || is_turn_of_links()) return;
         pass(15s);  // what is to be written is on the disk
-        registry_->wait_for_disk(now_);
         if (!open_.empty()) fail("command " + *open_.begin() + " has no answer");
         for (std::size_t i = 0; i < stations_.size(); ++i) {
             const auto& station = *stations_[i];
@@ -284,13 +283,14 @@ class Week {
             fail(fmt::format("{}: the servo of {} is at {}, and it is at {}; -1 is unknown", view,
                              station.name(), shown.value_or(-1), station.servo().value_or(-1)));
     }
+    /// Of minutes, and of a time of day that came twice, all angles are known that there were.
     void compare_kept(const Station& station) {
-        const auto kept = registry_->servo(station.name(), now_);
-        const auto angle_is = station.servo();
-        const bool twice =
-            now_ < twice_until_ && (!angle_is || (kept && kept->min <= *angle_is && *angle_is <= kept->max));
+        const auto [fine, kept] = registry_->servo(station.name(), now_);
+        const auto is = station.servo();
+        const bool twice = now_ < twice_until_;
+        const bool within = is && kept ? kept->min <= *is && *is <= kept->max : twice && !is;
         const auto angle = kept ? std::optional(static_cast<int>(kept->mean)) : std::nullopt;
-        compare_servo("registry", twice ? angle_is : angle, station);
+        compare_servo("registry", within && (twice || !fine) ? is : angle, station);
     }
     /// The newest change of the history is the state that there is.
     void compare_history(const Station& station) {

@@ -21,12 +21,12 @@ using presence::SimBroker;
 
 inline constexpr const char* kServo = "servo/0/angle";
 
-/// Files of a registry, and the threads that write them.
+/// Files of a registry.
 struct Disk {
     Disk(const std::string& folder, asip::catalogue::Instant now)
-        : history(io, {folder + "/history.db", 90 * 24h, kHistoryBytes},
+        : history(io, {.path = folder + "/history.db", .max_bytes = kHistoryBytes, .own_thread = false},
                   handlers<asip::registry::HistoryKeeper>(), "boot", now),
-          values(io, {.path = folder + "/values.db", .max_bytes = kValuesBytes},
+          values(io, {.path = folder + "/values.db", .max_bytes = kValuesBytes, .own_thread = false},
                  handlers<asip::registry::ValueKeeper>(), now) {}
     template <class Keeper>
     typename Keeper::Handlers handlers() {
@@ -48,42 +48,27 @@ class RegistryProgram final : Disk, public presence::RegistryView {
         : Disk(folder, presence::instant(now)),
           RegistryView(broker, dice, options(), {&history, &values}, now),
           clock_set_(clock_set) {
-        wait_for_disk(now);
+        io.poll();
     }
 
     void tick(Time now) override {
         RegistryView::tick(now);
         io.poll();
-        if (now >= waits_) wait_for_disk(now);
     }
-    /// Simulated time is quicker than a disk: what was begun is over then, on a machine of any load.
-    void wait_for_disk(Time now) {
-        waits_ = now + 4s;  // a disk that takes 5 s is a fault
-        asip::bus::Query query;
-        query.find = asip::bus::Find::kValues;
-        for (int attempt = 0; attempt < 100; ++attempt) {
-            std::optional<asip::bus::Answer> found;
-            bool read = false;
-            values.find(query, moment(now), [&](asip::bus::Answer answer) { found = std::move(answer); });
-            history.find({}, [&](const asip::bus::Answer&) { read = true; });
-            while (!(found && read) && io.run_one_for(60s) > 0) {
-            }
-            if (found && found->refused.empty()) return;
-            io.run_one_for(1s);
-        }
-    }
-    /// Waits for the disk.
     asip::bus::Answer find(const json& query, Time now) {
         ask(query.dump(), now);
-        while (!answer() && io.run_one_for(60s) > 0) {
-        }
+        io.poll();
         if (!answer() || !answer()->refused.empty())
             fault = query.dump() + ": " + (answer() ? answer()->error : "no answer");
         return answer().value_or(asip::bus::Answer());
     }
-    /// The angle of the board's servo that was kept last; none: it is not known. A time of day that came
-    /// twice has both.
-    std::optional<asip::bus::ValuePoint> servo(const std::string& board, Time now) {
+    /// The angle of a servo that was kept last; without a point it is not known. Of what is not `fine` a
+    /// point stands for a minute or more.
+    struct Kept {
+        bool fine;
+        std::optional<asip::bus::ValuePoint> point;
+    };
+    Kept servo(const std::string& board, Time now) {
         const auto to = moment(now).wall;
         const auto found = find({{"find", "values"},
                                  {"board", board},
@@ -91,8 +76,8 @@ class RegistryProgram final : Disk, public presence::RegistryView {
                                  {"from", asip::text::iso_time(to - 4h)},
                                  {"to", asip::text::iso_time(to)}},
                                 now);
-        if (found.values.empty() || !found.values.back().known) return std::nullopt;
-        return found.values.back();
+        const bool known = !found.values.empty() && found.values.back().known;
+        return {found.level == "changes", known ? std::optional(found.values.back()) : std::nullopt};
     }
     /// What it says of its files; empty: nothing.
     const std::string& disk_fault() const { return fault; }
@@ -110,7 +95,6 @@ class RegistryProgram final : Disk, public presence::RegistryView {
         return moment;
     }
     const Duration& clock_set_;
-    Time waits_{};
 };
 
 /// asip-gateway with one of its exports.

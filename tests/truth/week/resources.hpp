@@ -12,7 +12,8 @@
 
 namespace truth::week {
 
-inline constexpr std::size_t kHistoryBytes = 1u << 20, kValuesBytes = 2u << 20;
+/// So small that both files are full before the second quarter of a week.
+inline constexpr std::size_t kHistoryBytes = 1u << 20, kValuesBytes = 1u << 20;
 
 /// What the programs take, looked at once an hour.
 class Resources {
