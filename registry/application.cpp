@@ -19,7 +19,8 @@ namespace log = program::log;
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr int kReadingShare = 4;
 constexpr Duration kGather = std::chrono::milliseconds(50);  // values; they are written each 10 s
-constexpr std::size_t kMaxUnsent = 64;  // messages; beyond, questions wait here and not answers
+constexpr std::size_t kMaxUnsent = 64;             // messages; beyond, questions wait here and not answers
+constexpr std::uint32_t kMaxQuestion = 64u << 10;  // a packet; bus::kMaxRequestBytes and more than enough
 
 Instant now() {
     return {Clock::now(), text::wall_now()};
@@ -58,7 +59,7 @@ Application::Application(RegistryOptions options)
     registry_ = std::make_unique<Registry>(options_, std::move(*models), system_random(), port(),
                                            history_.get(), now(), values_.get());
     client_ = std::make_unique<mqtt::Client>(io_, mqtt_options(), handlers());
-    answerer_ = connection_for_answers();
+    answerer_ = connection_for_questions();
     if (values_) valuer_ = connection_for_values();
     if (!options_.notify.empty()) {
         auto webhook = Webhook::create(io_, options_.notify);
@@ -110,9 +111,9 @@ Port Application::port() {
         client_->publish(std::move(message), mqtt::Priority::kAnnouncement);
     };
     port.answer = [this](mqtt::Message message) {
-        answers().publish(std::move(message), mqtt::Priority::kReply);
+        answerer_->publish(std::move(message), mqtt::Priority::kReply);
     };
-    port.takes_answers = [this] { return answers().counters().queued < kMaxUnsent; };
+    port.takes_answers = [this] { return answerer_->counters().queued < kMaxUnsent; };
     port.subscribe = [this](std::string filter, bool retained) {
         mqtt::SubscribeOptions subscription;
         subscription.retained = retained;
@@ -161,16 +162,24 @@ mqtt::Client::Handlers Application::handlers() {
     return result;
 }
 
-std::unique_ptr<mqtt::Client> Application::connection_for_answers() {
+/// And for their answers. The broker drops what is too long for a question. With QoS 1 a flood of questions
+/// would wait for an acknowledgement of each, and the broker reads one of these in each of its turns.
+std::unique_ptr<mqtt::Client> Application::connection_for_questions() {
     auto options = options_.mqtt;
     options.client_id += options.client_id.empty() ? "" : "-answers";
     options.max_queued_bytes = 32u << 20;
+    options.max_packet_bytes = kMaxQuestion;
     mqtt::Client::Handlers result;
+    result.on_message = [this](const mqtt::Message& received) { take(received); };
+    result.on_subscribe_refused = program::BrokerLog::subscribe_refused;
     result.on_published = [this](const std::string&) { schedule_turn(); };
     result.on_publish_denied = [this](const std::string& topic, const std::string& reason) {
         registry_->denied(topic, reason, now());
     };
-    return std::make_unique<mqtt::Client>(io_, std::move(options), std::move(result));
+    auto client = std::make_unique<mqtt::Client>(io_, std::move(options), std::move(result));
+    for (auto& filter : registry_->questions())
+        client->subscribe(std::move(filter), {.qos = 0, .retained = false});
+    return client;
 }
 
 std::unique_ptr<mqtt::Client> Application::connection_for_values() {
@@ -192,8 +201,8 @@ int Application::run() {
         subscription.retained = retained;
         client_->subscribe(std::move(filter), subscription);
     }
-    client_->start();
     answerer_->start();
+    client_->start();
     if (valuer_) valuer_->start();
     schedule_tick();
     io_.run();

@@ -32,9 +32,8 @@ class Application {
     ValueKeeper::Handlers value_handlers();
     mqtt::Options mqtt_options() const;
     mqtt::Client::Handlers handlers();
-    std::unique_ptr<mqtt::Client> connection_for_answers();
+    std::unique_ptr<mqtt::Client> connection_for_questions();
     std::unique_ptr<mqtt::Client> connection_for_values();
-    mqtt::Client& answers() { return answerer_->connected() ? *answerer_ : *client_; }
     void connect_failed(const mqtt::ConnectionFailure& failure);
     void message(const mqtt::Message& message);
     void take(const mqtt::Message& message);

@@ -17,10 +17,13 @@ class FirstState {
     /// Where the mark is lost, the state counts as whole after this time without a retained message.
     static constexpr Duration kRetainedTime = std::chrono::seconds(15);
 
-    /// `complete`: the state is whole.
-    FirstState(const bus::Topics& topics, std::string id, std::function<void(mqtt::Message)> publish,
+    /// `mark_topic`: no other program writes there. `complete`: the state is whole.
+    FirstState(const bus::Topics& topics, std::string mark_topic, std::function<void(mqtt::Message)> publish,
                std::function<void()> complete)
-        : topics_(topics), id_(std::move(id)), publish_(std::move(publish)), complete_(std::move(complete)) {}
+        : topics_(topics),
+          mark_topic_(std::move(mark_topic)),
+          publish_(std::move(publish)),
+          complete_(std::move(complete)) {}
 
     /// Call it with the subscriptions made. `mark`: random. Boards are asked to announce themselves, too.
     void begin(std::string mark, Time now) {
@@ -28,13 +31,13 @@ class FirstState {
         until_ = now + kRetainedTime;
         // The mark is sent first: the announcements that answer the probe come behind it. A broker drops
         // messages of QoS 0 for a reader whose queue is full.
-        publish(topics_.registry_query(id_), mark_, 1);
+        publish(mark_topic_, mark_, 1);
         publish(topics_.probe(), {}, 0);
     }
     void end() { mark_.clear(); }
 
     bool active() const { return !mark_.empty(); }
-    /// True: this message on the registry's own query topic was the mark.
+    /// True: this message on that topic was the mark.
     bool mark(std::string_view payload) {
         if (!active() || payload != mark_) return false;
         whole();
@@ -55,7 +58,7 @@ class FirstState {
     }
 
     bus::Topics topics_;
-    std::string id_;
+    std::string mark_topic_;
     std::function<void(mqtt::Message)> publish_;
     std::function<void()> complete_;
     std::string mark_;  // the one under way

@@ -39,8 +39,8 @@ Registry::Registry(const RegistryOptions& options, model::ModelSet models, Rando
       catalogue_(catalogue_options(options, models)),
       feed_(id_),
       first_state_(
-          topics_, id_, [this](mqtt::Message message) { port_.publish(std::move(message)); },
-          [this] { complete(); }),
+          topics_, replies_.to(topics_.registry_query(id_)),
+          [this](mqtt::Message message) { port_.publish(std::move(message)); }, [this] { complete(); }),
       statistics_(options.stats_interval, now.time),
       identity_(topics_, id_, run_, replies_.to(topics_.registry_query(id_)), random_hex(random_, 16)),
       tidier_(topics_, port_,
@@ -119,20 +119,18 @@ std::vector<std::string> Registry::board_names() const {
 std::vector<Registry::Subscription> Registry::subscriptions() const {
     // QoS 0 for announcements: they repeat, and brokers hold fewer messages at QoS 1 than they retain. Only
     // what is read: what anybody may retain below the service bus, such as demands, would fill our queue.
-    std::vector<Subscription> result{{topics_.board_names(), 0, true},
-                                     {topics_.service_names("+"), 0, true},
-                                     {topics_.state("+"), 0, true},
-                                     {topics_.description("+"), 0, true},
-                                     {topics_.commands("+"), 0, false},
-                                     {topics_.registry_stats(id_), 0, true},
-                                     {topics_.registry_state(id_), 0, true},
-                                     {topics_.any_registry_query(), 1, false},
-                                     {topics_.registry_query(id_), 1, false},
-                                     {bus::forget_topic(topics_), 1, false},
-                                     {bus::forget_topic(topics_, id_), 1, false},
-                                     {identity_.reply_topic(), 0, false}};
+    std::vector<Subscription> result{
+        {topics_.board_names(), 0, true},       {topics_.service_names("+"), 0, true},
+        {topics_.state("+"), 0, true},          {topics_.description("+"), 0, true},
+        {topics_.commands("+"), 0, false},      {topics_.registry_stats(id_), 0, true},
+        {topics_.registry_state(id_), 0, true}, {identity_.reply_topic(), 1, false}};
     if (choice_) result.push_back({choice_->dashboards(), 0, true});
     return result;
+}
+
+std::vector<std::string> Registry::questions() const {
+    return {topics_.any_registry_query(), topics_.registry_query(id_), bus::forget_topic(topics_),
+            bus::forget_topic(topics_, id_)};
 }
 
 mqtt::Message Registry::state(std::string word) const {
@@ -158,8 +156,9 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
     if (choice_) choice_->connected(now.time);
     port_.publish(identity_.probe());
     first_state_.begin(random_hex(random_, 16), now.time);
-    // Last: a broker that cannot store it now may read nothing more from us for seconds.
-    port_.publish(state("online"));
+    // Last: a broker that cannot store it now may read nothing more from us for seconds. Whoever reads it may
+    // ask: it goes behind the subscriptions to questions.
+    (port_.answer ? port_.answer : port_.publish)(state("online"));
 }
 
 void Registry::disconnected() {
@@ -175,7 +174,8 @@ void Registry::message(const mqtt::Message& message, Instant now) {
     now_ = now;
     ++statistics_.counts.messages;
     if (message.retain) first_state_.retained_came(now.time);
-    if (message.topic == identity_.reply_topic()) return identity(message);
+    if (message.topic == identity_.reply_topic())
+        return first_state_.mark(message.payload) ? void() : identity(message);
     if (message.topic == bus::forget_topic(topics_) || message.topic == bus::forget_topic(topics_, id_))
         return endpoint_.forget(message);
     if (choice_ && choice_->dashboard(message, [this] { return board_names(); })) return;
@@ -190,7 +190,6 @@ void Registry::message(const mqtt::Message& message, Instant now) {
     }
     switch (topic->kind) {
         case TopicKind::kRegistryQuery:
-            if (first_state_.mark(message.payload)) return;
             if (identity_.is_probe(message)) return;
             [[fallthrough]];
         case TopicKind::kAnyRegistryQuery:

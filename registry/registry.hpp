@@ -42,6 +42,8 @@ class Registry {
         bool retained;
     };
     std::vector<Subscription> subscriptions() const;
+    /// The topics on which it is asked: those of the connection of Port::answer.
+    std::vector<std::string> questions() const;
     mqtt::Message will() const;
 
     /// `max_packet_bytes`: the broker's limit; 0: none.

@@ -67,7 +67,8 @@ struct Options {
     Duration unreceived_timeout = std::chrono::seconds(5);
     /// The broker delivers no larger packets (MQTT 5), which bounds our memory. It must be clearly above the
     /// broker's limit, 256 KiB in our configurations: Mosquitto takes a message that is too large for a
-    /// subscriber, and never frees its place among those of QoS 1. 0: no limit.
+    /// subscriber, and never frees its place among those of QoS 1. It may be lower where all subscriptions
+    /// have QoS 0. 0: no limit.
     std::uint32_t max_packet_bytes = kMaxPacketBytes;
     /// So many messages of QoS 1 may the broker send to this client before it gets an acknowledgement (MQTT
     /// 5). Further ones wait in the broker's queue. With the usual 20, Mosquitto sends 20 in the time in

@@ -28,6 +28,7 @@ TEST(Registry, BrokerGoneAndBack_CatalogueIsKeptAndCheckedByProbe) {
         return log.find("catalogue is complete", log.find("connection lost")) != std::string::npos;
     }));
     BusProbe probe(broker.port());
+    ASSERT_TRUE(probe.wait_for("asip/registry/r1/$state", "online"));
     EXPECT_EQ(state_of(probe, "gone"), "online") << "kept, until it had time to answer";
     probe.publish(announcement("alive", description_text("alive", "a", 2), 60));
     EXPECT_TRUE(becomes(probe, "gone", "lost"));

@@ -92,11 +92,39 @@ TEST(Registry, FloodOfQuestions_OthersAreAnsweredInTime_AndTheConnectionStays) {
     EXPECT_EQ(registry.process().errors().find("connection lost"), std::string::npos);
 }
 
-// They go over the registry's other connection then, which holds few of them, too.
-TEST(Registry, ConnectionForAnswersIsAway_NoAnswerOfMegabytesIsDropped) {
+TEST(Registry, QuestionsAreNotHeard_IsNotOnlineUntilTheyAre) {
+    MosquittoBroker broker;
+    TcpRelay relay(broker.port());
+    relay.cut([](std::string_view first) { return first.find("-answers") != std::string_view::npos; });
+    BusProbe probe(broker.port(), {"asip/registry/r1/$state"});
+    RunningRegistry registry("127.0.0.1:" + std::to_string(relay.port()));
+    ASSERT_TRUE(registry.complete());
+    EXPECT_EQ(probe.count("asip/registry/r1/$state"), 0u);
+    relay.restore();
+    EXPECT_TRUE(probe.wait_for("asip/registry/r1/$state", "online", 60s)) << registry.process().errors();
+    EXPECT_TRUE(ask(probe, R"({"find":"boards","limit":1})")) << registry.process().errors();
+}
+
+// A broker that takes no packet as long as that drops it for this connection alone.
+TEST(Registry, FloodOfLongQuestions_DelaysNoOther) {
+    MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0", "max_queued_bytes 4000000"}}};
+    RunningRegistry registry(broker.address());
+    ASSERT_TRUE(registry.complete());
+    BusProbe probe(broker.port(), {"nothing"});
+    const std::string question = R"({"find":"boards","limit":1})";
+    ASSERT_TRUE(ask(probe, question)) << registry.process().errors();
+    registry.process().signal(SIGSTOP);
+    for (int i = 0; i < 300; ++i)
+        probe.publish("asip/registry/query", std::string(200'000, 'x'));
+    probe.publish("asip/registry/query", R"({"find":"boards","limit":1,"reply_to":"nothing"})");
+    ASSERT_TRUE(wait_until([&] { return probe.all_acknowledged(); }, 60s));
+    registry.process().signal(SIGCONT);
+    EXPECT_TRUE(probe.wait_for("nothing")) << registry.process().errors();
+}
+
+TEST(Registry, ConnectionIsAway_NoAnswerOfMegabytesIsDropped) {
     MosquittoBroker broker{{.extra_lines = {"max_queued_messages 0"}}};
-    TcpRelay relay(broker.port(),
-                   [](std::string_view first) { return first.find("-answers") != std::string_view::npos; });
+    TcpRelay relay(broker.port());
     RunningRegistry registry("127.0.0.1:" + std::to_string(relay.port()));
     ASSERT_TRUE(registry.complete());
     BusProbe probe(broker.port(), {"nothing"});

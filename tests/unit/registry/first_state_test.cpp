@@ -18,7 +18,7 @@ class FirstStateTest : public testing::Test {
     std::vector<std::string> sent;
     int complete = 0;
     FirstState first{
-        bus::Topics(), "r1",
+        bus::Topics(), "marks",
         [this](const mqtt::Message& message) {
             sent.push_back(message.topic + ' ' + message.payload + " " + std::to_string(message.qos));
         },
@@ -27,7 +27,7 @@ class FirstStateTest : public testing::Test {
 
 TEST_F(FirstStateTest, MarkComesBack_StateIsWholeOnce) {
     first.begin("aa", now);
-    EXPECT_THAT(sent, ElementsAre("asip/registry/r1/query aa 1", "asip/servicebus/$probe  0"));
+    EXPECT_THAT(sent, ElementsAre("marks aa 1", "asip/servicebus/$probe  0"));
     EXPECT_FALSE(first.mark("bb")) << "a query";
     EXPECT_TRUE(first.active());
     EXPECT_TRUE(first.mark("aa"));

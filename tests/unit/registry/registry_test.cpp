@@ -59,6 +59,9 @@ mqtt::Message bus_message(const std::string& topic, const std::string& payload, 
     return mqtt::Message{.topic = topic, .payload = payload, .retain = retained};
 }
 
+/// Where the registry's own marks come back to it.
+const std::string kMarks = "asip/reply/$nobody/registry/";
+
 /// One run of a registry, with the history of the runs before.
 class RegistryRun {
   public:
@@ -75,7 +78,8 @@ class RegistryRun {
     void complete(Duration now) {
         for (std::size_t i = 0; i < connection.published.size(); ++i) {
             const mqtt::Message message = connection.published[i];
-            if (message.topic == "asip/registry/r1/query") registry.message(message, moment(now));
+            if (message.topic == "asip/registry/r1/query" || message.topic.starts_with(kMarks))
+                registry.message(message, moment(now));
         }
     }
     json ask(const std::string& query, Duration now) {
@@ -114,7 +118,8 @@ TEST(Registry, RandomLevelsOfItsReplyTopics_ArePublishedNowhere) {
     std::string everybody;
     for (const auto& message : run.connection.published) {
         const bool to_registries = message.topic.ends_with("/query");
-        if (!to_registries) everybody += message.topic + " " + message.payload + "\n";
+        if (!to_registries && !message.topic.starts_with(kMarks))
+            everybody += message.topic + " " + message.payload + "\n";
         const auto at = message.payload.find("asip/reply/");
         if (!to_registries || at == std::string::npos) continue;
         const auto topic = message.payload.substr(at, message.payload.find('"', at) - at);
@@ -197,9 +202,10 @@ TEST(RegistryWithHistory, NamesOnlyBoardThatLeftMeanwhile_DoesNotStayOnline) {
 class RegistryTest : public testing::Test {
   protected:
     RegistryTest() { registry.connected(0, moment(0s)); }
+    /// On this topic, or below it.
     mqtt::Message sent(const std::string& topic, std::size_t index = 0) const {
         for (const auto& message : connection.published)
-            if (message.topic == topic && index-- == 0) return message;
+            if (message.topic.starts_with(topic) && index-- == 0) return message;
         ADD_FAILURE() << "nothing on " << topic;
         return {};
     }
@@ -210,7 +216,7 @@ class RegistryTest : public testing::Test {
 
 TEST_F(RegistryTest, ItsOwnProbeAndStatistics_AreNoOtherRegistry) {
     registry.message(sent("asip/registry/r1/query", 0), moment(0s));
-    registry.message(sent("asip/registry/r1/query", 1), moment(0s));
+    registry.message(sent(kMarks), moment(0s));
     registry.message(sent("asip/registry/r1/$stats"), moment(0s));
     EXPECT_FALSE(registry.id_taken_by());
 }
@@ -237,14 +243,14 @@ TEST_F(RegistryTest, AnotherOfItsIdStartsLater_IsNoReasonToEnd) {
 }
 
 TEST_F(RegistryTest, ConnectionAgain_RetainedMessagesDoNotHoldUpAnswers) {
-    const std::string query = "asip/registry/r1/query", state = "asip/registry/r1/$state";
+    const std::string state = "asip/registry/r1/$state";
     const std::string statistics = "asip/registry/r1/$stats";
-    registry.message(sent(query, 1), moment(0s));
+    registry.message(sent(kMarks), moment(0s));
     registry.disconnected();
     connection.published.clear();
     registry.connected(0, moment(30s));
     EXPECT_EQ(connection.published.back().topic, state) << "probes go before it";
-    registry.message(sent(query, 1), moment(30s));
+    registry.message(sent(kMarks), moment(30s));
     registry.tick(moment(31s));
     EXPECT_EQ(connection.count(statistics), 0u);
     for (Duration time = 32s; time <= 45s; time += 1s)
@@ -270,7 +276,7 @@ TEST_F(RegistryTest, NamesThatAreNone_AreCountedWhereverTheyStand) {
     registry.message(bus_message("asip/servicebus/un o/$state", "online"), moment(0s));
     registry.message(bus_message("asip/servicebus/registry/$state", "online"), moment(0s));
     registry.message(bus_message("asip/servicebus", "un o"), moment(0s));
-    registry.message(sent("asip/registry/r1/query", 1), moment(1s));
+    registry.message(sent(kMarks), moment(1s));
     for (Duration time = 2s; time <= 30s; time += 1s)
         registry.tick(moment(time));
     EXPECT_EQ(connection.last("asip/registry/r1/$stats").at("refused"), json({{"bad-name", 3}}));
@@ -281,7 +287,7 @@ TEST_F(RegistryTest, ChangesBeforeTheCatalogueIsComplete_AreOneReset) {
     registry.message(bus_message("asip/servicebus/uno1/$description", description("uno1").payload),
                      moment(0s));
     EXPECT_EQ(connection.count(events), 0u);
-    registry.message(sent("asip/registry/r1/query", 1), moment(0s));
+    registry.message(sent(kMarks), moment(0s));
     EXPECT_EQ(connection.count(events), 1u);
     EXPECT_EQ(connection.last(events).at("event"), "reset");
     EXPECT_EQ(connection.last(events).at("seq"), 1u);
@@ -291,7 +297,7 @@ TEST_F(RegistryTest, ChangesBeforeTheCatalogueIsComplete_AreOneReset) {
 }
 
 TEST_F(RegistryTest, NamesOnlyBoardWhoseDescriptionWasMissed_IsAskedAndThenDescribed) {
-    registry.message(sent("asip/registry/r1/query", 1), moment(0s));
+    registry.message(sent(kMarks), moment(0s));
     registry.message(bus_message("asip/servicebus", "uno1"), moment(1s));
     const auto probes = connection.count("asip/servicebus/$probe");
     registry.tick(moment(1500ms));
@@ -318,6 +324,24 @@ TEST(Registry, Answers_DoNotWaitBehindWhatIsToldOfChanges) {
     registry.message(query, moment(1s));
     EXPECT_EQ(answers.count("answers"), 1u);
     EXPECT_EQ(connection.count("answers"), 0u);
+}
+
+// What users may write without bound comes over the connection of answers: beside a flood of it nothing of
+// boards waits. A program that reads "online" may ask.
+TEST(Registry, QuestionsAndTheirAnswers_HaveAConnectionThatSaysWhenTheyAreHeard) {
+    Connection connection, answers;
+    auto port = connection.port();
+    port.answer = answers.port().publish;
+    Registry registry(options(), {}, counting(), port, nullptr, moment(0s));
+    EXPECT_THAT(registry.questions(),
+                testing::UnorderedElementsAre("asip/registry/query", "asip/registry/r1/query",
+                                              "asip/registry/forget", "asip/registry/r1/forget"));
+    for (const auto& [filter, qos, retained] : registry.subscriptions())
+        EXPECT_FALSE(filter.ends_with("/query") || filter.ends_with("/forget")) << filter;
+    registry.connected(0, moment(0s));
+    EXPECT_EQ(answers.published.back().topic, "asip/registry/r1/$state");
+    EXPECT_EQ(answers.published.back().payload, "online");
+    EXPECT_EQ(connection.count("asip/registry/r1/$state"), 0u);
 }
 
 TEST(RefusalLogTest, MalformedDescription_LineSaysWhichMember) {
