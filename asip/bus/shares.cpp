@@ -21,7 +21,8 @@ std::size_t bytes_of(const mqtt::Message& message) {
 }  // namespace
 
 Shares::Place Shares::place_of(const Accounts::value_type& account) {
-    return {account.second.urgent.empty(), account.second.used, &account.first};
+    const bool first = !account.second.urgent.empty() && account.second.used_urgently < kUrgent;
+    return {!first, account.second.used, &account.first};
 }
 
 // The thread's own clock takes a system call. Between two looks at it, time that passes stands for it: no
@@ -63,6 +64,7 @@ Duration Shares::step(Duration began) {
     if (!more) job = {};  // what it holds ends in its own turn
     const auto ended = clock_();
     account.used += ended - began;
+    if (urgent) account.used_urgently += ended - began;
     running_ = nullptr;
     if (more) jobs.push_front(std::move(job));
     if (!account.urgent.empty() || !account.others.empty()) waiting_.insert(place_of(*found));

@@ -17,10 +17,12 @@ namespace asip::bus {
 
 /// Shares the processor among names with jobs: the one that used the least time goes next. What a name used
 /// while no other wanted it is forgotten, and absence saves nothing up. Urgent jobs go first, in the same
-/// order among themselves. One thread; no clock of its own.
+/// order among themselves, but for those of a name whose urgent ones used kUrgent meanwhile. One thread; no
+/// clock of its own.
 class Shares {
   public:
     static constexpr Duration kSlice = std::chrono::milliseconds(2);  ///< of run()
+    static constexpr Duration kUrgent = std::chrono::milliseconds(50);
     /// One step. True: there is more to do.
     using Job = std::function<bool()>;
 
@@ -42,10 +44,11 @@ class Shares {
   private:
     struct Account {
         Duration used{};
+        Duration used_urgently{};
         std::deque<Job> urgent, others;
     };
     using Accounts = std::map<std::string, Account, std::less<>>;
-    using Place = std::tuple<bool, Duration, const std::string*>;  // not urgent, used, name
+    using Place = std::tuple<bool, Duration, const std::string*>;  // goes behind, used, name
     static Place place_of(const Accounts::value_type& account);
     Duration step(Duration began);  ///< returns when it ended
 

@@ -70,6 +70,21 @@ TEST_F(SharesTest, FloodOfStops_KeepsTheStopOfAnotherWaitingForOneOfThem) {
     EXPECT_EQ(done[1], "anna");
 }
 
+TEST_F(SharesTest, FloodOfStops_DelaysRequestsOfOthersForABoundedTime_AndNoStopOfOthers) {
+    for (int i = 0; i < 100; ++i)
+        job("hog", 10ms, true);
+    job("anna", 1ms);
+    for (int i = 0; i < 6; ++i)
+        shares.run();
+    EXPECT_THAT(done, ElementsAre("hog", "hog", "hog", "hog", "hog", "anna", "hog"));
+    job("bob", 1ms);
+    job("olga", 1ms, true);
+    shares.run();
+    EXPECT_EQ(done[7], "olga");
+    run();
+    EXPECT_EQ(done.size(), 103u);
+}
+
 TEST_F(SharesTest, SlicesOfACostlyAnswer_LetOthersBetween_AndTheNextOfItsClientWait) {
     job("hog", 2ms, false, 3);
     job("hog", 100ms);
