@@ -30,6 +30,12 @@ inline constexpr Tick kSecondTicks = 1000, kMinuteTicks = 60 * kSecondTicks, kHo
 /// beginning of each part every value is written again, so that no part needs those before.
 inline constexpr std::array<Tick, kLevels> kBucketTicks{0, kMinuteTicks, kHourTicks};
 inline constexpr std::array<Tick, kLevels> kPartTicks{6 * kHourTicks, 3 * kDayTicks, 90 * kDayTicks};
+constexpr Tick bucket_ticks(Level level) {
+    return kBucketTicks[static_cast<std::size_t>(level)];
+}
+constexpr Tick part_ticks(Level level) {
+    return kPartTicks[static_cast<std::size_t>(level)];
+}
 
 /// No value: it is not known, or the board is not there.
 inline constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
@@ -75,9 +81,7 @@ struct ValueRows {
 /// Folds a value into the buckets of one level. Only those in which something changed are given out. Pure.
 class Folding {
   public:
-    explicit Folding(Level level)
-        : length_(kBucketTicks[static_cast<std::size_t>(level)]),
-          part_(kPartTicks[static_cast<std::size_t>(level)]) {}
+    explicit Folding(Level level) : length_(bucket_ticks(level)), part_(part_ticks(level)) {}
 
     /// A stretch begins: nothing is known.
     void begin(Tick at);

@@ -35,10 +35,6 @@ constexpr const char* kTables =
     "CREATE TABLE IF NOT EXISTS hours(part INTEGER, property INTEGER, at INTEGER, min REAL, mean REAL, max "
     "REAL, last REAL, known INTEGER, PRIMARY KEY(part, property, at)) WITHOUT ROWID;";
 
-Tick part_ticks(Level level) {
-    return kPartTicks[static_cast<std::size_t>(level)];
-}
-
 std::string table_of(Level level) {
     return std::string(to_text(level));
 }

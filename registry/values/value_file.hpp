@@ -65,6 +65,7 @@ class ValueFile {
     bool drop_oldest(Level level, Tick now);
     void drop_rows(Level level, std::int64_t part, std::optional<Tick> cut);
     std::vector<Stretch> stretches(const Stretch& present);
+    bool reaches(Level level, Tick since, const std::vector<Stretch>& stretches);
     Level level_for(const bus::Query& query, const std::vector<Stretch>& stretches);
     bus::Answer names(const bus::Query& query);
 

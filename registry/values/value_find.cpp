@@ -69,6 +69,13 @@ std::vector<Stretch> ValueFile::stretches(const Stretch& present) {
     return result;
 }
 
+/// Whether a level has all that happened since then.
+bool ValueFile::reaches(Level level, Tick since, const std::vector<Stretch>& stretches) {
+    const auto first = oldest(level);
+    return first && (first->part * part_ticks(level) + first->whole <= since ||
+                     (first->whole == 0 && first->part <= stretches.front().start / part_ticks(level)));
+}
+
 /// The finest one that is kept since then, and not finer than the points.
 Level ValueFile::level_for(const bus::Query& query, const std::vector<Stretch>& stretches) {
     const auto from = query.from.time_since_epoch().count();
@@ -78,11 +85,7 @@ Level ValueFile::level_for(const bus::Query& query, const std::vector<Stretch>& 
         if (each->shown(each->end) > from) since = std::max(each->start, from - each->offset);
     for (const auto level : {Level::kChanges, Level::kMinutes}) {
         if (width >= kBucketTicks[static_cast<std::size_t>(level) + 1]) continue;
-        const auto length = kPartTicks[static_cast<std::size_t>(level)];
-        const auto first = oldest(level);
-        if (first && (first->part * length + first->whole <= since ||
-                      (first->whole == 0 && first->part <= stretches.front().start / length)))
-            return level;
+        if (reaches(level, since, stretches)) return level;
     }
     return Level::kHours;
 }
@@ -118,33 +121,40 @@ bus::Answer ValueFile::find(const bus::Query& query, const Stretch& present) {
     if (!known.step()) return answer;
     const auto level = level_for(query, all);
     answer.level = to_text(level);
-    const Tick length = kBucketTicks[static_cast<std::size_t>(level)];
-    const Tick part_length = kPartTicks[static_cast<std::size_t>(level)];
     ValuePoints points(from, to, query.limit);
-    Statement rows(database_, (level == Level::kChanges ? "SELECT at,block FROM changes"
-                                                        : "SELECT at,min,mean,max,last,known FROM " +
-                                                              std::string(to_text(level))) +
-                                  " WHERE part=? AND property=? AND at>=? AND at<? ORDER BY at");
     for (const auto& stretch : all) {
         if (stretch.shown(stretch.end) <= from || stretch.shown(stretch.start) >= to) continue;
         const Tick first = std::max(stretch.start, from - stretch.offset);
         const Tick until = std::min(stretch.end, to - stretch.offset);
         StretchPieces pieces(points, stretch, until);
-        // A part holds all that is needed of its time.
-        for (Tick part = first / part_length; part * part_length < until; ++part) {
-            const Tick begin = part * part_length;
-            rows.reset().bind(part).bind(known.integer(0));
-            rows.bind(std::max<Tick>(0, stretch.start - begin)).bind(until - begin);
-            while (rows.step()) {
-                const Tick at = begin + rows.integer(0);
-                if (level == Level::kChanges)
-                    unpack_changes(rows.bytes(1), at, [&](const Change& change) { pieces.change(change); });
-                else
-                    pieces.bucket(
-                        {at, rows.real(1), rows.real(2), rows.real(3), rows.real(4), rows.integer(5)},
-                        length);
+        const auto read = [&](Level of, Tick least, Tick begin, Tick end) {
+            Statement rows(database_, (of == Level::kChanges ? "SELECT at,block FROM changes"
+                                                             : "SELECT at,min,mean,max,last,known FROM " +
+                                                                   std::string(to_text(of))) +
+                                          " WHERE part=? AND property=? AND at>=? AND at<? ORDER BY at");
+            // A part holds all that is needed of its time.
+            for (Tick part = begin / part_ticks(of); part * part_ticks(of) < end; ++part) {
+                const Tick at_first = part * part_ticks(of);
+                rows.reset().bind(part).bind(known.integer(0));
+                rows.bind(std::max<Tick>(0, least - at_first)).bind(end - at_first);
+                while (rows.step()) {
+                    const Tick at = at_first + rows.integer(0);
+                    if (of == Level::kChanges)
+                        unpack_changes(rows.bytes(1), at,
+                                       [&](const Change& change) { pieces.change(change); });
+                    else
+                        pieces.bucket(
+                            {at, rows.real(1), rows.real(2), rows.real(3), rows.real(4), rows.integer(5)},
+                            bucket_ticks(of));
+                }
             }
-        }
+        };
+        // An hour is written each five minutes until it is over, its minutes each ten seconds.
+        const Tick hour = stretch.end - stretch.end % kHourTicks;
+        const bool by_minutes = level == Level::kHours && stretch.start == present.start && first < hour &&
+                                hour < until && reaches(Level::kMinutes, hour, all);
+        read(level, stretch.start, first, by_minutes ? hour : until);
+        if (by_minutes) read(Level::kMinutes, hour, hour, until);
         pieces.end();
     }
     answer.values = points.points();

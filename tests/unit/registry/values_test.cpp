@@ -371,6 +371,23 @@ TEST(Values, PartOfNowIsTooMuch_WhatIsSteadyStaysKnown_AndTheLastMinuteFine) {
     }
 }
 
+TEST(Values, HourThatIsNotOver_IsKnownAsFarAsItIsWritten) {
+    Machine machine;
+    for (int minute = 0; minute < 72 * 60 + 31; ++minute) {
+        machine.hold(minute % 10, minutes(1));
+        if (minute % 10 == 9) machine.write();
+    }
+    machine.write();  // the hour, too: next time in five minutes
+    machine.set(77);
+    machine.write_after(seconds(10));
+    const auto days = machine.ask(hours(72), 24);
+    EXPECT_EQ(days.level, "hours");
+    EXPECT_EQ(days.values.back().max, 77);
+    EXPECT_TRUE(days.values.front().known);
+    machine.write_after(hours(6));
+    EXPECT_EQ(machine.ask(hours(72), 24).values.back().mean, 77) << "it holds";
+}
+
 TEST(Values, HoursAreTooMany_ThoseOfTheLastDayStay) {
     Machine machine;
     machine.max_bytes = 200'000;
