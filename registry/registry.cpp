@@ -156,8 +156,8 @@ void Registry::connected(std::size_t max_packet_bytes, Instant now) {
     if (choice_) choice_->connected(now.time);
     port_.publish(identity_.probe());
     first_state_.begin(random_hex(random_, 16), now.time);
-    // Last: a broker that cannot store it now may read nothing more from us for seconds. Whoever reads it may
-    // ask: it goes behind the subscriptions to questions.
+    // This word goes last, since a broker that cannot store it reads nothing more from us for seconds; and
+    // behind the subscriptions to questions, since a program that reads it may ask.
     (port_.answer ? port_.answer : port_.publish)(state("online"));
 }
 

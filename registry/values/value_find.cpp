@@ -51,6 +51,43 @@ class StretchPieces {
     double value_ = kGap;
 };
 
+/// What is kept of one property at one level.
+class LevelRows {
+  public:
+    LevelRows(Database& database, Level level, std::int64_t property)
+        : level_(level),
+          property_(property),
+          rows_(database, (level == Level::kChanges
+                               ? "SELECT at,block FROM changes"
+                               : "SELECT at,min,mean,max,last,known FROM " + std::string(to_text(level))) +
+                              " WHERE part=? AND property=? AND at>=? AND at<? ORDER BY at") {}
+
+    /// What is from `least` on, in the parts of `begin` to `end`, and before `end`: a part holds all that is
+    /// needed of its time.
+    void give(StretchPieces& pieces, Tick least, Tick begin, Tick end) {
+        for (Tick part = begin / part_ticks(level_); part * part_ticks(level_) < end; ++part) {
+            const Tick first = part * part_ticks(level_);
+            rows_.reset().bind(part).bind(property_);
+            rows_.bind(std::max<Tick>(0, least - first)).bind(end - first);
+            while (rows_.step())
+                give_row(pieces, first + rows_.integer(0));
+        }
+    }
+
+  private:
+    void give_row(StretchPieces& pieces, Tick at) {
+        if (level_ == Level::kChanges)
+            unpack_changes(rows_.bytes(1), at, [&](const Change& change) { pieces.change(change); });
+        else
+            pieces.bucket({at, rows_.real(1), rows_.real(2), rows_.real(3), rows_.real(4), rows_.integer(5)},
+                          bucket_ticks(level_));
+    }
+
+    Level level_;
+    std::int64_t property_;
+    Statement rows_;
+};
+
 bus::Answer value_answer() {
     bus::Answer answer;
     answer.find = bus::Find::kValues;
@@ -122,39 +159,19 @@ bus::Answer ValueFile::find(const bus::Query& query, const Stretch& present) {
     const auto level = level_for(query, all);
     answer.level = to_text(level);
     ValuePoints points(from, to, query.limit);
+    LevelRows rows(database_, level, known.integer(0));
     for (const auto& stretch : all) {
         if (stretch.shown(stretch.end) <= from || stretch.shown(stretch.start) >= to) continue;
         const Tick first = std::max(stretch.start, from - stretch.offset);
         const Tick until = std::min(stretch.end, to - stretch.offset);
         StretchPieces pieces(points, stretch, until);
-        const auto read = [&](Level of, Tick least, Tick begin, Tick end) {
-            Statement rows(database_, (of == Level::kChanges ? "SELECT at,block FROM changes"
-                                                             : "SELECT at,min,mean,max,last,known FROM " +
-                                                                   std::string(to_text(of))) +
-                                          " WHERE part=? AND property=? AND at>=? AND at<? ORDER BY at");
-            // A part holds all that is needed of its time.
-            for (Tick part = begin / part_ticks(of); part * part_ticks(of) < end; ++part) {
-                const Tick at_first = part * part_ticks(of);
-                rows.reset().bind(part).bind(known.integer(0));
-                rows.bind(std::max<Tick>(0, least - at_first)).bind(end - at_first);
-                while (rows.step()) {
-                    const Tick at = at_first + rows.integer(0);
-                    if (of == Level::kChanges)
-                        unpack_changes(rows.bytes(1), at,
-                                       [&](const Change& change) { pieces.change(change); });
-                    else
-                        pieces.bucket(
-                            {at, rows.real(1), rows.real(2), rows.real(3), rows.real(4), rows.integer(5)},
-                            bucket_ticks(of));
-                }
-            }
-        };
         // An hour is written each five minutes until it is over, its minutes each ten seconds.
         const Tick hour = stretch.end - stretch.end % kHourTicks;
         const bool by_minutes = level == Level::kHours && stretch.start == present.start && first < hour &&
                                 hour < until && reaches(Level::kMinutes, hour, all);
-        read(level, stretch.start, first, by_minutes ? hour : until);
-        if (by_minutes) read(Level::kMinutes, hour, hour, until);
+        rows.give(pieces, stretch.start, first, by_minutes ? hour : until);
+        if (by_minutes)
+            LevelRows(database_, Level::kMinutes, known.integer(0)).give(pieces, hour, hour, until);
         pieces.end();
     }
     answer.values = points.points();

@@ -28,11 +28,12 @@ class I2cSensor : public Service {
     // again, for each step, until it is not kGoOn.
     virtual Outcome doStep(uint8_t step) = 0;
 
-    // For doStep(): begins the transfer (I2c::start) or looks for its end. kNextStep once it is over.
+    // doStep() returns its result: it begins the transfer (I2c::start) or looks for its end. kNextStep once
+    // the transfer is over.
     Outcome transfer(uint8_t address, uint8_t first, const uint8_t* out, uint8_t outCount, uint8_t* in,
                      uint8_t inCount);
 
-    // For doStep(): kNextStep when so many milliseconds have passed, 250 at most.
+    // doStep() returns its result: kNextStep once so many milliseconds have passed, 250 at most.
     Outcome wait(uint8_t milliseconds);
 
   private:

@@ -283,7 +283,7 @@ class Week {
             fail(fmt::format("{}: the servo of {} is at {}, and it is at {}; -1 is unknown", view,
                              station.name(), shown.value_or(-1), station.servo().value_or(-1)));
     }
-    /// Of minutes, and of a time of day that came twice, all angles are known that there were.
+    /// A minute, and a time of day that came twice, may have had several angles: all of them are known.
     void compare_kept(const Station& station) {
         const auto [fine, kept] = registry_->servo(station.name(), now_);
         const auto is = station.servo();
